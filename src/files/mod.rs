@@ -1,0 +1,7 @@
+//! Reading by mapping and writing without leaving half a file behind.
+
+mod map;
+mod replace;
+
+pub use map::Mapped;
+pub use replace::{Overwrite, write_new};

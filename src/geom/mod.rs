@@ -1,0 +1,35 @@
+//! Directions in the local frame and the maps between their domains.
+//!
+//! The crate's one convention: `wo` is given (towards the viewer), `wi` is sampled (towards the light), both leave the
+//! surface, and `+z` is the normal. Angles are radians. A direction is valid when its components are finite and `z > 0`;
+//! lengths may differ from 1 by rounding only.
+//!
+//! Evaluation of BRDFs and choice of samples are its neighbours' business ([`crate::brdf`], [`crate::sampler`]).
+
+mod disc;
+mod frame;
+mod half_diff;
+
+pub use disc::{concentric_disc, cosine_hemisphere};
+pub use frame::Frame;
+pub use half_diff::{HalfDiff, half_vector, reflect_about};
+
+use glam::{DVec3, Vec3};
+
+/// Unit direction of polar angle `theta` and azimuth `phi`, radians.
+pub fn spherical(theta: f64, phi: f64) -> DVec3 {
+    let (st, ct) = theta.sin_cos();
+    let (sp, cp) = phi.sin_cos();
+    DVec3::new(st * cp, st * sp, ct)
+}
+
+/// Polar angle and azimuth in (−π, π] of a direction of any length; the inverse of [`spherical`].
+pub fn to_spherical(w: DVec3) -> (f64, f64) {
+    (w.x.hypot(w.y).atan2(w.z), w.y.atan2(w.x))
+}
+
+/// Finite and above the horizon: the domain of every BRDF and sampler here.
+#[inline]
+pub fn is_upper(w: Vec3) -> bool {
+    w.z > 0.0 && w.is_finite()
+}

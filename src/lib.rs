@@ -1,0 +1,29 @@
+//! Measured-BRDF toolkit: from a MERL binary to samplers, an honest report and rendered spheres.
+//!
+//! Data flows one way:
+//!
+//! ```text
+//! *.binary or embedded name → merl::MerlTable → brdf::Measured → sampler::{AdaptiveDisc, CascadeCdf} → sampler file
+//! Brdf + DirectionSampler + light → render → image
+//! Brdf + DirectionSampler → measure → report
+//! ```
+//!
+//! Conventions, stated once in [`geom`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both
+//! leave the surface, in a local frame whose `+z` is the normal. `eval` is f_r in sr⁻¹ without the cosine; every `pdf` is
+//! per solid angle of `wi`.
+#![deny(unsafe_code)]
+#![warn(missing_docs)]
+#![warn(clippy::print_stdout, clippy::print_stderr, clippy::exit)]
+#![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod brdf;
+pub mod color;
+mod error;
+pub mod files;
+pub mod geom;
+pub mod merl;
+pub mod points;
+pub mod sampler;
+
+pub use error::{Error, Result};

@@ -1,0 +1,88 @@
+//! The twelve bytes in front, and what they promise about the rest.
+
+use byteorder::{ByteOrder, LittleEndian};
+use std::path::Path;
+
+use crate::{Error, Result};
+
+/// Bins of θh, spaced as the square root of the angle.
+pub const THETA_H_BINS: usize = 90;
+/// Bins of θd, one a degree.
+pub const THETA_D_BINS: usize = 90;
+
+/// Dimensions that a file declares; only the two known kinds exist as values of this type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// 180 (isotropic and reciprocal, φd in [0, π)) or 360 (no φd symmetry, φd in [0, 2π)).
+    pub phi_d_bins: usize,
+}
+
+impl Header {
+    /// Bytes of the header: three little-endian `i32`.
+    pub const BYTES: usize = 12;
+
+    /// Reads the header of a file's bytes and checks the file's length against it, before anything is allocated.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the offset where the file stops being a MERL file.
+    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self> {
+        let Some(head) = bytes.get(..Self::BYTES) else {
+            return Err(Error::invalid(
+                path,
+                bytes.len() as u64,
+                "a 12-byte header (three 32-bit dimensions)",
+                format!("the end of a file of {} bytes", bytes.len()),
+                "fetch the file again: it is empty or cut off",
+            ));
+        };
+        let mut dims = [0i32; 3];
+        LittleEndian::read_i32_into(head, &mut dims);
+        let header = match dims {
+            [90, 90, 180] => Self { phi_d_bins: 180 },
+            [90, 90, 360] => Self { phi_d_bins: 360 },
+            [a, b, c] => {
+                return Err(Error::invalid(
+                    path,
+                    0,
+                    "dimensions 90 × 90 × 180 or 90 × 90 × 360",
+                    format!("{a} × {b} × {c}"),
+                    "name a MERL BRDF binary (little-endian, isotropic)",
+                ));
+            }
+        };
+        let expected = header.file_bytes();
+        if bytes.len() as u64 != expected {
+            let (short, fix) = if (bytes.len() as u64) < expected {
+                (bytes.len() as u64, "fetch the file again: it is cut off")
+            } else {
+                (expected, "remove what follows the table, or fetch the file again")
+            };
+            return Err(Error::invalid(
+                path,
+                short,
+                format!("{expected} bytes for 90 × 90 × {}", header.phi_d_bins),
+                format!("{} bytes", bytes.len()),
+                fix,
+            ));
+        }
+        Ok(header)
+    }
+
+    /// Cells of one colour plane.
+    pub fn cells(self) -> usize {
+        THETA_H_BINS * THETA_D_BINS * self.phi_d_bins
+    }
+
+    /// Length of a whole file: 34,992,012 bytes for 180 bins of φd.
+    pub fn file_bytes(self) -> u64 {
+        (Self::BYTES + 3 * 8 * self.cells()) as u64
+    }
+
+    /// The header's twelve bytes.
+    pub fn to_bytes(self) -> [u8; Self::BYTES] {
+        let mut out = [0; Self::BYTES];
+        let dims = [THETA_H_BINS as i32, THETA_D_BINS as i32, self.phi_d_bins as i32];
+        LittleEndian::write_i32_into(&dims, &mut out);
+        out
+    }
+}

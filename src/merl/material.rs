@@ -1,0 +1,115 @@
+//! What a user means by a material: a path or an embedded name.
+
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::{MerlTable, embedded, load};
+use crate::files::Mapped;
+use crate::{Error, Result};
+
+/// Where a material's values come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A MERL binary.
+    File(PathBuf),
+    /// One of the embedded networks.
+    Embedded(String),
+}
+
+/// A named material whose table is not loaded yet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Material {
+    name: String,
+    source: Source,
+}
+
+impl Material {
+    /// Resolves an argument: an embedded name, or a path to a MERL binary.
+    ///
+    /// A bare word is an embedded name first; `./nickel` or `nickel.binary` is a path.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a word that is neither, with the nearest embedded names; [`Error::Io`] for a path that does
+    /// not exist.
+    pub fn resolve(argument: &str) -> Result<Self> {
+        if embedded::names().iter().any(|n| n == argument) {
+            return Ok(Self { name: argument.into(), source: Source::Embedded(argument.into()) });
+        }
+        let path = Path::new(argument);
+        if path.exists() {
+            let name = path.file_stem().map_or_else(|| argument.into(), |s| s.to_string_lossy().into_owned());
+            return Ok(Self { name, source: Source::File(path.to_owned()) });
+        }
+        if path.extension().is_some() || path.components().count() > 1 {
+            return Err(Error::io(path, "open", std::io::ErrorKind::NotFound.into()));
+        }
+        Err(Error::argument(
+            format!("no file and no embedded material is called \"{argument}\""),
+            suggestion(argument),
+        ))
+    }
+
+    /// Short name, without folder or extension.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Where the values come from.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// Loads or decodes the table.
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub fn load(&self) -> Result<MerlTable> {
+        match &self.source {
+            Source::File(path) => load(path),
+            Source::Embedded(name) => embedded::decode(name)
+                .ok_or_else(|| Error::argument(format!("no material {name}"), suggestion(name))),
+        }
+    }
+
+    /// SHA-256, in hexadecimal, of the bytes that define the material: the file, or the embedded network's weights.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file can't be read.
+    pub fn sha256(&self) -> Result<String> {
+        let digest = match &self.source {
+            Source::File(path) => Sha256::digest(Mapped::open(path)?.bytes()),
+            Source::Embedded(name) => Sha256::digest(embedded::weights(name).unwrap_or_default()),
+        };
+        Ok(digest.iter().map(|b| format!("{b:02x}")).collect())
+    }
+}
+
+/// "did you mean …?", with the three nearest embedded names.
+fn suggestion(word: &str) -> String {
+    let word = word.to_lowercase().replace(['_', ' '], "-");
+    let mut ranked: Vec<_> =
+        embedded::names().iter().map(|n| (strsim::jaro_winkler(&word, n), n.as_str())).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
+    let nearest: Vec<_> = ranked.iter().take(3).map(|r| r.1).collect();
+    format!("did you mean {}? `merlkit list` shows all names", nearest.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn misspelt_names_are_answered_with_the_nearest() {
+        let message = Material::resolve("nikel").unwrap_err().to_string();
+        assert!(message.contains("nickel"), "{message}");
+        let message = Material::resolve("Red_Plastik").unwrap_err().to_string();
+        assert!(message.contains("red-plastic"), "{message}");
+    }
+
+    #[test]
+    fn a_missing_path_is_named_as_a_path() {
+        let message = Material::resolve("no/such.binary").unwrap_err().to_string();
+        assert!(message.starts_with("no/such.binary: cannot open"), "{message}");
+    }
+}

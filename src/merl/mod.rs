@@ -1,0 +1,20 @@
+//! MERL data (Matusik et al. 2003): files, the embedded materials and the decoded table.
+//!
+//! What a direction pair means as a bin and how values are interpolated is [`crate::brdf`]'s business.
+
+mod decode;
+mod embedded;
+mod header;
+mod material;
+mod table;
+mod write;
+
+pub use decode::load;
+pub use embedded::{decode as decode_embedded, names as embedded_names};
+pub use header::{Header, THETA_D_BINS, THETA_H_BINS};
+pub use material::{Material, Source};
+pub use table::{Census, MerlTable};
+pub use write::write;
+
+/// Factors from a file's raw values to f_r in sr⁻¹, for red, green and blue.
+pub const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];

@@ -1,0 +1,174 @@
+//! The decoded table: one cell of RGB and validity for every bin.
+
+use glam::{Vec3, Vec4};
+use ndarray::{ArrayView4, aview1};
+
+use super::{Header, SCALE, THETA_D_BINS, THETA_H_BINS};
+use crate::color::Rgb;
+
+/// Counts of cells that carry no usable value, by the first reason that applies in the order of the fields.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Census {
+    /// A channel is not a number.
+    pub nan: u64,
+    /// A channel is infinite, or beyond the range of `f32` once scaled.
+    pub infinite: u64,
+    /// A channel is negative: the original files mark pairs below the horizon so.
+    pub negative: u64,
+}
+
+impl Census {
+    /// All invalid cells.
+    pub fn invalid(self) -> u64 {
+        self.nan + self.infinite + self.negative
+    }
+}
+
+/// A decoded MERL table: f_r in sr⁻¹ for each bin `[theta_h, theta_d, phi_d]`, 90 × 90 × 180 (or 360).
+///
+/// Invalid cells hold 0 and are marked; every valid value is finite and ≥ 0. The table owns its memory and does not know
+/// the file it came from.
+#[derive(Clone)]
+pub struct MerlTable {
+    header: Header,
+    /// x, y, z = RGB; w = 1 for a valid cell, 0 for an invalid one.
+    cells: Vec<Vec4>,
+    census: Census,
+}
+
+impl MerlTable {
+    /// Builds a table of f_r from `value(theta_h, theta_d, phi_d)`, in bin indices.
+    ///
+    /// A cell with a negative, NaN or infinite channel becomes invalid and is counted.
+    pub fn from_fn(header: Header, mut value: impl FnMut(usize, usize, usize) -> [f64; 3]) -> Self {
+        let mut table = TableBuilder::new(header);
+        for h in 0..THETA_H_BINS {
+            for d in 0..THETA_D_BINS {
+                for p in 0..header.phi_d_bins {
+                    table.push(value(h, d, p));
+                }
+            }
+        }
+        table.finish()
+    }
+
+    /// Dimensions.
+    pub fn header(&self) -> Header {
+        self.header
+    }
+
+    /// Bins of φd: 180 or 360.
+    pub fn phi_d_bins(&self) -> usize {
+        self.header.phi_d_bins
+    }
+
+    /// Position of a bin in [`Self::cells`].
+    #[inline]
+    pub fn index(&self, theta_h: usize, theta_d: usize, phi_d: usize) -> usize {
+        phi_d + self.header.phi_d_bins * (theta_d + THETA_D_BINS * theta_h)
+    }
+
+    /// All cells in file order: φd fastest, then θd, then θh; `xyz` is RGB, `w` is 1 where valid and 0 elsewhere.
+    #[inline]
+    pub fn cells(&self) -> &[Vec4] {
+        &self.cells
+    }
+
+    /// RGB of a bin; 0 where invalid.
+    pub fn rgb(&self, theta_h: usize, theta_d: usize, phi_d: usize) -> Rgb {
+        self.cells[self.index(theta_h, theta_d, phi_d)].truncate()
+    }
+
+    /// Whether a bin holds a measured value.
+    pub fn is_valid(&self, theta_h: usize, theta_d: usize, phi_d: usize) -> bool {
+        self.cells[self.index(theta_h, theta_d, phi_d)].w != 0.0
+    }
+
+    /// The table as an array `[theta_h, theta_d, phi_d, (r, g, b, valid)]`.
+    pub fn as_array(&self) -> ArrayView4<'_, f32> {
+        let flat: &[f32] = self.cells.as_flattened_f32();
+        let shape = (THETA_H_BINS, THETA_D_BINS, self.header.phi_d_bins, 4);
+        aview1(flat)
+            .into_shape_with_order(shape)
+            .unwrap_or_else(|_| unreachable!("the length is the shape's product"))
+    }
+
+    /// Cells without a usable value.
+    pub fn census(&self) -> Census {
+        self.census
+    }
+
+    /// Bytes of memory that the table holds.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice())
+    }
+
+    /// The raw value that a file stores for a channel of a cell: −1 where invalid.
+    pub(super) fn raw(&self, cell: usize, channel: usize) -> f64 {
+        let c = self.cells[cell];
+        if c.w == 0.0 { -1.0 } else { f64::from(c[channel]) / SCALE[channel] }
+    }
+}
+
+impl std::fmt::Debug for MerlTable {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MerlTable")
+            .field("header", &self.header)
+            .field("census", &self.census)
+            .finish_non_exhaustive()
+    }
+}
+
+/// `Vec4` is four packed floats; this spells the slice out without a cast.
+trait FlattenF32 {
+    fn as_flattened_f32(&self) -> &[f32];
+}
+
+impl FlattenF32 for Vec<Vec4> {
+    fn as_flattened_f32(&self) -> &[f32] {
+        bytemuck::cast_slice(self)
+    }
+}
+
+/// Collects cells in file order and takes the census as they pass.
+pub(super) struct TableBuilder {
+    header: Header,
+    cells: Vec<Vec4>,
+    census: Census,
+}
+
+impl TableBuilder {
+    pub(super) fn new(header: Header) -> Self {
+        Self { header, cells: Vec::with_capacity(header.cells()), census: Census::default() }
+    }
+
+    /// Adds the next cell: f_r, not a file's raw values.
+    #[inline]
+    pub(super) fn push(&mut self, value: [f64; 3]) {
+        let rgb = Vec3::new(value[0] as f32, value[1] as f32, value[2] as f32);
+        // One comparison a channel passes ordinary cells: NaN fails it, as do −x, ∞ and what overflows f32.
+        let usable = |x: f32, v: f64| v >= 0.0 && x <= f32::MAX;
+        if usable(rgb.x, value[0]) && usable(rgb.y, value[1]) && usable(rgb.z, value[2]) {
+            self.cells.push(rgb.extend(1.0));
+        } else {
+            self.reject(value, rgb);
+        }
+    }
+
+    fn reject(&mut self, value: [f64; 3], rgb: Rgb) {
+        let reason = if value.iter().any(|v| v.is_nan()) {
+            &mut self.census.nan
+        } else if rgb.to_array().iter().any(|v| v.is_infinite()) {
+            &mut self.census.infinite
+        } else {
+            &mut self.census.negative
+        };
+        *reason += 1;
+        self.cells.push(Vec4::ZERO);
+    }
+
+    pub(super) fn finish(self) -> MerlTable {
+        debug_assert_eq!(self.cells.len(), self.header.cells());
+        MerlTable { header: self.header, cells: self.cells, census: self.census }
+    }
+}

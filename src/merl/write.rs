@@ -1,0 +1,33 @@
+//! From a table to a MERL binary.
+
+use byteorder::{ByteOrder, LittleEndian};
+use std::io::Write;
+use std::path::Path;
+
+use super::MerlTable;
+use crate::files::{Overwrite, write_new};
+use crate::{Error, Result};
+
+/// Writes `table` as a MERL binary that the original reader accepts. Invalid cells become −1 in all channels.
+///
+/// Loading the file gives the same table to the bit.
+///
+/// # Errors
+/// As [`write_new`].
+pub fn write(table: &MerlTable, path: &Path, overwrite: Overwrite) -> Result<()> {
+    write_new(path, overwrite, |out| fill(table, out).map_err(|e| Error::io(path, "write", e)))
+}
+
+fn fill<W: Write + ?Sized>(table: &MerlTable, out: &mut W) -> std::io::Result<()> {
+    out.write_all(&table.header().to_bytes())?;
+    let mut row = vec![0u8; 8 * table.phi_d_bins()];
+    for channel in 0..3 {
+        for start in (0..table.cells().len()).step_by(table.phi_d_bins()) {
+            for (k, bytes) in row.as_chunks_mut::<8>().0.iter_mut().enumerate() {
+                LittleEndian::write_f64(bytes, table.raw(start + k, channel));
+            }
+            out.write_all(&row)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,43 @@
+//! Choosing `wi` for a given `wo`, each method with the density of what it chooses.
+
+mod cosine;
+
+pub use cosine::Cosine;
+
+use glam::{Vec2, Vec3};
+
+use crate::points::PointSet;
+
+/// A sampled direction and its density.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionSample {
+    /// Towards the light, unit length, above the horizon.
+    pub wi: Vec3,
+    /// Density per solid angle, sr⁻¹: exactly what `pdf(wo, wi)` returns; finite and > 0.
+    pub pdf: f32,
+}
+
+/// A method that chooses `wi` given `wo`.
+///
+/// `wo` is expected above the horizon; for any other, `sample` returns `None` and `pdf` returns 0.
+pub trait DirectionSampler: Send + Sync {
+    /// Draws a direction from a point of the unit square. `None` is a failed draw, which counts as a sample of weight 0.
+    fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample>;
+
+    /// Density per solid angle of drawing `wi`, in sr⁻¹; 0 where it can't be drawn. Its integral over the hemisphere is
+    /// one minus the probability of a failed draw.
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32;
+
+    /// Bytes of memory held by the sampler's own tables, counted; a BRDF it refers to is not included.
+    fn bytes(&self) -> usize;
+
+    /// Whether `sample` maps the unit square continuously and invertibly, so that well-spread points stay well spread.
+    fn keeps_stratification(&self) -> bool {
+        false
+    }
+
+    /// Draws `count` directions that are stratified together, as well as the method can; each alone has density `pdf`.
+    fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
+        (0..count as u64).map(|i| self.sample(wo, PointSet::Sobol.point(seed, i, 0))).collect()
+    }
+}

@@ -1,0 +1,35 @@
+//! Slow, literal versions to compare with, and inputs that like to sit at the difficult places.
+#![allow(dead_code)] // each test file uses its own part
+
+pub mod naive;
+
+use glam::Vec3;
+use merlkit::geom::spherical;
+use merlkit::points::Stream;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Rows of a CSV in `tests/golden`, without its heading.
+pub fn golden(name: &str) -> Vec<Vec<String>> {
+    let path = format!("{}/tests/golden/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines().skip(1).map(|l| l.split(',').map(str::to_owned).collect()).collect()
+}
+
+/// Pairs of directions above the horizon: anywhere, near grazing, near the mirror direction and nearly equal.
+pub fn pairs(count: usize, seed: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
+    let mut random = Stream::new(seed);
+    (0..count).map(move |i| {
+        let mut x = || random.next_f64();
+        let theta = if i % 3 == 0 { FRAC_PI_2 - x().powi(4) * 0.2 } else { x() * FRAC_PI_2 };
+        let phi = x() * TAU;
+        let wo = spherical(theta, phi);
+        let tiny = x().powi(6);
+        let wi = match i % 4 {
+            0 => spherical(x() * FRAC_PI_2, x() * TAU),
+            1 => spherical(theta + tiny * 0.1, phi + std::f64::consts::PI + tiny * x()),
+            2 => spherical(theta - tiny * 0.1, phi + tiny * x()),
+            _ => spherical(FRAC_PI_2 - x().powi(4) * 0.1, x() * TAU),
+        };
+        (wo.as_vec3(), Vec3::new(wi.x as f32, wi.y as f32, wi.z.abs() as f32))
+    })
+}
