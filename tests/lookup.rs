@@ -2,11 +2,9 @@
 
 mod support;
 
-use glam::{DVec3, Vec3};
-use merlkit::brdf::{BinIndex, Brdf, LookupRule, Measured};
-use merlkit::geom::{HalfDiff, spherical};
-use merlkit::merl::{Header, MerlTable};
-use std::sync::Arc;
+use glam::DVec3;
+use merlkit::brdf::BinIndex;
+use merlkit::geom::HalfDiff;
 use support::{golden, naive};
 
 #[test]
