@@ -50,6 +50,18 @@ impl BinIndex {
         })
     }
 
+    /// Bin of θh by its squared tangent, 0 to infinity.
+    #[inline]
+    pub fn theta_h_of_tan2(tan2: f64) -> usize {
+        THETA_H.bin(tan2)
+    }
+
+    /// Bin of θd by its squared tangent, 0 to infinity.
+    #[inline]
+    pub fn theta_d_of_tan2(tan2: f64) -> usize {
+        DEGREES.bin(tan2)
+    }
+
     /// The same by arctangents: for pairs in one plane with the normal, where φd is exactly 0 or π, or undefined.
     #[cold]
     fn by_angles(wo: DVec3, wi: DVec3, phi_d_bins: usize) -> Option<Self> {

@@ -9,10 +9,12 @@
 mod disc;
 mod frame;
 mod half_diff;
+mod quadrature;
 
 pub use disc::{concentric_disc, cosine_hemisphere};
 pub use frame::Frame;
 pub use half_diff::{HalfDiff, half_vector, reflect_about};
+pub use quadrature::{HalfVectorQuadrature, phi_max};
 
 use glam::{DVec3, Vec3};
 

@@ -1,8 +1,12 @@
 //! Choosing `wi` for a given `wo`, each method with the density of what it chooses.
 
+mod adaptive_disc;
 mod cosine;
+mod knots;
 
+pub use adaptive_disc::{AdaptiveDisc, AdaptiveDiscSettings, Construction, LeafChoice};
 pub use cosine::Cosine;
+pub use knots::TableChoice;
 
 use glam::{Vec2, Vec3};
 

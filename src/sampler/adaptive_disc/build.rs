@@ -1,0 +1,244 @@
+//! Growing the trees.
+
+use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::bounds::MaxTable;
+use super::square::{Rect, Square};
+use super::tree::{Forest, Node};
+use super::{AdaptiveDiscSettings, Construction, LeafChoice, ThetaKnots};
+use crate::brdf::{Brdf, Measured};
+use crate::geom::{HalfVectorQuadrature, spherical};
+
+/// Points along each side of a node in the refined construction.
+const SIDE: usize = 8;
+/// Nodes above this depth are split unseen.
+const COARSEST: u32 = 3;
+
+/// Builds the trees of all knots, in parallel over knots.
+pub(super) fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
+    let bounds = matches!(settings.construction, Construction::Refined)
+        .then(|| MaxTable::new(brdf, settings.importance));
+    let quadrature = HalfVectorQuadrature::default();
+    let trees: Vec<(Vec<Node>, f64)> = (0..knots.count())
+        .into_par_iter()
+        .map(|k| {
+            let slice = Slice::new(brdf, settings, knots.theta(k));
+            let integral = quadrature.integrate(slice.wo, |wi| slice.value(wi) * f64::from(wi.z));
+            if integral <= 0.0 {
+                return (vec![Node::default()], 0.0);
+            }
+            let tree = match (&settings.construction, &bounds) {
+                (Construction::Grid(side), _) => Grower::new(settings, Image::new(&slice, *side)).grow(),
+                (_, Some(bounds)) => Grower::new(settings, Points { slice: &slice, bounds, integral }).grow(),
+                (_, None) => vec![Node::default()],
+            };
+            let drawn = f64::from(tree[0].weight);
+            match settings.leaves {
+                _ if drawn <= 0.0 => (vec![Node::default()], 0.0),
+                LeafChoice::Envelope => (tree, integral),
+                LeafChoice::Integral => (tree, drawn),
+            }
+        })
+        .collect();
+    let mut forest = Forest::default();
+    for (k, (tree, integral)) in trees.iter().enumerate() {
+        forest.push_tree(tree, *integral, knots.theta(k));
+    }
+    forest
+}
+
+/// f(wo, ·) for one fixed `wo` in the plane of φ = 0, as a scalar.
+struct Slice<'a> {
+    brdf: &'a Measured,
+    settings: &'a AdaptiveDiscSettings,
+    wo: Vec3,
+}
+
+impl<'a> Slice<'a> {
+    fn new(brdf: &'a Measured, settings: &'a AdaptiveDiscSettings, theta: f64) -> Self {
+        Self { brdf, settings, wo: spherical(theta, 0.0).as_vec3() }
+    }
+
+    fn value(&self, wi: Vec3) -> f64 {
+        f64::from(self.settings.importance.of(self.brdf.eval(self.wo, wi)))
+    }
+
+    fn value_on_disc(&self, p: DVec2) -> f64 {
+        let z2 = 1.0 - p.length_squared();
+        if z2 > 0.0 { self.value(p.extend(z2.sqrt()).as_vec3()) } else { 0.0 }
+    }
+}
+
+/// What a node's square holds, as far as it is known.
+#[derive(Clone, Copy)]
+struct Content {
+    integral: f64,
+    /// Largest value seen.
+    seen: f64,
+    area: f64,
+}
+
+/// Where the content of squares comes from.
+trait Contents {
+    /// Whether the square is split before a look at it.
+    fn too_coarse(&self, depth: u32) -> bool;
+    /// Whether the values allow a further split.
+    fn too_fine(&self, square: Square) -> bool;
+    /// Integral and largest value over the square's part inside the disc.
+    fn of(&self, square: Square, rect: Rect) -> Content;
+    /// The bound to draw under: at least `seen`.
+    fn bound(&self, rect: Rect, content: &Content) -> f32;
+    /// ∫ f over the disc.
+    fn total(&self) -> f64;
+}
+
+/// Splits squares until each leaf needs at most `n_max` trials on average (algorithm 12), or wastes too few to matter.
+struct Grower<'a, C> {
+    settings: &'a AdaptiveDiscSettings,
+    contents: C,
+    wasted: f64,
+    nodes: Vec<Node>,
+}
+
+impl<'a, C: Contents> Grower<'a, C> {
+    fn new(settings: &'a AdaptiveDiscSettings, contents: C) -> Self {
+        let wasted = settings.waste * contents.total();
+        Self { settings, contents, wasted, nodes: vec![Node::default()] }
+    }
+
+    fn grow(mut self) -> Vec<Node> {
+        self.node(0, Square::ROOT, 0);
+        self.nodes
+    }
+
+    fn node(&mut self, position: usize, square: Square, depth: u32) {
+        let Some(rect) = square.inside_disc() else {
+            return;
+        };
+        if depth < self.settings.depth && self.contents.too_coarse(depth) {
+            return self.split(position, square, depth);
+        }
+        let content = self.contents.of(square, rect);
+        let may_split = depth < self.settings.depth && !self.contents.too_fine(square);
+        if may_split && self.wants_split(&content, content.seen) {
+            return self.split(position, square, depth);
+        }
+        let bound = self.contents.bound(rect, &content);
+        if may_split && self.wants_split(&content, f64::from(bound)) {
+            return self.split(position, square, depth);
+        }
+        let weight = match self.settings.leaves {
+            LeafChoice::Envelope => f64::from(bound) * content.area,
+            LeafChoice::Integral => content.integral,
+        };
+        self.nodes[position] = Node { weight: weight as f32, bound, children: 0 };
+    }
+
+    /// I/V < 1/n_max (the printed inequality 6.6 is the wrong way round; algorithm 12 is right), with V under `bound`.
+    fn wants_split(&self, content: &Content, bound: f64) -> bool {
+        let volume = content.area * bound;
+        content.integral * self.settings.n_max < volume && volume - content.integral > self.wasted
+    }
+
+    fn split(&mut self, position: usize, square: Square, depth: u32) {
+        let first = self.nodes.len();
+        self.nodes.resize(first + 4, Node::default());
+        for i in 0..4 {
+            self.node(first + i, square.child(i), depth + 1);
+        }
+        let weight: f64 = self.nodes[first..first + 4].iter().map(|n| f64::from(n.weight)).sum();
+        self.nodes[position] = Node { weight: weight as f32, bound: 0.0, children: first as u32 };
+    }
+}
+
+/// Values at points of the square itself, bounds from the table.
+struct Points<'a> {
+    slice: &'a Slice<'a>,
+    bounds: &'a MaxTable,
+    integral: f64,
+}
+
+impl Contents for Points<'_> {
+    fn too_coarse(&self, depth: u32) -> bool {
+        depth < COARSEST
+    }
+
+    fn too_fine(&self, _: Square) -> bool {
+        false
+    }
+
+    fn of(&self, _: Square, rect: Rect) -> Content {
+        let (mut sum, mut seen) = (0.0, 0.0f64);
+        for k in 0..SIDE * SIDE {
+            let t = DVec2::new((k % SIDE) as f64 + 0.5, (k / SIDE) as f64 + 0.5) / SIDE as f64;
+            let f = self.slice.value_on_disc(rect.at(t));
+            sum += f;
+            seen = seen.max(f);
+        }
+        Content { integral: sum / (SIDE * SIDE) as f64 * rect.area(), seen, area: rect.area() }
+    }
+
+    fn bound(&self, rect: Rect, _: &Content) -> f32 {
+        self.bounds.over(DVec3::from(self.slice.wo.as_dvec3()), rect)
+    }
+
+    fn total(&self) -> f64 {
+        self.integral
+    }
+}
+
+/// The thesis's image of f over [−1, 1]² (6.3.3): pixel centres, row by row.
+struct Image {
+    side: usize,
+    values: Vec<f32>,
+    total: f64,
+}
+
+impl Image {
+    fn new(slice: &Slice<'_>, side: u32) -> Self {
+        let n = side as usize;
+        let at = |i: usize| (i as f64 + 0.5) / n as f64 * 2.0 - 1.0;
+        let values: Vec<f32> =
+            (0..n * n).map(|k| slice.value_on_disc(DVec2::new(at(k % n), at(k / n))) as f32).collect();
+        let total = values.iter().map(|&v| f64::from(v)).sum::<f64>() * (2.0 / n as f64).powi(2);
+        Self { side: n, values, total }
+    }
+
+    /// Pixels whose centres lie in [low, low + side) of one axis.
+    fn pixels(&self, low: f64, side: f64) -> std::ops::Range<usize> {
+        let position = |x: f64| ((x + 1.0) * 0.5 * self.side as f64 - 0.5).ceil().max(0.0) as usize;
+        position(low)..position(low + side).min(self.side)
+    }
+}
+
+impl Contents for Image {
+    fn too_coarse(&self, _: u32) -> bool {
+        false
+    }
+
+    /// Children of fewer than four pixels would be guesses.
+    fn too_fine(&self, square: Square) -> bool {
+        square.side * 0.5 * (self.side as f64) < 8.0
+    }
+
+    fn of(&self, square: Square, rect: Rect) -> Content {
+        let (mut sum, mut seen) = (0.0, 0.0f64);
+        for y in self.pixels(square.corner.y, square.side) {
+            for x in self.pixels(square.corner.x, square.side) {
+                let f = f64::from(self.values[y * self.side + x]);
+                sum += f;
+                seen = seen.max(f);
+            }
+        }
+        Content { integral: sum * (2.0 / self.side as f64).powi(2), seen, area: rect.area() }
+    }
+
+    fn bound(&self, _: Rect, content: &Content) -> f32 {
+        content.seen as f32
+    }
+
+    fn total(&self) -> f64 {
+        self.total
+    }
+}

@@ -1,0 +1,153 @@
+//! Many draws in one descent (thesis 6.3.2).
+
+use glam::{DVec2, Vec3};
+
+use super::square::Square;
+use super::tree::Leaf;
+use super::{AdaptiveDisc, LeafChoice, MAX_TRIALS, View};
+use crate::geom::{cosine_hemisphere, is_upper};
+use crate::points::{PointSet, Stream};
+use crate::sampler::DirectionSample;
+
+/// Draws `count` directions whose numbers in every node are their expectation, rounded at random.
+pub(super) fn sample_many(
+    disc: &AdaptiveDisc,
+    wo: Vec3,
+    count: usize,
+    seed: u64,
+) -> Vec<Option<DirectionSample>> {
+    if !is_upper(wo) {
+        return vec![None; count];
+    }
+    let view = disc.view(wo);
+    let mut random = Stream::new(seed);
+    let floor = disc.settings.floor;
+    let trees = [(1.0 - floor) * (1.0 - view.near.share), (1.0 - floor) * view.near.share];
+    let [first, second, ignoring] = share_out(count, [trees[0], trees[1], floor], &mut random);
+    let mut batch = Batch { disc, view, random, out: Vec::with_capacity(count) };
+    batch.cosine(ignoring, seed);
+    batch.tree(batch.view.near.first, first, seed);
+    batch.tree(batch.view.near.second, second, seed);
+    batch.out
+}
+
+/// Integers that sum to `count`, each its share rounded up or down at random with the share as expectation.
+///
+/// Systematic sampling: one random offset for all, where algorithm 17 draws the remainders one by one.
+fn share_out<const N: usize>(count: usize, weights: [f64; N], random: &mut Stream) -> [usize; N] {
+    let total: f64 = weights.iter().sum();
+    let (offset, mut cumulated, mut given) = (random.next_f64(), 0.0, 0);
+    std::array::from_fn(|i| {
+        cumulated += weights[i];
+        let until = if i + 1 == N { count } else { (cumulated / total * count as f64 + offset) as usize };
+        let share = until.min(count).saturating_sub(given);
+        given += share;
+        share
+    })
+}
+
+struct Batch<'a> {
+    disc: &'a AdaptiveDisc,
+    view: View,
+    random: Stream,
+    out: Vec<Option<DirectionSample>>,
+}
+
+impl Batch<'_> {
+    fn cosine(&mut self, count: usize, seed: u64) {
+        for i in 0..count as u64 {
+            let wi = cosine_hemisphere(PointSet::Sobol.point(seed, i, 0)).as_vec3();
+            self.out.push(self.disc.finish(&self.view, wi, None));
+        }
+    }
+
+    fn tree(&mut self, k: usize, count: usize, seed: u64) {
+        if self.disc.forest.integral(k) <= 0.0 {
+            return self.cosine(count, seed.wrapping_add(1));
+        }
+        let root = self.disc.forest.roots[k] as usize;
+        match self.disc.settings.leaves {
+            LeafChoice::Integral => self.node(k, root, Square::ROOT, count),
+            LeafChoice::Envelope => self.rounds(k, root, count),
+        }
+    }
+
+    /// Proposals are shared over the leaves; as many as were rejected are shared again, until all are accepted.
+    fn rounds(&mut self, k: usize, root: usize, count: usize) {
+        let goal = self.out.len() + count;
+        for _ in 0..MAX_TRIALS {
+            let missing = goal - self.out.len();
+            if missing == 0 {
+                return;
+            }
+            self.node(k, root, Square::ROOT, missing);
+        }
+        self.out.resize(goal, None);
+    }
+
+    fn node(&mut self, k: usize, position: usize, square: Square, count: usize) {
+        if count == 0 {
+            return;
+        }
+        let node = self.disc.forest.nodes[position];
+        if node.children == 0 {
+            return self.leaf(k, &Leaf::new(square, &node), count);
+        }
+        let shares = share_out(count, self.disc.forest.child_weights(&node), &mut self.random);
+        for (i, share) in shares.into_iter().enumerate() {
+            self.node(k, node.children as usize + i, square.child(i), share);
+        }
+    }
+
+    /// `count` trials under the envelope, or `count` accepted draws of the leaf.
+    fn leaf(&mut self, k: usize, leaf: &Leaf, count: usize) {
+        for _ in 0..count {
+            match self.disc.settings.leaves {
+                LeafChoice::Envelope => {
+                    if let Some(sample) = self.trial(k, leaf) {
+                        self.out.push(Some(sample));
+                    }
+                }
+                LeafChoice::Integral => {
+                    let drawn = (0..MAX_TRIALS).find_map(|_| self.trial(k, leaf));
+                    self.out.push(drawn);
+                }
+            }
+        }
+    }
+
+    fn trial(&mut self, k: usize, leaf: &Leaf) -> Option<DirectionSample> {
+        let point = DVec2::new(self.random.next_f64(), self.random.next_f64());
+        let wi = leaf.direction(point, self.view.turn)?;
+        let value = self.disc.value(k, self.view.turn, wi);
+        if self.random.next_f64() * f64::from(leaf.bound) < value {
+            self.disc.finish(&self.view, wi, Some((k, value)))
+        } else {
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_sum_to_the_count_and_average_to_the_weights() {
+        let weights = [0.5, 0.0, 1.25, 0.25];
+        let mut random = Stream::new(3);
+        let mut sums = [0usize; 4];
+        let rounds = 20_000;
+        for _ in 0..rounds {
+            let shares = share_out(7, weights, &mut random);
+            assert_eq!(shares.iter().sum::<usize>(), 7);
+            assert_eq!(shares[1], 0);
+            for (sum, share) in sums.iter_mut().zip(shares) {
+                *sum += share;
+            }
+        }
+        for (sum, weight) in sums.iter().zip(weights) {
+            assert!((*sum as f64 / f64::from(rounds) - 3.5 * weight).abs() < 0.03, "{sums:?}");
+        }
+    }
+}

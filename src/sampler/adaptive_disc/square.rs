@@ -1,0 +1,104 @@
+//! Squares of the disc's quadtree.
+
+use glam::DVec2;
+
+/// A square of [−1, 1]², by its lower corner and side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Square {
+    pub corner: DVec2,
+    pub side: f64,
+}
+
+/// An axis-aligned rectangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rect {
+    pub low: DVec2,
+    pub high: DVec2,
+}
+
+impl Square {
+    pub const ROOT: Self = Self { corner: DVec2::NEG_ONE, side: 2.0 };
+
+    /// Child 0..4: bit 0 is the upper half in x, bit 1 in y.
+    #[inline]
+    pub fn child(self, i: usize) -> Self {
+        let side = self.side * 0.5;
+        Self { corner: self.corner + side * DVec2::new((i & 1) as f64, (i >> 1) as f64), side }
+    }
+
+    /// Bounding rectangle of the part inside the unit disc; `None` if there is none.
+    ///
+    /// The thesis (6.3.4) tells eight cases apart by which corners lie inside; this is all of them: the square reaches as
+    /// far along x as the circle does at its y nearest to 0, and the same the other way round.
+    #[inline]
+    pub fn inside_disc(self) -> Option<Rect> {
+        let (low, high) = (self.corner, self.corner + self.side);
+        let far = low.abs().max(high.abs());
+        if far.length_squared() <= 1.0 {
+            return Some(Rect { low, high });
+        }
+        // Distance from the square to either axis, and the circle's reach there.
+        let near = low.max(-high).max(DVec2::ZERO);
+        let reach2 = DVec2::ONE - near.yx() * near.yx();
+        if reach2.min_element() <= 0.0 {
+            return None;
+        }
+        let reach = DVec2::new(reach2.x.sqrt(), reach2.y.sqrt());
+        let rect = Rect { low: low.max(-reach), high: high.min(reach) };
+        (rect.low.x < rect.high.x && rect.low.y < rect.high.y).then_some(rect)
+    }
+}
+
+impl Rect {
+    /// Area.
+    pub fn area(self) -> f64 {
+        let size = self.high - self.low;
+        size.x * size.y
+    }
+
+    /// Point at relative position `t` in [0, 1)².
+    #[inline]
+    pub fn at(self, t: DVec2) -> DVec2 {
+        self.low + t * (self.high - self.low)
+    }
+
+    /// Smallest and largest squared distance from `p`.
+    pub fn distances_squared(self, p: DVec2) -> (f64, f64) {
+        let (low, high) = (self.low - p, self.high - p);
+        let near = low.max(-high).max(DVec2::ZERO);
+        let far = low.abs().max(high.abs());
+        (near.length_squared(), far.length_squared())
+    }
+}
+
+use glam::Vec2Swizzles as _;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rectangles_hold_the_part_inside_and_touch_the_circle() {
+        let mut leaves = vec![Square::ROOT];
+        for _ in 0..4 {
+            leaves = leaves.iter().flat_map(|s| (0..4).map(|i| s.child(i))).collect();
+        }
+        let n = 40;
+        for square in leaves {
+            let mut inside = 0;
+            for k in 0..n * n {
+                let t = DVec2::new(f64::from(k % n) + 0.5, f64::from(k / n) + 0.5) / f64::from(n);
+                let p = square.corner + square.side * t;
+                if p.length_squared() < 1.0 {
+                    inside += 1;
+                    let r = square.inside_disc().unwrap();
+                    assert!(p.cmpge(r.low).all() && p.cmple(r.high).all(), "{square:?} {r:?} {p}");
+                }
+            }
+            if let Some(r) = square.inside_disc() {
+                let share = f64::from(inside) / f64::from(n * n) * square.side * square.side / r.area();
+                assert!(share > 0.45, "{square:?}: the rectangle is mostly outside, {share}");
+            }
+        }
+    }
+}
