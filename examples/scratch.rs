@@ -30,7 +30,10 @@ fn main(){
     for one in [true,false]{
     let pool=rayon::ThreadPoolBuilder::new().num_threads(if one{1}else{2}).build().unwrap();
     let t=Instant::now(); let a=pool.install(||AdaptiveDisc::build(b.clone(),AdaptiveDiscSettings::default())).unwrap(); println!("disc build {:?} leaves/tree {}",t.elapsed(),a.leaves()/60); if !one{stats("disc",&a,&b);}}
-    let t=Instant::now(); let a=AdaptiveDisc::build(b.clone(),AdaptiveDiscSettings::as_published()).unwrap(); println!("disc pub build {:?} leaves/tree {}",t.elapsed(),a.leaves()/60); stats("disc-pub",&a,&b);
-    stats("cosine",&Cosine,&b);
+
+    let base=CascadeCdfSettings::default();
+    for (n,c) in [("uniform",CascadeCdfSettings::uniform()),("default",base),("tol1e-2",CascadeCdfSettings{tolerance:Some(1e-2),..base}),("uni-spacing",CascadeCdfSettings{spacing:ThetaSpacing::Uniform,..base}),("pub-uni",CascadeCdfSettings::as_published(false)),("pub-comp",CascadeCdfSettings::as_published(true)),("360x64",CascadeCdfSettings{theta_h:360,phi_h:64,..base}),("180x64 1e-2",CascadeCdfSettings{theta_h:180,phi_h:64,tolerance:Some(1e-2),..base}),("32tables",CascadeCdfSettings{tables:32,..base})]{
+      let t=Instant::now(); let a=CascadeCdf::build(&*b,c).unwrap(); println!("build {:?}",t.elapsed()); stats(n,&a,&b);
+    }
   }
 }

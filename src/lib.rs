@@ -19,6 +19,7 @@
 
 pub mod brdf;
 pub mod color;
+pub mod dist;
 mod error;
 pub mod files;
 pub mod geom;

@@ -1,10 +1,12 @@
 //! Choosing `wi` for a given `wo`, each method with the density of what it chooses.
 
 mod adaptive_disc;
+mod cascade_cdf;
 mod cosine;
 mod knots;
 
 pub use adaptive_disc::{AdaptiveDisc, AdaptiveDiscSettings, Construction, LeafChoice};
+pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ThetaSpacing};
 pub use cosine::Cosine;
 pub use knots::TableChoice;
 

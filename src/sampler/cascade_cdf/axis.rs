@@ -1,0 +1,98 @@
+//! The axis of θh that cells are laid on.
+
+use std::f64::consts::FRAC_PI_2;
+
+/// How cells are spaced over θh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ThetaSpacing {
+    /// Equal steps of √θh, as MERL's own bins: fine where highlights are.
+    #[default]
+    Merl,
+    /// Equal steps of θh (the thesis).
+    Uniform,
+}
+
+/// MERL's first bin of θh ends here on the axis of √θh.
+const FIRST_BIN: f64 = 1.0 / 90.0;
+
+/// A map from a in [0, 1] to θh in [0, π/2].
+///
+/// Up to `first` it is uniform in area: a density over a that is finite at the pole would otherwise be infinite per solid
+/// angle there, and the pole is the mirror direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::sampler) struct ThetaAxis {
+    spacing: ThetaSpacing,
+    first: f64,
+    /// 1 − cos θh at `first`.
+    cap: f64,
+}
+
+impl ThetaAxis {
+    pub fn new(spacing: ThetaSpacing, cells: usize) -> Self {
+        let first = match spacing {
+            ThetaSpacing::Merl => FIRST_BIN,
+            ThetaSpacing::Uniform => 1.0 / cells as f64,
+        };
+        let beyond = Self { spacing, first: 0.0, cap: 0.0 };
+        let half = beyond.theta(first) * 0.5;
+        Self { spacing, first, cap: 2.0 * half.sin().powi(2) }
+    }
+
+    /// θh at `a`.
+    #[inline]
+    pub fn theta(&self, a: f64) -> f64 {
+        if a < self.first {
+            return 2.0 * (a / self.first * self.cap * 0.5).sqrt().asin();
+        }
+        match self.spacing {
+            ThetaSpacing::Merl => a * a * FRAC_PI_2,
+            ThetaSpacing::Uniform => a * FRAC_PI_2,
+        }
+    }
+
+    /// The `a` at which [`Self::theta`] is `theta`.
+    #[inline]
+    pub fn coordinate(&self, theta: f64) -> f64 {
+        let a = match self.spacing {
+            ThetaSpacing::Merl => (theta / FRAC_PI_2).sqrt(),
+            ThetaSpacing::Uniform => theta / FRAC_PI_2,
+        };
+        if a < self.first { 2.0 * (theta * 0.5).sin().powi(2) / self.cap * self.first } else { a.min(1.0) }
+    }
+
+    /// sin θh · dθh/da: solid angle a radian of azimuth and unit of a.
+    #[inline]
+    pub fn solid_angle(&self, a: f64) -> f64 {
+        if a < self.first {
+            return self.cap / self.first;
+        }
+        let d_theta = match self.spacing {
+            ThetaSpacing::Merl => 2.0 * a * FRAC_PI_2,
+            ThetaSpacing::Uniform => FRAC_PI_2,
+        };
+        self.theta(a).sin() * d_theta
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_invert_and_areas_add_up() {
+        for spacing in [ThetaSpacing::Merl, ThetaSpacing::Uniform] {
+            let axis = ThetaAxis::new(spacing, 37);
+            let mut area = 0.0;
+            let n = 200_000;
+            for i in 0..n {
+                let a = (f64::from(i) + 0.5) / f64::from(n);
+                assert!((axis.coordinate(axis.theta(a)) - a).abs() < 1e-12);
+                area += axis.solid_angle(a) / f64::from(n);
+            }
+            assert!((area - 1.0).abs() < 1e-5, "{spacing:?}: {area}");
+            assert_eq!(axis.theta(0.0), 0.0);
+            assert!((axis.theta(1.0) - FRAC_PI_2).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Tabulating the BRDF and compressing the curves.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec3, Vec3};
+use ndarray::{Array2, ArrayView1, Axis};
+use rayon::prelude::*;
+
+use super::{CascadeCdfSettings, Tables, ThetaAxis, ThetaKnots};
+use crate::brdf::Brdf;
+use crate::dist::{Curves, simplify};
+use crate::geom::{reflect_about, spherical};
+
+/// Evaluations that a table is worth, however few its cells: coarse cells take the mean over several points.
+const POINTS: [usize; 2] = [512, 128];
+
+/// Tables of all knots, in parallel over knots.
+pub(super) fn tables(
+    brdf: &dyn Brdf,
+    settings: &CascadeCdfSettings,
+    knots: ThetaKnots,
+    axis: ThetaAxis,
+) -> Tables {
+    let each: Vec<(Curves, Curves)> = (0..knots.count())
+        .into_par_iter()
+        .map(|k| {
+            let wo = spherical(knots.theta(k), 0.0).as_vec3();
+            curves(&masses(brdf, settings, axis, wo), settings.tolerance)
+        })
+        .collect();
+    let mut all = Tables { marginal: Curves::new(), conditional: Curves::new(), first: Vec::new() };
+    for (marginal, conditional) in &each {
+        all.first.push(all.conditional.len() as u32);
+        append(&mut all.marginal, marginal);
+        append(&mut all.conditional, conditional);
+    }
+    all
+}
+
+/// Adds copies of all curves of `more`.
+fn append(to: &mut Curves, more: &Curves) {
+    let offset = to.cdf.len() as u32;
+    to.starts.extend(more.starts.iter().skip(1).map(|s| s + offset));
+    to.positions.extend_from_slice(&more.positions);
+    to.cdf.extend_from_slice(&more.cdf);
+}
+
+/// ∫ f·cosθi dσ(wi) over each cell `[theta_h, phi_h]`, in midpoints.
+fn masses(brdf: &dyn Brdf, settings: &CascadeCdfSettings, axis: ThetaAxis, wo: Vec3) -> Array2<f64> {
+    let (rows, columns) = (settings.theta_h, settings.phi_h);
+    let fine = [POINTS[0].div_ceil(rows).max(1), POINTS[1].div_ceil(columns).max(1)];
+    let azimuths: Vec<(f64, f64)> = (0..columns * fine[1])
+        .map(|j| ((j as f64 + 0.5) / (columns * fine[1]) as f64 * TAU).sin_cos())
+        .collect();
+    let mut cells = Array2::zeros((rows, columns));
+    for (i, mut row) in cells.axis_iter_mut(Axis(0)).enumerate() {
+        for part in 0..fine[0] {
+            let a = (i as f64 + (part as f64 + 0.5) / fine[0] as f64) / rows as f64;
+            let (sin, cos) = axis.theta(a).sin_cos();
+            let area = axis.solid_angle(a) / (rows * fine[0] * columns * fine[1]) as f64 * TAU;
+            for (j, &(s, c)) in azimuths.iter().enumerate() {
+                let h = DVec3::new(sin * c, sin * s, cos);
+                row[j / fine[1]] += area * contribution(brdf, settings, wo, h);
+            }
+        }
+    }
+    cells
+}
+
+/// f·cosθi·dσ(wi)/dσ(h) of a half vector; 0 where it reflects below the horizon.
+#[inline]
+fn contribution(brdf: &dyn Brdf, settings: &CascadeCdfSettings, wo: Vec3, h: DVec3) -> f64 {
+    let wi = reflect_about(wo.as_dvec3(), h);
+    if wi.z <= 0.0 {
+        return 0.0;
+    }
+    let f = f64::from(settings.importance.of(brdf.eval(wo, wi.as_vec3())));
+    f * wi.z * 4.0 * wo.as_dvec3().dot(h)
+}
+
+/// The marginal of a table and the conditionals of its pieces, each with the knots that `tolerance` asks for.
+///
+/// Conditionals are sums over the rows that a piece of the marginal spans, so the density drawn from is the derivative of
+/// the curves as stored.
+fn curves(masses: &Array2<f64>, tolerance: Option<f64>) -> (Curves, Curves) {
+    let (mut marginal, mut conditional) = (Curves::new(), Curves::new());
+    let cumulated = cumulate(masses.sum_axis(Axis(1)).view());
+    let knots = push(&mut marginal, &cumulated, tolerance);
+    for piece in knots.windows(2) {
+        let rows = masses.slice(ndarray::s![piece[0]..piece[1], ..]);
+        push(&mut conditional, &cumulate(rows.sum_axis(Axis(0)).view()), tolerance);
+    }
+    (marginal, conditional)
+}
+
+/// Adds a curve and returns the knots it was given.
+fn push(curves: &mut Curves, cumulated: &[f64], tolerance: Option<f64>) -> Vec<usize> {
+    match tolerance {
+        None => {
+            curves.push(cumulated, None);
+            (0..cumulated.len()).collect()
+        }
+        Some(tolerance) => {
+            let total = cumulated.last().copied().unwrap_or(0.0);
+            let knots = simplify(cumulated, tolerance * total);
+            curves.push(cumulated, Some(&knots));
+            knots
+        }
+    }
+}
+
+fn cumulate(masses: ArrayView1<'_, f64>) -> Vec<f64> {
+    let mut sum = 0.0;
+    std::iter::once(0.0).chain(masses.iter().map(|m| { sum += m; sum })).collect()
+}
