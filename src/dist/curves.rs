@@ -75,6 +75,14 @@ impl Curves {
         self.starts.push(self.cdf.len() as u32);
     }
 
+    /// Adds copies of all curves of `more`.
+    pub fn append(&mut self, more: &Self) {
+        let offset = self.cdf.len() as u32;
+        self.starts.extend(more.starts.iter().skip(1).map(|s| s + offset));
+        self.positions.extend_from_slice(&more.positions);
+        self.cdf.extend_from_slice(&more.cdf);
+    }
+
     /// Pieces of curve `curve`.
     pub fn segments(&self, curve: usize) -> usize {
         (self.starts[curve + 1] - self.starts[curve]).saturating_sub(1) as usize
@@ -92,9 +100,8 @@ impl Curves {
     pub fn find(&self, curve: usize, u: f64) -> Segment {
         let range = self.starts[curve] as usize..self.starts[curve + 1] as usize;
         let cdf = &self.cdf[range.clone()];
-        let u = u as f32;
-        let index = cdf.partition_point(|&c| c <= u).clamp(1, cdf.len() - 1) - 1;
-        self.segment(range.start, index)
+        let index = cdf.partition_point(|&c| f64::from(c) <= u).clamp(1, cdf.len() - 1) - 1;
+        self.piece(range.start, index)
     }
 
     /// The piece of curve `curve` that holds grid coordinate `x` ≥ 0; the last one past the end.
@@ -108,11 +115,16 @@ impl Curves {
             let floor = x as u16;
             self.positions[range.clone()].partition_point(|&p| p <= floor).saturating_sub(1).min(last)
         };
-        self.segment(range.start, index)
+        self.piece(range.start, index)
+    }
+
+    /// Piece `index` of curve `curve`.
+    pub fn segment(&self, curve: usize, index: usize) -> Segment {
+        self.piece(self.starts[curve] as usize, index)
     }
 
     #[inline]
-    fn segment(&self, start: usize, index: usize) -> Segment {
+    fn piece(&self, start: usize, index: usize) -> Segment {
         let i = start + index;
         let (x0, x1) = if self.positions.is_empty() {
             (index as f64, (index + 1) as f64)

@@ -4,11 +4,14 @@ mod adaptive_disc;
 mod cascade_cdf;
 mod cosine;
 mod knots;
+mod spec;
+pub mod store;
 
 pub use adaptive_disc::{AdaptiveDisc, AdaptiveDiscSettings, Construction, LeafChoice};
 pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ThetaSpacing};
 pub use cosine::Cosine;
 pub use knots::TableChoice;
+pub use spec::{Sampler, SamplerSpec};
 
 use glam::{Vec2, Vec3};
 

@@ -61,7 +61,8 @@ impl MaxTable {
         let region = Region::of(wo, rect);
         let h = self.widen(region.theta_h(), THETA_H_BINS);
         let d = self.widen(region.theta_d(), THETA_D_BINS);
-        let phi = region.phi_d(self.phi_d_bins).map(|r| (r.0 - self.reach.0 as i64, r.1 + self.reach.1 as i64));
+        let phi =
+            region.phi_d(self.phi_d_bins).map(|r| (r.0 - self.reach.0 as i64, r.1 + self.reach.1 as i64));
         let mut max = 0.0f32;
         for row_h in h.low..=h.high {
             for row_d in d.low..=d.high {
@@ -144,7 +145,10 @@ impl Region {
         Self {
             tan2_theta_h,
             tan2_theta_d,
-            along: (ends.iter().copied().fold(f64::MAX, f64::min), ends.iter().copied().fold(f64::MIN, f64::max)),
+            along: (
+                ends.iter().copied().fold(f64::MAX, f64::min),
+                ends.iter().copied().fold(f64::MIN, f64::max),
+            ),
             across: (wo.x * rect.low.y - SLACK, wo.x * rect.high.y + SLACK),
         }
     }

@@ -41,11 +41,7 @@ pub(super) fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: Th
             }
         })
         .collect();
-    let mut forest = Forest::default();
-    for (k, (tree, integral)) in trees.iter().enumerate() {
-        forest.push_tree(tree, *integral, knots.theta(k));
-    }
-    forest
+    Forest::join(&trees, knots)
 }
 
 /// f(wo, ·) for one fixed `wo` in the plane of φ = 0, as a scalar.

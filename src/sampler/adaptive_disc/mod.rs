@@ -10,7 +10,7 @@ mod many;
 mod square;
 mod tree;
 
-pub(super) use tree::Forest;
+pub(super) use tree::{Forest, Node};
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -101,7 +101,10 @@ impl AdaptiveDiscSettings {
     fn check(&self) -> Result<()> {
         let refuse = |what: String, fix: &str| Err(Error::argument(what, fix));
         if !(self.n_max > 1.0 && self.n_max.is_finite()) {
-            return refuse(format!("n_max is {}", self.n_max), "choose a mean number of trials above 1, such as 2");
+            return refuse(
+                format!("n_max is {}", self.n_max),
+                "choose a mean number of trials above 1, such as 2",
+            );
         }
         if !(1..=20).contains(&self.depth) {
             return refuse(format!("depth is {}", self.depth), "choose 1 to 20 subdivisions");
@@ -153,14 +156,17 @@ impl AdaptiveDisc {
         Ok(Self { brdf, settings, knots, forest })
     }
 
-    /// Puts a sampler together from stored trees, which must have been validated.
+    /// Puts a sampler together from stored nodes, the roots among them and each tree's integral, validated beforehand.
     pub(super) fn from_parts(
         brdf: Arc<Measured>,
         settings: AdaptiveDiscSettings,
-        forest: Forest,
+        nodes: Vec<Node>,
+        roots: &[u32],
+        integrals: &[f32],
     ) -> Result<Self> {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
+        let forest = Forest::new(nodes, roots.to_vec(), integrals.to_vec(), knots);
         Ok(Self { brdf, settings, knots, forest })
     }
 

@@ -3,6 +3,7 @@
 use glam::{DVec2, Vec3};
 
 use super::square::{Rect, Square};
+use crate::sampler::knots::ThetaKnots;
 
 /// A node of twelve bytes. Children of a node stand together in the order of [`Square::child`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,7 +17,7 @@ pub(in crate::sampler) struct Node {
 }
 
 /// A tree for each angle of `wo`, in one array.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(in crate::sampler) struct Forest {
     /// Nodes of all trees; each tree starts with its root, and positions count from the array's start.
     pub nodes: Vec<Node>,
@@ -60,16 +61,27 @@ impl Forest {
         (f64::from(sin), f64::from(cos))
     }
 
-    /// Appends the nodes of one tree, whose positions count from its own start.
-    pub fn push_tree(&mut self, tree: &[Node], integral: f64, theta: f64) {
-        let start = self.nodes.len() as u32;
-        self.roots.push(start);
-        self.integrals.push(integral as f32);
-        self.directions.push([theta.sin() as f32, theta.cos() as f32]);
-        self.nodes.extend(tree.iter().map(|n| Node {
-            children: if n.children == 0 { 0 } else { n.children + start },
-            ..*n
-        }));
+    /// Arrays for the angles of `knots`.
+    pub fn new(nodes: Vec<Node>, roots: Vec<u32>, integrals: Vec<f32>, knots: ThetaKnots) -> Self {
+        let directions = (0..knots.count())
+            .map(|k| {
+                let (sin, cos) = knots.theta(k).sin_cos();
+                [sin as f32, cos as f32]
+            })
+            .collect();
+        Self { nodes, roots, integrals, directions }
+    }
+
+    /// Puts trees together whose positions count from their own starts, each with its integral.
+    pub fn join(trees: &[(Vec<Node>, f64)], knots: ThetaKnots) -> Self {
+        let (mut nodes, mut roots) = (Vec::new(), Vec::new());
+        for (tree, _) in trees {
+            let start = nodes.len() as u32;
+            roots.push(start);
+            let moved = |children: u32| if children == 0 { 0 } else { children + start };
+            nodes.extend(tree.iter().map(|n| Node { children: moved(n.children), ..*n }));
+        }
+        Self::new(nodes, roots, trees.iter().map(|t| t.1 as f32).collect(), knots)
     }
 
     /// Weights of the four children of a node.
@@ -86,23 +98,21 @@ impl Forest {
     pub(super) fn descend(&self, k: usize, point: &mut DVec2) -> Leaf {
         let mut node = self.nodes[self.roots[k] as usize];
         let mut square = Square::ROOT;
+        let mut r = point.x * f64::from(node.weight);
         while node.children != 0 {
             let weights = self.child_weights(&node);
-            let total: f64 = weights.iter().sum();
-            let mut r = point.x * total;
-            let mut chosen = 0;
-            while chosen < 3 && r >= weights[chosen] {
-                r -= weights[chosen];
-                chosen += 1;
-            }
-            // Rounding may run past the last child with weight; step back to it.
+            let below = [0.0, weights[0], weights[0] + weights[1], weights[0] + weights[1] + weights[2]];
+            let mut chosen =
+                usize::from(r >= below[1]) + usize::from(r >= below[2]) + usize::from(r >= below[3]);
+            // Weights are rounded, so `r` may run past the last child that has any; step back to it.
             while weights[chosen] <= 0.0 && chosen > 0 {
                 chosen -= 1;
             }
-            point.x = (r / weights[chosen]).clamp(0.0, 1.0f64.next_down());
+            r = (r - below[chosen]).min(weights[chosen]);
             square = square.child(chosen);
             node = self.nodes[node.children as usize + chosen];
         }
+        point.x = (r / f64::from(node.weight)).clamp(0.0, 1.0f64.next_down());
         Leaf::new(square, &node)
     }
 }

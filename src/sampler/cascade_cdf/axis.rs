@@ -61,17 +61,16 @@ impl ThetaAxis {
         if a < self.first { 2.0 * (theta * 0.5).sin().powi(2) / self.cap * self.first } else { a.min(1.0) }
     }
 
-    /// sin θh · dθh/da: solid angle a radian of azimuth and unit of a.
+    /// sin θh · dθh/da: solid angle a radian of azimuth and unit of a, at `a` where the sine of θh is `sin`.
     #[inline]
-    pub fn solid_angle(&self, a: f64) -> f64 {
+    pub fn solid_angle(&self, a: f64, sin: f64) -> f64 {
         if a < self.first {
             return self.cap / self.first;
         }
-        let d_theta = match self.spacing {
-            ThetaSpacing::Merl => 2.0 * a * FRAC_PI_2,
-            ThetaSpacing::Uniform => FRAC_PI_2,
-        };
-        self.theta(a).sin() * d_theta
+        match self.spacing {
+            ThetaSpacing::Merl => sin * 2.0 * a * FRAC_PI_2,
+            ThetaSpacing::Uniform => sin * FRAC_PI_2,
+        }
     }
 }
 
@@ -88,7 +87,7 @@ mod tests {
             for i in 0..n {
                 let a = (f64::from(i) + 0.5) / f64::from(n);
                 assert!((axis.coordinate(axis.theta(a)) - a).abs() < 1e-12);
-                area += axis.solid_angle(a) / f64::from(n);
+                area += axis.solid_angle(a, axis.theta(a).sin()) / f64::from(n);
             }
             assert!((area - 1.0).abs() < 1e-5, "{spacing:?}: {area}");
             assert_eq!(axis.theta(0.0), 0.0);

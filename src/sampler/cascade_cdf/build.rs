@@ -28,21 +28,12 @@ pub(super) fn tables(
             curves(&masses(brdf, settings, axis, wo), settings.tolerance)
         })
         .collect();
-    let mut all = Tables { marginal: Curves::new(), conditional: Curves::new(), first: Vec::new() };
-    for (marginal, conditional) in &each {
-        all.first.push(all.conditional.len() as u32);
-        append(&mut all.marginal, marginal);
-        append(&mut all.conditional, conditional);
+    let (mut marginal, mut conditional) = (Curves::new(), Curves::new());
+    for (m, c) in &each {
+        marginal.append(m);
+        conditional.append(c);
     }
-    all
-}
-
-/// Adds copies of all curves of `more`.
-fn append(to: &mut Curves, more: &Curves) {
-    let offset = to.cdf.len() as u32;
-    to.starts.extend(more.starts.iter().skip(1).map(|s| s + offset));
-    to.positions.extend_from_slice(&more.positions);
-    to.cdf.extend_from_slice(&more.cdf);
+    Tables::new(marginal, conditional)
 }
 
 /// ∫ f·cosθi dσ(wi) over each cell `[theta_h, phi_h]`, in midpoints.
@@ -57,7 +48,7 @@ fn masses(brdf: &dyn Brdf, settings: &CascadeCdfSettings, axis: ThetaAxis, wo: V
         for part in 0..fine[0] {
             let a = (i as f64 + (part as f64 + 0.5) / fine[0] as f64) / rows as f64;
             let (sin, cos) = axis.theta(a).sin_cos();
-            let area = axis.solid_angle(a) / (rows * fine[0] * columns * fine[1]) as f64 * TAU;
+            let area = axis.solid_angle(a, sin) / (rows * fine[0] * columns * fine[1]) as f64 * TAU;
             for (j, &(s, c)) in azimuths.iter().enumerate() {
                 let h = DVec3::new(sin * c, sin * s, cos);
                 row[j / fine[1]] += area * contribution(brdf, settings, wo, h);
@@ -111,5 +102,10 @@ fn push(curves: &mut Curves, cumulated: &[f64], tolerance: Option<f64>) -> Vec<u
 
 fn cumulate(masses: ArrayView1<'_, f64>) -> Vec<f64> {
     let mut sum = 0.0;
-    std::iter::once(0.0).chain(masses.iter().map(|m| { sum += m; sum })).collect()
+    std::iter::once(0.0)
+        .chain(masses.iter().map(|m| {
+            sum += m;
+            sum
+        }))
+        .collect()
 }

@@ -72,11 +72,7 @@ impl CascadeCdfSettings {
             floor: 0.0,
             ..Self::default()
         };
-        if compressed {
-            published
-        } else {
-            Self { theta_h: 256, phi_h: 32, tolerance: None, ..published }
-        }
+        if compressed { published } else { Self { theta_h: 256, phi_h: 32, tolerance: None, ..published } }
     }
 
     fn check(&self) -> Result<()> {
@@ -90,21 +86,37 @@ impl CascadeCdfSettings {
             return refuse(format!("floor is {}", self.floor), "choose a share between 0 and 1");
         }
         if self.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
-            return refuse("the tolerance is negative or not a number".into(), "choose 0 or more, such as 1e-3");
+            return refuse(
+                "the tolerance is negative or not a number".into(),
+                "choose 0 or more, such as 1e-3",
+            );
         }
         Ok(())
     }
 }
 
 /// The tables of all knots.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tables {
     /// One curve over θh a knot.
     pub marginal: Curves,
     /// One curve over φh for each piece of each marginal, in order.
     pub conditional: Curves,
     /// First conditional of each knot.
-    pub first: Vec<u32>,
+    first: Vec<u32>,
+}
+
+impl Tables {
+    pub fn new(marginal: Curves, conditional: Curves) -> Self {
+        let first = (0..marginal.len())
+            .scan(0, |next, k| {
+                let first = *next;
+                *next += marginal.segments(k) as u32;
+                Some(first)
+            })
+            .collect();
+        Self { marginal, conditional, first }
+    }
 }
 
 /// Marginal and conditional CDFs over the half vector.
@@ -187,7 +199,8 @@ impl CascadeCdf {
         let b = if turn < 0.0 { turn + 1.0 } else { turn };
         let at = DVec2::new(a * self.settings.theta_h as f64, b * self.settings.phi_h as f64);
         // dσ(h) = 2π sinθh (dθh/da) da db, and dσ(wi) = 4 (wo·h) dσ(h) with wo·h = |wo + wi|/2.
-        let to_solid_angle = 1.0 / (TAU * self.axis.solid_angle(a) * 2.0 * sum.length());
+        let length = sum.length();
+        let to_solid_angle = 1.0 / (TAU * self.axis.solid_angle(a, rho / length) * 2.0 * length);
         let cosine = wi.z * FRAC_1_PI;
         let of = |k: usize| {
             if self.tables.marginal.is_void(k) { cosine } else { self.square_density(k, at) * to_solid_angle }
@@ -201,8 +214,8 @@ impl CascadeCdf {
     /// Half vector at grid coordinates `at`, in the frame of `wo`.
     #[inline]
     fn half_vector(&self, wo: Vec3, at: DVec2) -> DVec3 {
-        let theta = self.axis.theta(at.x / self.settings.theta_h as f64);
-        let (sin, cos) = theta.sin_cos();
+        let sin = self.axis.theta(at.x / self.settings.theta_h as f64).sin();
+        let cos = ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
         let (s, c) = (at.y / self.settings.phi_h as f64 * TAU).sin_cos();
         let turn = wo.truncate().as_dvec2().try_normalize().unwrap_or(DVec2::X);
         (turn.rotate(DVec2::new(c, s)) * sin).extend(cos)

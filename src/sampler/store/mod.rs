@@ -1,0 +1,190 @@
+//! Samplers as files: safetensors, with a record of what they were built from.
+//!
+//! A file holds the tensors of one sampler and one metadata entry, `merlkit`: JSON of [`Record`]. Reading maps the file,
+//! checks structure, version, checksum and every invariant that sampling relies on, and copies the tensors; the sampler
+//! then draws the same bits as the one that was saved.
+
+mod parts;
+mod tensors;
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Sampler, SamplerSpec};
+use crate::brdf::{LookupRule, Measured};
+use crate::files::{Mapped, Overwrite, write_new};
+use crate::merl::{Material, Source};
+use crate::{Error, Result};
+use tensors::{Tensors, TensorsOut};
+
+/// Layout version written and read.
+const VERSION: u32 = 1;
+const KEY: &str = "merlkit";
+
+/// What a sampler file says of itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Layout version.
+    pub version: u32,
+    /// Sampler and settings.
+    pub spec: SamplerSpec,
+    /// Name of the material.
+    pub material: String,
+    /// Path of the MERL binary, or `None` for an embedded material.
+    pub path: Option<String>,
+    /// SHA-256 of the material's defining bytes.
+    pub source_sha256: String,
+    /// Lookup rule the sampler was built under.
+    pub lookup: LookupRule,
+    /// SHA-256 over all tensors.
+    payload_sha256: String,
+}
+
+impl Record {
+    /// The material that the file names, not loaded yet.
+    ///
+    /// # Errors
+    /// As [`Material::resolve`].
+    pub fn material(&self) -> Result<Material> {
+        Material::resolve(self.path.as_deref().unwrap_or(&self.material))
+    }
+}
+
+/// A sampler file that has been read but waits for its material.
+#[derive(Debug)]
+pub struct SamplerFile {
+    record: Record,
+    tensors: Tensors,
+}
+
+/// Saves `sampler`, built for `material` under `lookup`; returns the file's length in bytes.
+///
+/// # Errors
+/// As [`write_new`]; [`Error::Argument`] for the cosine sampler, which has nothing to store.
+pub fn save(
+    sampler: &Sampler,
+    material: &Material,
+    lookup: LookupRule,
+    path: &Path,
+    overwrite: Overwrite,
+) -> Result<u64> {
+    let mut out = TensorsOut::default();
+    match sampler {
+        Sampler::Cosine(_) => {
+            return Err(Error::argument(
+                "the cosine sampler has no tables to store",
+                "choose another sampler",
+            ));
+        }
+        Sampler::AdaptiveDisc(s) => parts::write_forest(s.forest(), &mut out),
+        Sampler::CascadeCdf(s) => parts::write_tables(s.tables(), &mut out),
+    }
+    let record = Record {
+        version: VERSION,
+        spec: sampler.spec(),
+        material: material.name().into(),
+        path: match material.source() {
+            Source::File(path) => Some(path.to_string_lossy().into_owned()),
+            Source::Embedded(_) => None,
+        },
+        source_sha256: material.sha256()?,
+        lookup,
+        payload_sha256: out.sha256(),
+    };
+    let json = serde_json::to_string(&record).map_err(|e| Error::argument(e.to_string(), "report this"))?;
+    let bytes = out.serialize(HashMap::from([(KEY.to_owned(), json)]))?;
+    write_new(path, overwrite, |file| file.write_all(&bytes).map_err(|e| Error::io(path, "write", e)))?;
+    Ok(bytes.len() as u64)
+}
+
+/// Whether `path` begins like a sampler file: a length, then JSON. A MERL binary begins with its dimensions.
+pub fn looks_like_sampler_file(path: &Path) -> bool {
+    Mapped::open(path).is_ok_and(|m| m.bytes().get(8) == Some(&b'{'))
+}
+
+impl SamplerFile {
+    /// Maps and reads a sampler file.
+    ///
+    /// # Errors
+    /// [`Error::Io`], or [`Error::Invalid`] naming what does not fit.
+    pub fn open(path: &Path) -> Result<Self> {
+        let mapped = Mapped::open(path)?;
+        let (tensors, metadata) = Tensors::read(mapped.bytes(), path)?;
+        let record: Record = metadata
+            .get(KEY)
+            .ok_or_else(|| tensors.invalid("a metadata entry \"merlkit\"", "none"))
+            .and_then(|json| parse_record(json, &tensors))?;
+        let found = tensors.sha256();
+        if found != record.payload_sha256 {
+            return Err(tensors.invalid(
+                format!("tensors of SHA-256 {}", record.payload_sha256),
+                format!("{found}: the file was damaged or edited"),
+            ));
+        }
+        Ok(Self { record, tensors })
+    }
+
+    /// What the file says of itself.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// The sampler, for a BRDF whose table is the recorded material's and whose lookup rule is the recorded one.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if the lookup rule differs, [`Error::Invalid`] if a tensor breaks an invariant.
+    pub fn into_sampler(self, brdf: &Arc<Measured>) -> Result<Sampler> {
+        if brdf.rule() != self.record.lookup {
+            return Err(Error::argument(
+                format!("the sampler was built for the {} lookup", self.record.lookup.name()),
+                format!("pass --lookup {}, or build it again", self.record.lookup.name()),
+            ));
+        }
+        Ok(match self.record.spec {
+            SamplerSpec::Cosine => return Err(self.tensors.invalid("a sampler with tables", "cosine")),
+            SamplerSpec::AdaptiveDisc(settings) => {
+                Sampler::AdaptiveDisc(parts::read_disc(&self.tensors, brdf.clone(), settings)?)
+            }
+            SamplerSpec::CascadeCdf(settings) => {
+                Sampler::CascadeCdf(parts::read_cascade(&self.tensors, settings)?)
+            }
+        })
+    }
+
+    /// Loads the recorded material, or `instead`, and puts the sampler together with it.
+    ///
+    /// # Errors
+    /// As [`Self::into_sampler`], and [`Error::Argument`] if the material's bytes are not those the sampler was built from.
+    pub fn load(self, instead: Option<Material>) -> Result<(Sampler, Arc<Measured>)> {
+        let material = instead.map_or_else(|| self.record.material(), Ok)?;
+        let found = material.sha256()?;
+        if found != self.record.source_sha256 {
+            return Err(Error::argument(
+                format!(
+                    "material {} has SHA-256 {found}, but the sampler was built from {}",
+                    material.name(),
+                    self.record.source_sha256
+                ),
+                "build the sampler again, or name the material it was built from",
+            ));
+        }
+        let brdf = Arc::new(Measured::new(Arc::new(material.load()?), self.record.lookup));
+        Ok((self.into_sampler(&brdf)?, brdf))
+    }
+}
+
+fn parse_record(json: &str, tensors: &Tensors) -> Result<Record> {
+    #[derive(Deserialize)]
+    struct Version {
+        version: u32,
+    }
+    let wrong = |e: serde_json::Error| tensors.invalid("metadata of a merlkit sampler", e.to_string());
+    let Version { version } = serde_json::from_str(json).map_err(wrong)?;
+    if version != VERSION {
+        return Err(tensors.invalid(format!("layout version {VERSION}"), format!("version {version}")));
+    }
+    serde_json::from_str(json).map_err(wrong)
+}
