@@ -10,9 +10,7 @@ use merlkit::geom::spherical;
 use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{SamplerFile, save};
-use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, Sampler, SamplerSpec,
-};
+use merlkit::sampler::{AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, Sampler, SamplerSpec};
 
 fn specs() -> [SamplerSpec; 3] {
     [
