@@ -4,8 +4,8 @@
 //! nothing. Here h is integrated over, in the variable t = √(θh / (π/2)) in which MERL's θh bins are evenly spaced: Gauss
 //! points inside each of the 90 bins, evenly spaced azimuths, and dω(wi) = 4 (wo·h) dω(h).
 //!
-//! Convergence, doubling both numbers of points: for the floor rule, whose steps in θd and φd the points don't follow,
-//! the albedo of nickel and chrome moves by less than 2·10⁻³ of itself up to 80°; for the linear rules by less than 10⁻³.
+//! Convergence: halving both numbers of points moves the albedo of the 100 embedded materials at 0, 30, 60 and 80° by at most
+//! 2·10⁻⁴ with the floor rule, whose steps in θd and φd the points don't follow.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -32,10 +32,8 @@ const FINE: Grid = Grid {
     azimuths: 512,
 };
 
-const COARSE: Grid = Grid {
-    gauss: &[(0.211_324_865_405_187_12, 0.5), (0.788_675_134_594_812_9, 0.5)],
-    azimuths: 256,
-};
+const COARSE: Grid =
+    Grid { gauss: &[(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)], azimuths: 256 };
 
 /// A directional albedo and how far it can be trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,6 +100,9 @@ fn ring(brdf: &dyn Brdf, wo: DVec3, theta_h: f64, azimuths: usize) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brdf::{LookupRule, Measured};
+    use crate::geom::cosine_hemisphere;
+    use crate::points::PointSet;
 
     struct Lambert;
 
@@ -121,6 +122,28 @@ mod tests {
             let a = directional_albedo_with_error(&Lambert, degrees.to_radians());
             assert!(a.value.abs_diff_eq(Rgb::new(0.2, 0.5, 1.0), 1e-4), "{degrees}: {a:?}");
             assert!(a.error < 1e-3, "{degrees}: {a:?}");
+        }
+    }
+
+    #[test]
+    fn agrees_with_cosine_sampling_where_that_converges() {
+        let table = std::sync::Arc::new(crate::merl::decode_embedded("teflon").unwrap());
+        let brdf = Measured::new(table, LookupRule::Floor);
+        for degrees in [10.0f64, 50.0] {
+            let wo = spherical(degrees.to_radians(), 0.0).as_vec3();
+            let count = 200_000u64;
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for i in 0..count {
+                let wi = cosine_hemisphere(PointSet::Random.point(1, i, 0)).as_vec3();
+                let weight = f64::from(brdf.eval(wo, wi).x) * PI;
+                sum += weight;
+                squares += weight * weight;
+            }
+            let mean = sum / count as f64;
+            let error = ((squares / count as f64 - mean * mean) / count as f64).sqrt();
+            assert!(error < 0.01 * mean, "{degrees}: {error} of {mean}");
+            let albedo = f64::from(directional_albedo(&brdf, degrees.to_radians()).x);
+            assert!((albedo - mean).abs() < 4.0 * error, "{degrees}: {albedo}, {mean} ± {error}");
         }
     }
 

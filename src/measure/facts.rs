@@ -254,7 +254,9 @@ mod tests {
 
     #[test]
     fn gaps_above_the_horizon_are_told_from_those_below() {
-        let t = table(|h, d, p| if (h, d, p) == (10, 10, 0) || (h, d) == (89, 89) { [-1.0; 3] } else { [1.0; 3] });
+        let t = table(
+            |h, d, p| if (h, d, p) == (10, 10, 0) || (h, d) == (89, 89) { [-1.0; 3] } else { [1.0; 3] },
+        );
         let facts = table_facts(&t);
         assert_eq!(facts.invalid.negative, 181);
         // Of row (89, 89) only the bins about φd = 90° stand for directions above the horizon.

@@ -60,7 +60,8 @@ impl Info {
         if a.ranges_degrees.is_empty() {
             return format!("nowhere ({greatest})");
         }
-        let ranges: Vec<_> = a.ranges_degrees.iter().map(|[first, last]| format!("{first}°–{last}°")).collect();
+        let ranges: Vec<_> =
+            a.ranges_degrees.iter().map(|[first, last]| format!("{first}°–{last}°")).collect();
         format!("{} ({greatest})", ranges.join(", "))
     }
 }
