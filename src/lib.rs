@@ -23,8 +23,14 @@ pub mod dist;
 mod error;
 pub mod files;
 pub mod geom;
+pub mod measure;
 pub mod merl;
 pub mod points;
+pub mod report;
 pub mod sampler;
 
 pub use error::{Error, Result};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

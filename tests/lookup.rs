@@ -2,10 +2,14 @@
 
 mod support;
 
-use glam::DVec3;
-use merlkit::brdf::BinIndex;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use merlkit::brdf::{BinIndex, Brdf, LookupRule, Measured};
+use merlkit::color::Rgb;
 use merlkit::geom::HalfDiff;
-use support::{golden, naive};
+use merlkit::merl::{Header, MerlTable};
+use support::{golden, naive, noise_table};
 
 #[test]
 fn golden_directions_give_golden_angles_and_bins() {
@@ -42,4 +46,109 @@ fn bins_without_trigonometry_equal_bins_by_trigonometry() {
         }
     }
     assert!(differ < 10, "{differ} of {pairs} pairs differ");
+}
+
+#[test]
+fn every_rule_equals_its_definition() {
+    for (bins, one_in) in [(180, 0), (180, 3), (360, 5)] {
+        let table = Arc::new(noise_table(bins, one_in, 3));
+        for rule in LookupRule::ALL {
+            let brdf = Measured::new(table.clone(), rule);
+            for (wo, wi) in support::pairs(60_000, 17) {
+                if naive::near_an_edge(wo, wi, 1e-9) {
+                    continue;
+                }
+                let fast = brdf.eval(wo, wi).as_dvec3();
+                let (slow, weight) = naive::eval(&table, rule, wo, wi);
+                // Values are at most 4; shares are f32, and what remains of them is divided by the valid ones' sum.
+                assert!(fast.abs_diff_eq(slow, 4e-6 / weight.max(1e-9)), "{rule:?} {wo} {wi}: {fast} {slow}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_constant_table_is_constant_between_its_samples() {
+    let constant = Rgb::new(0.25, 0.5, 3.0);
+    for bins in [180, 360] {
+        // Holes change nothing as long as one neighbour is left.
+        let holes = move |h: usize, d: usize, p: usize| (h + d + p).is_multiple_of(2);
+        let value = move |h, d, p| if holes(h, d, p) { [-1.0; 3] } else { [0.25, 0.5, 3.0] };
+        let full = MerlTable::from_fn(Header { phi_d_bins: bins }, |_, _, _| [0.25, 0.5, 3.0]);
+        let holed = MerlTable::from_fn(Header { phi_d_bins: bins }, value);
+        for (table, rules) in [(full, &LookupRule::ALL[..]), (holed, &LookupRule::ALL[1..])] {
+            let table = Arc::new(table);
+            for &rule in rules {
+                let brdf = Measured::new(table.clone(), rule);
+                for (wo, wi) in support::pairs(40_000, 5).filter(|(o, i)| o.z > 0.0 && i.z > 0.0) {
+                    let f = brdf.eval(wo, wi);
+                    assert!(f.abs_diff_eq(constant, 1e-6), "{rule:?} {bins} {wo} {wi}: {f}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_table_of_holes_is_black() {
+    let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| [f64::NAN; 3]));
+    for rule in LookupRule::ALL {
+        assert_eq!(Measured::new(table.clone(), rule).eval(Vec3::Z, Vec3::Z), Rgb::ZERO);
+    }
+}
+
+#[test]
+fn directions_outside_the_domain_have_the_value_zero() {
+    let table = Arc::new(noise_table(180, 0, 1));
+    let outside = [
+        Vec3::NAN,
+        Vec3::new(f32::NAN, 0.0, 1.0),
+        Vec3::new(0.0, f32::INFINITY, 1.0),
+        Vec3::ZERO,
+        Vec3::X,
+        Vec3::NEG_Z,
+        Vec3::new(0.6, 0.0, -0.8),
+        Vec3::new(1.0, 0.0, -0.0),
+    ];
+    for rule in LookupRule::ALL {
+        let brdf = Measured::new(table.clone(), rule);
+        for bad in outside {
+            for good in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), bad] {
+                assert_eq!(brdf.eval(bad, good), Rgb::ZERO, "{rule:?} {bad} {good}");
+                assert_eq!(brdf.eval(good, bad), Rgb::ZERO, "{rule:?} {good} {bad}");
+            }
+        }
+    }
+}
+
+#[test]
+fn tables_of_180_are_reciprocal() {
+    let table = Arc::new(noise_table(180, 4, 9));
+    for rule in LookupRule::ALL {
+        let brdf = Measured::new(table.clone(), rule);
+        for (wo, wi) in support::pairs(100_000, 23).filter(|&(o, i)| !naive::near_an_edge(o, i, 1e-6)) {
+            let (there, back) = (brdf.eval(wo, wi), brdf.eval(wi, wo));
+            let slack = if rule == LookupRule::Floor { 0.0 } else { 1e-5 };
+            assert!(there.abs_diff_eq(back, slack), "{rule:?} {wo} {wi}: {there} {back}");
+        }
+    }
+}
+
+#[test]
+fn tables_of_360_tell_phi_d_from_its_opposite() {
+    let halves = |_, _, p| if p < 180 { [1.0; 3] } else { [2.0; 3] };
+    let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 360 }, halves));
+    for rule in LookupRule::ALL {
+        let brdf = Measured::new(table.clone(), rule);
+        for (wo, wi) in support::pairs(50_000, 31) {
+            let phi_d = HalfDiff::of(wo.as_dvec3(), wi.as_dvec3()).unwrap().phi_d;
+            // A degree or less from 0 and π the linear rules blend the halves.
+            if wi.z <= 0.0 || wo.z <= 0.0 || phi_d.sin().abs() < 0.02 {
+                continue;
+            }
+            let expected = if phi_d > 0.0 { 1.0 } else { 2.0 };
+            assert!((brdf.eval(wo, wi).x - expected).abs() < 1e-6, "{rule:?} {wo} {wi}");
+            assert!((brdf.eval(wi, wo).x - (3.0 - expected)).abs() < 1e-6, "{rule:?} {wo} {wi}");
+        }
+    }
 }

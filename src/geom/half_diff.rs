@@ -71,8 +71,8 @@ mod tests {
     fn agrees_with_the_rotations() {
         for i in 0..400 {
             let k = f64::from(i);
-            let wo = spherical((k * 0.618).fract() * 1.57, (k * 0.414).fract() * 6.28);
-            let wi = spherical((k * 0.732).fract() * 1.57, (k * 0.236).fract() * 6.28);
+            let wo = spherical((k * 0.618).fract() * 1.57, (k * 0.414).fract() * std::f64::consts::TAU);
+            let wi = spherical((k * 0.732).fract() * 1.57, (k * 0.236).fract() * std::f64::consts::TAU);
             let (a, b) = (HalfDiff::of(wo, wi).unwrap(), by_rotation(wo, wi));
             assert!((a.theta_h - b.theta_h).abs() < 1e-12, "{a:?} {b:?}");
             assert!((a.theta_d - b.theta_d).abs() < 1e-12, "{a:?} {b:?}");

@@ -5,6 +5,7 @@ pub mod naive;
 
 use glam::Vec3;
 use merlkit::geom::spherical;
+use merlkit::merl::{Header, MerlTable};
 use merlkit::points::Stream;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -31,5 +32,14 @@ pub fn pairs(count: usize, seed: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
             _ => spherical(FRAC_PI_2 - x().powi(4) * 0.1, x() * TAU),
         };
         (wo.as_vec3(), Vec3::new(wi.x as f32, wi.y as f32, wi.z.abs() as f32))
+    })
+}
+
+/// A table of unrelated values between 0 and 4 in which one cell of `one_in` is invalid (none for 0).
+pub fn noise_table(phi_d_bins: usize, one_in: u64, seed: u64) -> MerlTable {
+    let mut random = Stream::new(seed);
+    MerlTable::from_fn(Header { phi_d_bins }, |_, _, _| {
+        let hole = one_in > 0 && random.next_u64().is_multiple_of(one_in);
+        if hole { [-1.0; 3] } else { std::array::from_fn(|_| random.next_f64() * 4.0) }
     })
 }

@@ -1,0 +1,31 @@
+//! Words for what [`crate::measure`] returns: plain tables, JSON and CSV.
+//!
+//! JSON keeps full precision and fixed units, whatever a table on the screen shows. Where the output goes is the caller's
+//! business.
+
+mod info;
+mod sheet;
+
+pub use info::Info;
+pub use sheet::Sheet;
+
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// Version of the JSON documents' shape; it grows when a field changes its name, place or meaning.
+pub const JSON_SCHEMA: u32 = 1;
+
+/// Writes `{"schema": …, "kind": kind, "results": results}` and a line feed. Numbers that are not finite become `null`.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_json<T: Serialize + ?Sized>(out: &mut dyn Write, kind: &str, results: &T) -> io::Result<()> {
+    #[derive(Serialize)]
+    struct Document<'a, T: ?Sized> {
+        schema: u32,
+        kind: &'a str,
+        results: &'a T,
+    }
+    serde_json::to_writer_pretty(&mut *out, &Document { schema: JSON_SCHEMA, kind, results })?;
+    writeln!(out)
+}

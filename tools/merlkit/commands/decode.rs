@@ -1,0 +1,61 @@
+//! `merlkit decode`
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use merlkit::Error;
+use merlkit::files::Overwrite;
+use merlkit::merl::{Material, embedded_names, write};
+use rayon::prelude::*;
+
+use crate::failure::Outcome;
+use crate::progress::Progress;
+use crate::{args, output};
+
+/// Write materials as MERL binaries, 35 MB each
+#[derive(clap::Args)]
+pub struct Args {
+    /// Names of embedded materials, or paths to MERL binaries
+    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
+    materials: Vec<String>,
+    /// Write every embedded material: 3.5 GB
+    #[arg(long, conflicts_with = "materials")]
+    all: bool,
+    /// Folder for the files, which are called NAME.binary; made if missing
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Replace existing files [default: refuse]
+    #[arg(long)]
+    force: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
+    refuse_repeated(&materials)?;
+    std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
+    let overwrite = output::overwrite(args.force);
+    let progress = Progress::new("decoding", materials.len());
+    // One chunk at a time holds at most one table a thread in memory.
+    for chunk in materials.chunks(rayon::current_num_threads()) {
+        chunk.par_iter().try_for_each(|material| {
+            decode(material, &args.output, overwrite)?;
+            progress.advance();
+            Ok::<_, Error>(())
+        })?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Two materials of one name would be one file.
+fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
+    let mut seen = BTreeSet::new();
+    match materials.iter().find(|m| !seen.insert(m.name())) {
+        Some(m) => Err(Error::argument(format!("{} is named twice", m.name()), "name each material once")),
+        None => Ok(()),
+    }
+}
+
+fn decode(material: &Material, folder: &Path, overwrite: Overwrite) -> Result<(), Error> {
+    write(&material.load()?, &folder.join(format!("{}.binary", material.name())), overwrite)
+}

@@ -1,0 +1,31 @@
+//! `merlkit list`
+
+use std::process::ExitCode;
+
+use merlkit::merl::embedded_names;
+use merlkit::report::write_json;
+
+use crate::failure::Outcome;
+use crate::output::{self, Destination};
+
+/// Print the names of the embedded materials, one a line
+#[derive(clap::Args)]
+pub struct Args {
+    /// Write the names as JSON to FILE, or to standard output without one, instead of as text
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    json: Option<Destination>,
+    /// Replace an existing FILE [default: refuse]
+    #[arg(long)]
+    force: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let names = embedded_names();
+    match &args.json {
+        Some(destination) => {
+            destination.write(output::overwrite(args.force), |out| write_json(out, "list", names))?;
+        }
+        None => output::stdout(|out| names.iter().try_for_each(|n| writeln!(out, "{n}")))?,
+    }
+    Ok(ExitCode::SUCCESS)
+}

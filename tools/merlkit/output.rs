@@ -1,0 +1,61 @@
+//! Where results go: standard output or a file; messages go to standard error.
+
+use std::convert::Infallible;
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use merlkit::Error;
+use merlkit::files::{Overwrite, write_new};
+
+use crate::failure::Failure;
+
+/// `-` for standard output, or a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Destination {
+    /// Standard output.
+    Stdout,
+    /// A file, replaced only with `--force`.
+    File(PathBuf),
+}
+
+impl FromStr for Destination {
+    type Err = Infallible;
+
+    fn from_str(argument: &str) -> Result<Self, Infallible> {
+        Ok(if argument == "-" { Self::Stdout } else { Self::File(argument.into()) })
+    }
+}
+
+impl Destination {
+    /// Writes all of the output through `fill`.
+    pub fn write(
+        &self,
+        overwrite: Overwrite,
+        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        match self {
+            Self::Stdout => stdout(fill),
+            Self::File(path) => {
+                write_new(path, overwrite, |out| fill(out).map_err(|e| Error::io(path, "write", e)))?;
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Writes to standard output through a buffer; the only way a command prints.
+pub fn stdout(fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    fill(&mut out).and_then(|()| out.flush()).map_err(Failure::stdout)
+}
+
+/// Writes a line to standard error; there is nobody to tell if that fails.
+pub fn message(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// What `--force` means.
+pub fn overwrite(force: bool) -> Overwrite {
+    if force { Overwrite::Replace } else { Overwrite::Refuse }
+}

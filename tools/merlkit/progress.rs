@@ -1,0 +1,39 @@
+//! A bar on standard error for work that takes longer than a second.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Counts finished parts; draws nothing before the first second is over or where standard error is no terminal.
+pub struct Progress {
+    bar: ProgressBar,
+    started: Instant,
+}
+
+const PATIENCE: Duration = Duration::from_secs(1);
+
+impl Progress {
+    /// A bar of `parts` under the given verb.
+    pub fn new(verb: &'static str, parts: usize) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(parts as u64), ProgressDrawTarget::hidden());
+        if let Ok(style) = ProgressStyle::with_template("{msg} {bar:30} {pos}/{len}, {eta} left") {
+            bar.set_style(style.progress_chars("##-"));
+        }
+        bar.set_message(verb);
+        Self { bar, started: Instant::now() }
+    }
+
+    /// One part is done. May be called from any thread.
+    pub fn advance(&self) {
+        if self.bar.is_hidden() && self.started.elapsed() > PATIENCE {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        self.bar.inc(1);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
