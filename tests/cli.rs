@@ -131,6 +131,9 @@ fn existing_files_are_replaced_only_with_force() {
     succeeds(run(&["list", "--json", "names.json"]));
     assert!(fails(run(&["list", "--json", "names.json"])).contains("--force"));
     succeeds(run(&["list", "--json", "names.json", "--force"]));
+    let refused = run(&["info", "nickel", "--json", "names.json"]);
+    assert!(refused.stdout.is_empty(), "refused before the work");
+    assert!(fails(refused).contains("names.json exists"));
 }
 
 #[test]
@@ -194,8 +197,18 @@ fn eval_reads_lines_with_or_without_a_heading() {
 #[test]
 fn eval_in_degrees_equals_eval_in_vectors() {
     let (s, c) = 30f64.to_radians().sin_cos();
-    let by_vectors = succeeds(run(&["eval", "teflon"], &format!("{s},0,{c},0,{c},{s}")));
-    assert_eq!(by_vectors, succeeds(run(&["eval", "teflon", "--wo", "30,0", "--wi", "60,90"], "")));
+    for (line, wi) in [
+        (format!("{s},0,{c},0,{c},{s}"), "60,90"),
+        (format!("{s},0,{c},0,-{c},{s}"), "60,-90"),
+        // The mirror direction, exactly: θh is 0 and not merely small.
+        (format!("{s},0,{c},-{s},0,{c}"), "30,180"),
+        (format!("{s},0,{c},{s},0,{c}"), "30,720"),
+        (format!("{s},0,{c},1,0,0"), "90,0"),
+        (format!("{s},0,{c},0,0,-1"), "180,0"),
+    ] {
+        let by_vectors = succeeds(run(&["eval", "teflon"], &line));
+        assert_eq!(by_vectors, succeeds(run(&["eval", "teflon", "--wo", "30,0", "--wi", wi], "")), "{wi}");
+    }
     for angles in ["40", "40,0,0", "x,0", "181,0", "-1,0", "nan,0"] {
         fails(run(&["eval", "teflon", &format!("--wo={angles}"), "--wi", "40,180"], ""));
     }

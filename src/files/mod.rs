@@ -4,4 +4,4 @@ mod map;
 mod replace;
 
 pub use map::Mapped;
-pub use replace::{Overwrite, write_new};
+pub use replace::{Overwrite, check_writable, write_new};

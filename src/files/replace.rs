@@ -24,9 +24,7 @@ pub fn write_new(
     overwrite: Overwrite,
     fill: impl FnOnce(&mut dyn WriteSeek) -> Result<()>,
 ) -> Result<()> {
-    if overwrite == Overwrite::Refuse && path.exists() {
-        return Err(exists(path));
-    }
+    check_writable(path, overwrite)?;
     let folder = match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,
         _ => Path::new("."),
@@ -52,6 +50,14 @@ pub fn write_new(
         })?,
     };
     Ok(())
+}
+
+/// Refuses early what [`write_new`] would refuse after the work is done: an existing file.
+///
+/// # Errors
+/// [`Error::Argument`] if `path` exists and `overwrite` refuses.
+pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<()> {
+    if overwrite == Overwrite::Refuse && path.exists() { Err(exists(path)) } else { Ok(()) }
 }
 
 /// A sink that image writers can seek in.

@@ -1,6 +1,7 @@
 //! Options that several commands share.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use glam::DVec3;
 use merlkit::Error;
 use merlkit::brdf::LookupRule;
 use merlkit::merl::Material;
@@ -9,6 +10,23 @@ use merlkit::merl::Material;
 pub fn lookup_rule() -> impl TypedValueParser<Value = LookupRule> {
     PossibleValuesParser::new(LookupRule::ALL.map(LookupRule::name))
         .map(|name| LookupRule::ALL.into_iter().find(|r| r.name() == name).unwrap_or_default())
+}
+
+/// Unit direction of a polar angle and an azimuth in degrees; exact where they are multiples of 90.
+pub fn direction(theta: f64, phi: f64) -> DVec3 {
+    let ((sin_theta, cos_theta), (sin_phi, cos_phi)) = (sin_cos_degrees(theta), sin_cos_degrees(phi));
+    DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
+}
+
+fn sin_cos_degrees(angle: f64) -> (f64, f64) {
+    let quarter = (angle / 90.0).round();
+    let (sin, cos) = (angle - 90.0 * quarter).to_radians().sin_cos();
+    match quarter.rem_euclid(4.0) as u8 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
 }
 
 /// Resolves all material arguments before any work begins.

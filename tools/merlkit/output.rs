@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use merlkit::Error;
-use merlkit::files::{Overwrite, write_new};
+use merlkit::files::{Overwrite, check_writable, write_new};
 
 use crate::failure::Failure;
 
@@ -28,6 +28,14 @@ impl FromStr for Destination {
 }
 
 impl Destination {
+    /// Refuses an existing file before the work begins.
+    pub fn check(&self, overwrite: Overwrite) -> Result<(), Error> {
+        match self {
+            Self::Stdout => Ok(()),
+            Self::File(path) => check_writable(path, overwrite),
+        }
+    }
+
     /// Writes all of the output through `fill`.
     pub fn write(
         &self,

@@ -23,6 +23,11 @@ impl Progress {
         Self { bar, started: Instant::now() }
     }
 
+    /// Prints something with the bar out of the way.
+    pub fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.bar.suspend(print)
+    }
+
     /// One part is done. May be called from any thread.
     pub fn advance(&self) {
         if self.bar.is_hidden() && self.started.elapsed() > PATIENCE {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use merlkit::Error;
-use merlkit::files::Overwrite;
+use merlkit::files::{Overwrite, check_writable};
 use merlkit::merl::{Material, embedded_names, write};
 use rayon::prelude::*;
 
@@ -35,6 +35,9 @@ pub fn run(args: &Args) -> Outcome {
     refuse_repeated(&materials)?;
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     let overwrite = output::overwrite(args.force);
+    for material in &materials {
+        check_writable(&file_of(material, &args.output), overwrite)?;
+    }
     let progress = Progress::new("decoding", materials.len());
     // One chunk at a time holds at most one table a thread in memory.
     for chunk in materials.chunks(rayon::current_num_threads()) {
@@ -57,5 +60,9 @@ fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
 }
 
 fn decode(material: &Material, folder: &Path, overwrite: Overwrite) -> Result<(), Error> {
-    write(&material.load()?, &folder.join(format!("{}.binary", material.name())), overwrite)
+    write(&material.load()?, &file_of(material, folder), overwrite)
+}
+
+fn file_of(material: &Material, folder: &Path) -> PathBuf {
+    folder.join(format!("{}.binary", material.name()))
 }

@@ -9,7 +9,6 @@ use glam::{DVec3, Vec3};
 use merlkit::Error;
 use merlkit::brdf::{Brdf, LookupRule, Measured};
 use merlkit::color::Rgb;
-use merlkit::geom::spherical;
 use merlkit::merl::Material;
 
 use crate::args;
@@ -76,7 +75,7 @@ fn angles(argument: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> = argument.split(',').map(|x| x.trim().parse().ok()).collect();
     match numbers.as_deref() {
         Some(&[theta, phi]) if (0.0..=180.0).contains(&theta) && phi.is_finite() => {
-            Ok(spherical(theta.to_radians(), phi.to_radians()))
+            Ok(args::direction(theta, phi))
         }
         Some([_, _]) => Err("expected a polar angle of 0 to 180 degrees and a finite azimuth".into()),
         _ => Err("expected two numbers, polar angle and azimuth in degrees, as in 30,180".into()),

@@ -32,18 +32,22 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Outcome {
     let materials = args::resolve(&args.materials)?;
+    let overwrite = output::overwrite(args.force);
+    if let Some(destination) = &args.json {
+        destination.check(overwrite)?;
+    }
     let progress = Progress::new("measuring", materials.len());
     let mut results = Vec::new();
     for material in &materials {
         let info = measure(material, args.lookup)?;
         if args.json != Some(Destination::Stdout) {
-            output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet())))?;
+            progress.aside(|| output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet()))))?;
         }
         results.push(info);
         progress.advance();
     }
     if let Some(destination) = &args.json {
-        destination.write(output::overwrite(args.force), |out| write_json(out, "info", &results))?;
+        destination.write(overwrite, |out| write_json(out, "info", &results))?;
     }
     Ok(ExitCode::SUCCESS)
 }
