@@ -1,5 +1,7 @@
 //! Options that several commands share.
 
+use std::collections::BTreeSet;
+
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use merlkit::Error;
@@ -32,4 +34,13 @@ fn sin_cos_degrees(angle: f64) -> (f64, f64) {
 /// Resolves all material arguments before any work begins.
 pub fn resolve(arguments: &[String]) -> Result<Vec<Material>, Error> {
     arguments.iter().map(|a| Material::resolve(a)).collect()
+}
+
+/// Two materials of one name would be one file.
+pub fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
+    let mut seen = BTreeSet::new();
+    match materials.iter().find(|m| !seen.insert(m.name())) {
+        Some(m) => Err(Error::argument(format!("{} is named twice", m.name()), "name each material once")),
+        None => Ok(()),
+    }
 }

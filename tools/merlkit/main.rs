@@ -5,6 +5,7 @@ mod commands;
 mod failure;
 mod output;
 mod progress;
+mod sampler_args;
 mod table;
 
 use clap::Parser;

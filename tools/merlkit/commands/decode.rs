@@ -1,6 +1,5 @@
 //! `merlkit decode`
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -32,7 +31,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Outcome {
     let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
-    refuse_repeated(&materials)?;
+    args::refuse_repeated(&materials)?;
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     let overwrite = output::overwrite(args.force);
     for material in &materials {
@@ -48,15 +47,6 @@ pub fn run(args: &Args) -> Outcome {
         })?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Two materials of one name would be one file.
-fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
-    let mut seen = BTreeSet::new();
-    match materials.iter().find(|m| !seen.insert(m.name())) {
-        Some(m) => Err(Error::argument(format!("{} is named twice", m.name()), "name each material once")),
-        None => Ok(()),
-    }
 }
 
 fn decode(material: &Material, folder: &Path, overwrite: Overwrite) -> Result<(), Error> {

@@ -1,9 +1,11 @@
 //! One file a command.
 
+mod build;
 mod decode;
 mod eval;
 mod info;
 mod list;
+mod sample;
 
 use crate::failure::Outcome;
 
@@ -14,6 +16,8 @@ pub enum Command {
     Info(info::Args),
     Eval(eval::Args),
     Decode(decode::Args),
+    Build(build::Args),
+    Sample(sample::Args),
 }
 
 impl Command {
@@ -24,6 +28,8 @@ impl Command {
             Self::Info(args) => info::run(&args),
             Self::Eval(args) => eval::run(&args),
             Self::Decode(args) => decode::run(&args),
+            Self::Build(args) => build::run(&args),
+            Self::Sample(args) => sample::run(&args),
         }
     }
 }

@@ -1,0 +1,111 @@
+//! `merlkit build`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use merlkit::Error;
+use merlkit::brdf::{LookupRule, Measured};
+use merlkit::files::{Overwrite, check_writable};
+use merlkit::merl::{Material, embedded_names};
+use merlkit::sampler::{SamplerSpec, store};
+use rayon::prelude::*;
+
+use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
+use crate::sampler_args::SamplerArgs;
+use crate::{args, output};
+
+/// Build samplers and store them as files
+///
+/// A sampler file is safetensors: the sampler's tables, and metadata with version, material, settings, lookup rule and the
+/// SHA-256 of the material. `merlkit sample` and the library load it without building again.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Paths to MERL binaries or names of embedded materials
+    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
+    materials: Vec<String>,
+    /// Build for every embedded material
+    #[arg(long, conflicts_with = "materials")]
+    all: bool,
+    /// Sampler to build
+    #[arg(long, value_name = "NAME", value_parser = ["adaptive-disc", "cascade-cdf"])]
+    sampler: String,
+    /// What the table says between its samples
+    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    lookup: LookupRule,
+    /// File to write; with several materials, a folder for files called NAME.SAMPLER.safetensors
+    #[arg(short, long, value_name = "PATH")]
+    output: PathBuf,
+    /// Replace existing files [default: refuse]
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    settings: SamplerArgs,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let spec = args.settings.spec(&args.sampler)?;
+    let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
+    args::refuse_repeated(&materials)?;
+    let overwrite = output::overwrite(args.force);
+    let jobs = destinations(args, materials)?;
+    for (_, path) in &jobs {
+        check_writable(path, overwrite)?;
+    }
+    let progress = Progress::new("building", jobs.len());
+    let mut written = Vec::new();
+    // One chunk at a time holds at most one table a thread in memory.
+    for chunk in jobs.chunks(rayon::current_num_threads()) {
+        let lines: Vec<String> = chunk
+            .par_iter()
+            .map(|(material, path)| {
+                let line = build(material, spec, args.lookup, path, overwrite)?;
+                progress.advance();
+                Ok::<_, Error>(line)
+            })
+            .collect::<Result<_, _>>()?;
+        written.extend(lines);
+    }
+    drop(progress);
+    output::stdout(|out| written.iter().try_for_each(|line| writeln!(out, "{line}")))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Each material with its file; makes the folder if there are several.
+fn destinations(args: &Args, materials: Vec<Material>) -> Result<Vec<(Material, PathBuf)>, Failure> {
+    let single = materials.len() == 1 && !args.output.is_dir();
+    if !single {
+        std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
+    }
+    let file = |m: &Material| match single {
+        true => args.output.clone(),
+        false => args.output.join(format!("{}.{}.safetensors", m.name(), args.sampler)),
+    };
+    Ok(materials
+        .into_iter()
+        .map(|m| {
+            let path = file(&m);
+            (m, path)
+        })
+        .collect())
+}
+
+fn build(
+    material: &Material,
+    spec: SamplerSpec,
+    lookup: LookupRule,
+    path: &Path,
+    overwrite: Overwrite,
+) -> Result<String, Error> {
+    let brdf = Arc::new(Measured::new(Arc::new(material.load()?), lookup));
+    let sampler = spec.build(&brdf)?;
+    let bytes = store::save(&sampler, material, lookup, path, overwrite)?;
+    Ok(format!(
+        "{}: {} for {}, {} lookup, {bytes} bytes",
+        path.display(),
+        spec.name(),
+        material.name(),
+        lookup.name()
+    ))
+}

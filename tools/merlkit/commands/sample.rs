@@ -1,0 +1,155 @@
+//! `merlkit sample`
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+use merlkit::Error;
+use merlkit::brdf::{Brdf, LookupRule, Measured};
+use merlkit::color;
+use merlkit::merl::Material;
+use merlkit::points::PointSet;
+use merlkit::sampler::store::{SamplerFile, looks_like_sampler_file};
+use merlkit::sampler::{DirectionSample, DirectionSampler, Sampler};
+
+use crate::failure::Outcome;
+use crate::sampler_args::{SAMPLERS, SamplerArgs};
+use crate::{args, output};
+
+/// Draw directions and print them with density and value
+///
+/// Writes a heading and one line wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b a draw: a unit vector towards the light, its density in
+/// sr⁻¹, and f_r in sr⁻¹ without the cosine. A draw that failed is a line of zeros and counts as a sample of weight 0. With
+/// --fit, the thesis's point cloud instead: the material, the viewer in degrees, and (x,y,z) f a line.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Path to a MERL binary or a sampler file, or name of an embedded material
+    #[arg(value_name = "MATERIAL|SAMPLERFILE")]
+    source: String,
+    /// Sampler to build [default: adaptive-disc; a sampler file brings its own]
+    #[arg(long, value_name = "NAME", value_parser = SAMPLERS)]
+    sampler: Option<String>,
+    /// Material of a sampler file [default: the one it names]
+    #[arg(long, value_name = "MATERIAL")]
+    material: Option<String>,
+    /// What the table says between its samples [default: floor; a sampler file brings its own]
+    #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
+    lookup: Option<LookupRule>,
+    /// Polar angle of wo, degrees, 0 to below 90
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    theta: f64,
+    /// Azimuth of wo, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
+    phi: f64,
+    /// How many draws
+    #[arg(long, value_name = "N")]
+    count: u64,
+    /// Seed of the points
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    seed: u64,
+    /// Points of the unit square that are mapped to directions: random, or Owen-scrambled Sobol
+    #[arg(long, value_name = "SET", default_value = "random", value_parser = ["random", "sobol"])]
+    points: String,
+    /// Write a FIT point cloud: only draws that succeeded, with mean RGB as the value
+    #[arg(long)]
+    fit: bool,
+    #[command(flatten)]
+    settings: SamplerArgs,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    if !(0.0..90.0).contains(&args.theta) || !args.phi.is_finite() {
+        let what = format!("wo at polar angle {}°, azimuth {}°", args.theta, args.phi);
+        return Err(Error::argument(what, "choose --theta from 0 to below 90 and a finite --phi").into());
+    }
+    let (name, sampler, brdf) = load(args)?;
+    let draws = Draws {
+        wo: args::direction(args.theta, args.phi).as_vec3(),
+        points: if args.points == "sobol" { PointSet::Sobol } else { PointSet::Random },
+        seed: args.seed,
+        count: args.count,
+    };
+    output::stdout(|out| match args.fit {
+        true => write_fit(out, &name, (args.theta, args.phi), &draws, &sampler, &brdf),
+        false => write_csv(out, &draws, &sampler, &brdf),
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The material's name, the sampler, and the BRDF it was built for.
+fn load(args: &Args) -> Result<(String, Sampler, Arc<Measured>), Error> {
+    let path = Path::new(&args.source);
+    if path.is_file() && looks_like_sampler_file(path) {
+        let file = SamplerFile::open(path)?;
+        if args.sampler.as_deref().is_some_and(|s| s != file.record().spec.name()) {
+            let what = format!("{} holds a sampler of kind {}", args.source, file.record().spec.name());
+            return Err(Error::argument(what, "leave --sampler out"));
+        }
+        if args.lookup.is_some_and(|l| l != file.record().lookup) {
+            let what = format!("{} was built for the {} lookup", args.source, file.record().lookup.name());
+            return Err(Error::argument(what, "leave --lookup out, or build the sampler again"));
+        }
+        if let Some(option) = args.settings.first_given() {
+            let what = format!("{option} has no effect on {}, which is built already", args.source);
+            return Err(Error::argument(what, "leave it out"));
+        }
+        let name = file.record().material.clone();
+        let material = args.material.as_deref().map(Material::resolve).transpose()?;
+        let (sampler, brdf) = file.load(material)?;
+        return Ok((name, sampler, brdf));
+    }
+    if args.material.is_some() {
+        return Err(Error::argument("--material goes with a sampler file", "leave it out"));
+    }
+    let material = Material::resolve(&args.source)?;
+    let spec = args.settings.spec(args.sampler.as_deref().unwrap_or("adaptive-disc"))?;
+    let brdf = Arc::new(Measured::new(Arc::new(material.load()?), args.lookup.unwrap_or_default()));
+    Ok((material.name().into(), spec.build(&brdf)?, brdf))
+}
+
+struct Draws {
+    wo: Vec3,
+    points: PointSet,
+    seed: u64,
+    count: u64,
+}
+
+impl Draws {
+    fn iter(&self, sampler: &Sampler) -> impl Iterator<Item = Option<DirectionSample>> {
+        (0..self.count).map(move |i| {
+            let u: Vec2 = self.points.point(self.seed, i, 0);
+            sampler.sample(self.wo, u)
+        })
+    }
+}
+
+fn write_csv(out: &mut dyn Write, draws: &Draws, sampler: &Sampler, brdf: &Measured) -> io::Result<()> {
+    writeln!(out, "wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b")?;
+    for draw in draws.iter(sampler) {
+        let Some(DirectionSample { wi, pdf }) = draw else {
+            writeln!(out, "0,0,0,0,0,0,0")?;
+            continue;
+        };
+        let f = brdf.eval(draws.wo, wi);
+        writeln!(out, "{:?},{:?},{:?},{pdf:?},{:?},{:?},{:?}", wi.x, wi.y, wi.z, f.x, f.y, f.z)?;
+    }
+    Ok(())
+}
+
+/// The thesis's format (7.10): a line for the BRDF, the viewer's angles, and a point a line between `begin` and `end`.
+fn write_fit(
+    out: &mut dyn Write,
+    name: &str,
+    (theta, phi): (f64, f64),
+    draws: &Draws,
+    sampler: &Sampler,
+    brdf: &Measured,
+) -> io::Result<()> {
+    writeln!(out, "measured \"{name}\"\nviewer ({theta}, {phi})\nbegin")?;
+    for DirectionSample { wi, .. } in draws.iter(sampler).flatten() {
+        writeln!(out, "  ({},{},{}) {}", wi.x, wi.y, wi.z, color::mean(brdf.eval(draws.wo, wi)))?;
+    }
+    writeln!(out, "end")
+}

@@ -1,0 +1,177 @@
+//! Which sampler, with which settings: the options of every command that builds one.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use merlkit::Error;
+use merlkit::brdf::Importance;
+use merlkit::sampler::{
+    AdaptiveDiscSettings, CascadeCdfSettings, Construction, LeafChoice, SamplerSpec, TableChoice,
+    ThetaSpacing,
+};
+
+/// Settings of samplers; those that are left out keep the method's own default.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Sampler")]
+pub struct SamplerArgs {
+    /// Use the settings of the 2008 thesis instead of ours as defaults
+    #[arg(long)]
+    as_published: bool,
+    /// Tables over the polar angle of wo, 1 to 4096 [default: adaptive-disc 60, cascade-cdf 16; as published 60, 32]
+    #[arg(long, value_name = "N")]
+    tables: Option<usize>,
+    /// What serves a wo between two tables [default: mixture; as published nearest]
+    #[arg(long, value_name = "HOW", value_parser = named(&[("nearest", TableChoice::Nearest), ("mixture", TableChoice::Mixture)]))]
+    choice: Option<TableChoice>,
+    /// Share of draws that follow the cosine, so that no direction is left out, 0 to 1 [default: 0.001; as published 0]
+    #[arg(long, value_name = "SHARE")]
+    floor: Option<f64>,
+    /// Scalar that draws are proportional to [default: mean (of red, green, blue)]
+    #[arg(long, value_name = "SCALAR", value_parser = named(&[("mean", Importance::Mean), ("luminance", Importance::Luminance)]))]
+    importance: Option<Importance>,
+    /// adaptive-disc: mean number of trials allowed in a leaf, above 1 [default: 2]
+    #[arg(long, value_name = "TRIALS")]
+    n_max: Option<f64>,
+    /// adaptive-disc: subdivisions down to the smallest leaf, 1 to 20 [default: 14; as published 10]
+    #[arg(long, value_name = "LEVELS")]
+    depth: Option<u32>,
+    /// adaptive-disc: don't split a leaf that wastes less than this share of the tree [default: 0.0001; as published 0]
+    #[arg(long, value_name = "SHARE")]
+    waste: Option<f64>,
+    /// adaptive-disc: build from an image of PIXELS a side, 8 to 4096, whose maxima are no bounds [default: refine where
+    /// needed; as published 800]
+    #[arg(long, value_name = "PIXELS")]
+    grid: Option<u32>,
+    /// adaptive-disc: draw leaves by bound × area, which is exact, or by integral [default: envelope; as published integral]
+    #[arg(long, value_name = "BY", value_parser = named(&[("envelope", LeafChoice::Envelope), ("integral", LeafChoice::Integral)]))]
+    leaves: Option<LeafChoice>,
+    /// cascade-cdf: cells over θh and φh before compression [default: 1024x512; 256x32 with --uncompressed]
+    #[arg(long, value_name = "THETAxPHI", value_parser = resolution)]
+    resolution: Option<(usize, usize)>,
+    /// cascade-cdf: largest error of a compressed CDF, in probability [default: 0.001]
+    #[arg(long, value_name = "ERROR", conflicts_with = "uncompressed")]
+    tolerance: Option<f64>,
+    /// cascade-cdf: store every knot
+    #[arg(long)]
+    uncompressed: bool,
+    /// cascade-cdf: spacing of cells over θh, by its root as MERL's bins or uniform [default: merl; as published uniform]
+    #[arg(long, value_name = "SPACING", value_parser = named(&[("merl", ThetaSpacing::Merl), ("uniform", ThetaSpacing::Uniform)]))]
+    spacing: Option<ThetaSpacing>,
+}
+
+/// Names of the samplers that can be built.
+pub const SAMPLERS: [&str; 3] = ["adaptive-disc", "cascade-cdf", "cosine"];
+
+impl SamplerArgs {
+    /// The sampler called `name`, one of [`SAMPLERS`], with these settings.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a setting that the sampler does not have.
+    pub fn spec(&self, name: &str) -> Result<SamplerSpec, Error> {
+        let (disc, cdf) = (self.disc_only(), self.cdf_only());
+        let (spec, foreign) = match name {
+            "adaptive-disc" => (SamplerSpec::AdaptiveDisc(self.disc()), cdf),
+            "cascade-cdf" => (SamplerSpec::CascadeCdf(self.cascade()), disc),
+            _ => (SamplerSpec::Cosine, self.first_given()),
+        };
+        match foreign {
+            Some(option) => Err(Error::argument(
+                format!("{option} is no setting of {name}"),
+                "leave it out, or choose another --sampler",
+            )),
+            None => Ok(spec),
+        }
+    }
+
+    /// The first setting given, by its option.
+    pub fn first_given(&self) -> Option<&'static str> {
+        self.disc_only().or(self.cdf_only()).or(self.tables_only())
+    }
+
+    fn disc(&self) -> AdaptiveDiscSettings {
+        let d = match self.as_published {
+            true => AdaptiveDiscSettings::as_published(),
+            false => AdaptiveDiscSettings::default(),
+        };
+        AdaptiveDiscSettings {
+            tables: self.tables.unwrap_or(d.tables),
+            n_max: self.n_max.unwrap_or(d.n_max),
+            depth: self.depth.unwrap_or(d.depth),
+            waste: self.waste.unwrap_or(d.waste),
+            construction: self.grid.map_or(d.construction, Construction::Grid),
+            leaves: self.leaves.unwrap_or(d.leaves),
+            choice: self.choice.unwrap_or(d.choice),
+            floor: self.floor.unwrap_or(d.floor),
+            importance: self.importance.unwrap_or(d.importance),
+        }
+    }
+
+    fn cascade(&self) -> CascadeCdfSettings {
+        let d = match (self.as_published, self.uncompressed) {
+            (true, uncompressed) => CascadeCdfSettings::as_published(!uncompressed),
+            (false, true) => CascadeCdfSettings::uniform(),
+            (false, false) => CascadeCdfSettings::default(),
+        };
+        let (theta_h, phi_h) = self.resolution.unwrap_or((d.theta_h, d.phi_h));
+        CascadeCdfSettings {
+            tables: self.tables.unwrap_or(d.tables),
+            theta_h,
+            phi_h,
+            spacing: self.spacing.unwrap_or(d.spacing),
+            tolerance: self.tolerance.or(d.tolerance),
+            choice: self.choice.unwrap_or(d.choice),
+            floor: self.floor.unwrap_or(d.floor),
+            importance: self.importance.unwrap_or(d.importance),
+        }
+    }
+
+    /// The first option given that only the adaptive disc has.
+    fn disc_only(&self) -> Option<&'static str> {
+        given(&[
+            (self.n_max.is_some(), "--n-max"),
+            (self.depth.is_some(), "--depth"),
+            (self.waste.is_some(), "--waste"),
+            (self.grid.is_some(), "--grid"),
+            (self.leaves.is_some(), "--leaves"),
+        ])
+    }
+
+    /// The first option given that only the cascade CDF has.
+    fn cdf_only(&self) -> Option<&'static str> {
+        given(&[
+            (self.resolution.is_some(), "--resolution"),
+            (self.tolerance.is_some(), "--tolerance"),
+            (self.uncompressed, "--uncompressed"),
+            (self.spacing.is_some(), "--spacing"),
+        ])
+    }
+
+    /// The first option given that only samplers with tables have.
+    fn tables_only(&self) -> Option<&'static str> {
+        given(&[
+            (self.as_published, "--as-published"),
+            (self.tables.is_some(), "--tables"),
+            (self.choice.is_some(), "--choice"),
+            (self.floor.is_some(), "--floor"),
+            (self.importance.is_some(), "--importance"),
+        ])
+    }
+}
+
+fn given(options: &[(bool, &'static str)]) -> Option<&'static str> {
+    options.iter().find(|o| o.0).map(|o| o.1)
+}
+
+/// Parses one of a few names.
+fn named<T: Copy + Send + Sync + 'static>(
+    values: &'static [(&'static str, T)],
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(values.iter().map(|v| v.0))
+        .map(move |name| values.iter().find(|v| v.0 == name).unwrap_or(&values[0]).1)
+}
+
+/// "1024x512" as two counts.
+fn resolution(argument: &str) -> Result<(usize, usize), String> {
+    let parts = argument.split_once(['x', '×']);
+    parts
+        .and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)))
+        .ok_or_else(|| "expected two counts, as in 1024x512".into())
+}
