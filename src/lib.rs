@@ -22,6 +22,7 @@ pub mod color;
 mod error;
 pub mod files;
 pub mod geom;
+pub mod measure;
 pub mod merl;
 pub mod points;
 pub mod sampler;

@@ -1,0 +1,10 @@
+//! What a sampler costs and whether it is right: quadrature, spread and bias of its weights, chi-square, checks.
+//!
+//! Everything here returns plain results; printing and files are [`crate`]'s report's business. Results are the same bits
+//! for any number of threads.
+
+pub mod accuracy;
+pub mod check;
+pub mod chi_square;
+mod half_vectors;
+pub mod quadrature;
