@@ -6,5 +6,7 @@
 pub mod accuracy;
 pub mod check;
 pub mod chi_square;
+mod expected;
 mod half_vectors;
+mod probe;
 pub mod quadrature;
