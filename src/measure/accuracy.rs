@@ -17,10 +17,10 @@ pub const LIMIT_ANGLES_DEG: [f64; 7] = [0.76, 14.5, 29.75, 45.0, 60.25, 75.5, 84
 /// How the weight of one draw spreads, by quadrature. A failed draw is a weight of 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct WeightSpread {
-    /// Standard deviation over mean: √(E[w²]/E[w]² − 1), with E[w²] = ∫ (f cosθ)²/pdf and E[w] = ∫ f cosθ where pdf > 0.
+    /// Standard deviation over mean: `√(E[w²]/E[w]² − 1)`, `E[w²]` = ∫ (f cosθ)²/pdf and `E[w]` = ∫ f cosθ where pdf > 0.
     /// 0 for a black material. The quadrature resolves about 2·10⁻³.
     pub relstd: f64,
-    /// E[w]: the directional albedo as far as the sampler reaches it.
+    /// `E[w]`: the directional albedo as far as the sampler reaches it.
     pub mean: f64,
     /// Largest weight at a node, over the mean: what one draw can add. 0 for a black material.
     pub peak: f64,
@@ -169,10 +169,8 @@ pub(super) fn mean_weight(
 ) -> DVec4 {
     let (mut sum, mut count) = (DVec4::ZERO, 0usize);
     for draw in draws {
-        if let Some(sample) = draw {
-            if sample.pdf > 0.0 && sample.pdf.is_finite() {
-                sum += value(brdf, wo, sample.wi, importance) / f64::from(sample.pdf);
-            }
+        if let Some(sample) = draw.filter(|d| d.pdf > 0.0 && d.pdf.is_finite()) {
+            sum += value(brdf, wo, sample.wi, importance) / f64::from(sample.pdf);
         }
         count += 1;
     }

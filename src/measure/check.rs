@@ -232,15 +232,15 @@ impl<'a> Subject<'a> {
         let count = (self.settings.draws / 4).max(1);
         let draws = self.sampler.sample_many(self.wo, count, self.seed ^ 4);
         let estimate = mean_weight(self.brdf, self.wo, self.settings.importance, draws.into_iter());
-        let channels =
-            [0, 1, 2].map(|c| (c, self.deviation(fine, coarse, c, estimate[c], count, 3)));
+        let channels = [0, 1, 2].map(|c| (c, self.deviation(fine, coarse, c, estimate[c], count, 3)));
         let excess = |&(_, (value, bound)): &(usize, (f64, f64))| value / bound.max(f64::MIN_POSITIVE);
-        let (channel, (deviation, bound)) = channels
-            .into_iter()
-            .max_by(|a, b| excess(a).total_cmp(&excess(b)))
-            .unwrap_or_default();
+        let (channel, (deviation, bound)) =
+            channels.into_iter().max_by(|a, b| excess(a).total_cmp(&excess(b))).unwrap_or_default();
         self.at_most(Check::Furnace, deviation, bound, || {
-            format!("channel {channel}: estimate {:.6}, albedo {:.6}", estimate[channel], fine.albedo[channel])
+            format!(
+                "channel {channel}: estimate {:.6}, albedo {:.6}",
+                estimate[channel], fine.albedo[channel]
+            )
         })
     }
 

@@ -6,7 +6,7 @@
 //! of any affordable grid over the hemisphere.
 //!
 //! The pdf of a tabulated sampler jumps, so its integral over a cell is never exact. Each cell is integrated until two
-//! lattices agree to a tenth of the cell's standard deviation, and the difference that remains is added to the cell's
+//! lattices agree to a fifth of the cell's standard deviation, and the difference that remains is added to the cell's
 //! variance: an error of integration makes the test weaker, not wrong.
 
 use glam::Vec3;
@@ -44,7 +44,7 @@ pub struct ChiSquareTest {
 
 impl Default for ChiSquareTest {
     fn default() -> Self {
-        Self { draws: 100_000, theta_cells: 61, phi_cells: 21, seed: 1, significance: 0.01, tests: 1 }
+        Self { draws: 100_000, theta_cells: 45, phi_cells: 15, seed: 1, significance: 0.01, tests: 1 }
     }
 }
 

@@ -58,7 +58,7 @@ const ATTEMPTS: [usize; 6] = [55, 144, 377, 987, 2584, 6765];
 
 /// Integrates `sampler.pdf` over each cell until the error is small against the noise of `draws` draws.
 ///
-/// The error of a cell is the difference between the last two attempts, so an overestimate. Refinement stops below a tenth of
+/// The error of a cell is the difference between the last two attempts, so an overestimate. Refinement stops below a fifth of
 /// the cell's standard deviation or at the finest lattice; what error remains is for the test to allow for.
 pub(super) fn expected(sampler: &dyn DirectionSampler, wo: Vec3, grid: &Grid, draws: usize) -> Expected {
     let mut unusable = 0;
@@ -81,7 +81,7 @@ fn refine(
         mass = Mass { value, error: (value - coarse).abs() };
         // Cells of less than one expected draw are pooled; they need no more digits than a cell of one.
         let deviation = (value / draws as f64).max(1.0 / (draws as f64).powi(2)).sqrt();
-        if mass.error <= 0.1 * deviation {
+        if mass.error <= 0.2 * deviation {
             break;
         }
         coarse = value;

@@ -46,11 +46,7 @@ impl HalfVectors {
     pub fn phi_max(&self, theta_h: f64) -> f64 {
         let far = (2.0 * theta_h + self.theta_o).cos();
         let near = (2.0 * theta_h - self.theta_o).cos();
-        if far >= 0.0 {
-            PI
-        } else {
-            2.0 * near.max(0.0).sqrt().atan2((-far).sqrt())
-        }
+        if far >= 0.0 { PI } else { 2.0 * near.max(0.0).sqrt().atan2((-far).sqrt()) }
     }
 
     /// The reflected direction at (θh, b) and dσ(wi) per dθh db = 4 (wo·h) sin θh φmax (Torrance–Sparrow's Jacobian).
