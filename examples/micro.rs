@@ -1,4 +1,4 @@
-fn cpu() -> f64 {
+fn cpu()->f64{ cpu_time::ThreadTime::now().as_duration().as_secs_f64() }
     let mut t = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut t) };
     t.tv_sec as f64 + t.tv_nsec as f64 * 1e-9

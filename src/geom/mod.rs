@@ -9,12 +9,14 @@
 mod disc;
 mod frame;
 mod half_diff;
+mod half_vectors;
 mod quadrature;
 
 pub use disc::{concentric_disc, cosine_hemisphere};
 pub use frame::Frame;
 pub use half_diff::{HalfDiff, half_vector, reflect_about};
-pub use quadrature::{HalfVectorQuadrature, phi_max};
+pub use half_vectors::{HalfVectors, Lattice};
+pub use quadrature::{POINTS_PER_BIN, Quadrature};
 
 use glam::{DVec3, Vec3};
 

@@ -1,124 +1,194 @@
-//! Integrals over the hemisphere of `wi`, taken over half vectors where measured reflectance is smooth between known edges.
+//! Integrals over `wi` for a fixed `wo`, on half vectors aligned with MERL's bins.
+//!
+//! A lobe a tenth of a degree wide and a table that jumps at every bin edge defeat a grid over (θ, φ) of `wi`. Here the
+//! range of θh is cut at MERL's bin edges, where measured tables jump, and at the two angles where the horizon begins to cut
+//! the azimuths and where it ends them; dσ(wi) = 4 (wo·h) dσ(h). Each piece carries a Fibonacci lattice over θh and
+//! azimuth; the azimuth covers exactly the range that reflects above the horizon.
+//!
+//! Convergence, with n points a bin and some 60 to 90 bins, θo from 0 to 89°: ∫cosθ/π dσ = 1 to 2·10⁻⁴ at n = 34, 8·10⁻⁶ at
+//! 233, 2·10⁻⁶ at 987 and 7·10⁻⁷ at 2584. Densities that jump inside a bin converge as n⁻¹. The difference from a
+//! quadrature of fewer points tells the error.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use super::reflect_about;
+use super::half_vectors::{HalfVectors, Lattice};
 
-/// Nodes over (√θh, φh): `theta_points` Gauss points in each of MERL's 90 bins of θh, and `phi_points` midpoints over the
-/// azimuths of half vectors that reflect above the horizon, of which there are exactly 2 φmax(θh).
-///
-/// With tan²(φmax/2) = −cos(2θh − θo)/cos(2θh + θo) for 2θh + θo > 90°, no node is wasted below the horizon and none of the
-/// hemisphere is left out; dσ(wi) = 4 (wo·h) dσ(h).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct HalfVectorQuadrature {
-    /// Azimuths a ring of half vectors.
-    pub phi_points: usize,
-    /// How many equal parts each bin is cut into, of two Gauss points each.
-    pub parts: usize,
+/// MERL's bins of θh, √-spaced over a right angle.
+const THETA_H_BINS: usize = 90;
+
+/// Points a bin that settle the albedo of every embedded material to 10⁻⁴ and better.
+pub const POINTS_PER_BIN: usize = 987;
+
+/// Nodes and weights over the directions `wi` above the horizon, for one `wo`.
+#[derive(Clone, Debug)]
+pub struct Quadrature {
+    wo: Vec3,
+    domain: Option<HalfVectors>,
+    pieces: Vec<Piece>,
+    lattice: Lattice,
 }
 
-impl Default for HalfVectorQuadrature {
-    /// 180 rings of 256 azimuths: albedos of measured metals to about 10⁻⁴.
-    fn default() -> Self {
-        Self { phi_points: 256, parts: 1 }
+impl Quadrature {
+    /// Nodes about `wo`, with at least `points_per_bin` in each bin of θh (rounded up to a Fibonacci number).
+    ///
+    /// For a `wo` that is not finite or not above the horizon there are no nodes, and every integral is 0.
+    pub fn new(wo: Vec3, points_per_bin: usize) -> Self {
+        let domain = HalfVectors::about(wo);
+        let pieces = domain.as_ref().map(pieces).unwrap_or_default();
+        Self { wo, domain, pieces, lattice: Lattice::at_least(points_per_bin) }
     }
-}
 
-/// Two-point Gauss–Legendre on [0, 1].
-const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];
-/// Bins of θh, √-spaced over a right angle.
-const BINS: usize = 90;
+    /// The given direction.
+    pub fn wo(&self) -> Vec3 {
+        self.wo
+    }
 
-impl HalfVectorQuadrature {
-    /// ∫ f(wi) dσ(wi) over the hemisphere, for an upper unit `wo`; summed in f64.
-    pub fn integrate(&self, wo: Vec3, mut f: impl FnMut(Vec3) -> f64) -> f64 {
+    /// Number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.pieces.len() * self.lattice.size()
+    }
+
+    /// Calls `visit(wi, d_sigma)` at every node: a unit direction above the horizon and its share of solid angle, in sr.
+    pub fn for_each(&self, mut visit: impl FnMut(Vec3, f64)) {
+        let Some(domain) = &self.domain else {
+            return;
+        };
+        // The azimuth coordinate runs over [−1, 1]: twice the unit square.
+        let weight = 2.0 / self.lattice.size() as f64;
+        for piece in &self.pieces {
+            for (s, t) in self.lattice.points() {
+                let (theta_h, slope) = piece.theta_h(s);
+                let (wi, jacobian) = domain.direction(theta_h, 2.0 * t - 1.0);
+                visit(wi, jacobian * slope * weight);
+            }
+        }
+    }
+
+    /// ∫ `value(wi)` dσ(wi) over the directions above the horizon.
+    pub fn integrate(&self, mut value: impl FnMut(Vec3) -> f64) -> f64 {
         let mut sum = 0.0;
-        self.for_each(wo, |wi, weight| sum += f(wi) * weight);
+        self.for_each(|wi, d_sigma| sum += value(wi) * d_sigma);
         sum
     }
+}
 
-    /// Calls `visit(wi, dσ)` at every node; the weights sum to 2π.
-    pub fn for_each(&self, wo: Vec3, mut visit: impl FnMut(Vec3, f64)) {
-        let wo = wo.as_dvec3();
-        let theta_o = wo.x.hypot(wo.y).atan2(wo.z);
-        let (cos, sin) = match wo.truncate().try_normalize() {
-            Some(axis) => (axis.x, axis.y),
-            None => (1.0, 0.0),
-        };
-        let last = ((FRAC_PI_2 + theta_o) * 0.5).min(FRAC_PI_2);
-        let full = (FRAC_PI_2 - theta_o) * 0.5;
-        let mut ring = |low: f64, high: f64| {
-            for g in GAUSS {
-                let theta_h = low + (high - low) * g;
-                self.ring(wo, theta_o, (cos, sin), theta_h, (high - low) * 0.5, &mut visit);
-            }
-        };
-        for k in 0..BINS * self.parts {
-            let edge = |k: usize| (k as f64 / (BINS * self.parts) as f64).powi(2) * FRAC_PI_2;
-            let (low, high) = (edge(k), edge(k + 1).min(last));
-            if low >= high {
-                break;
-            }
-            // φmax has a kink where half vectors begin to reflect below the horizon; no part spans it.
-            if low < full && full < high {
-                ring(low, full);
-                ring(full, high);
-            } else {
-                ring(low, high);
-            }
-        }
-    }
+/// A range of θh and how the unit interval covers it.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    low: f64,
+    high: f64,
+    spacing: Spacing,
+}
 
-    /// A ring of half vectors of polar angle `theta_h`, which stands for a width of `d_theta`.
-    fn ring(
-        &self,
-        wo: DVec3,
-        theta_o: f64,
-        (cos, sin): (f64, f64),
-        theta_h: f64,
-        d_theta: f64,
-        visit: &mut impl FnMut(Vec3, f64),
-    ) {
-        let phi_max = phi_max(theta_o, theta_h);
-        let (sin_h, cos_h) = theta_h.sin_cos();
-        let d_phi = 2.0 * phi_max / self.phi_points as f64;
-        for j in 0..self.phi_points {
-            let (s, c) = (-phi_max + (j as f64 + 0.5) * d_phi).sin_cos();
-            let h = DVec3::new(sin_h * (c * cos - s * sin), sin_h * (c * sin + s * cos), cos_h);
-            let wi = reflect_about(wo, h);
-            if wi.z > 0.0 {
-                visit(wi.as_vec3(), 4.0 * wo.dot(h) * sin_h * d_theta * d_phi);
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Spacing {
+    /// Uniform in θh², that is in area: about the pole.
+    Area,
+    /// Uniform in √θh, as MERL's bins.
+    Root,
+    /// Dense at both ends, where the range of azimuths opens or closes as a square root.
+    Ends,
+}
+
+impl Piece {
+    /// θh at `t` in (0, 1), and dθh/dt.
+    fn theta_h(&self, t: f64) -> (f64, f64) {
+        match self.spacing {
+            Spacing::Area => {
+                let root = t.sqrt();
+                (self.high * root, 0.5 * self.high / root)
+            }
+            Spacing::Root => {
+                let (a, b) = (self.low.sqrt(), self.high.sqrt());
+                let s = a + (b - a) * t;
+                (s * s, 2.0 * s * (b - a))
+            }
+            Spacing::Ends => {
+                let half = 0.5 * (self.high - self.low);
+                let (sin, cos) = (PI * t).sin_cos();
+                (self.low + half * (1.0 - cos), half * PI * sin)
             }
         }
     }
 }
 
-/// Largest azimuth, from that of `wo`, of half vectors at `theta_h` whose reflection of `wo` is above the horizon; π where
-/// all are. Domain: θh below (90° + θo)/2.
-pub fn phi_max(theta_o: f64, theta_h: f64) -> f64 {
-    let (below, above) = ((2.0 * theta_h - theta_o).cos(), (2.0 * theta_h + theta_o).cos());
-    if above >= 0.0 {
-        return PI;
-    }
-    2.0 * (below / -above).max(0.0).sqrt().atan()
+/// MERL's bins within the domain, cut where the horizon first cuts the azimuths.
+fn pieces(domain: &HalfVectors) -> Vec<Piece> {
+    let (cut, end) = (domain.theta_full(), domain.theta_max());
+    let mut edges: Vec<f64> = (0..=THETA_H_BINS)
+        .map(|i| (i as f64 / THETA_H_BINS as f64).powi(2) * FRAC_PI_2)
+        .filter(|&edge| edge < end)
+        .chain([cut, end])
+        .collect();
+    edges.sort_by(f64::total_cmp);
+    edges.dedup();
+    edges.windows(2).map(|pair| piece(pair[0], pair[1], cut, end)).collect()
+}
+
+fn piece(low: f64, high: f64, cut: f64, end: f64) -> Piece {
+    let spacing = if low == 0.0 {
+        Spacing::Area
+    } else if low == cut || high == end {
+        Spacing::Ends
+    } else {
+        Spacing::Root
+    };
+    Piece { low, high, spacing }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::spherical;
+    use crate::geom::{half_vector, spherical};
+    use std::f64::consts::FRAC_1_PI;
+
+    const ANGLES: [f64; 9] = [0.0, 0.76, 14.5, 29.75, 45.0, 60.25, 75.5, 84.7, 89.0];
+
+    fn wo(theta: f64) -> Vec3 {
+        spherical(theta.to_radians(), 0.6).as_vec3()
+    }
 
     #[test]
-    fn integrates_constants_and_cosines_at_every_angle() {
-        for degrees in [0.0, 0.76, 14.5, 29.75, 45.0, 60.25, 75.5, 84.7, 89.0, 89.9] {
-            let wo = spherical(f64::to_radians(degrees), 0.7).as_vec3();
-            let q = HalfVectorQuadrature::default();
-            let cosine = q.integrate(wo, |wi| f64::from(wi.z) / PI);
-            let solid_angle = q.integrate(wo, |_| 1.0) / (2.0 * PI);
-            assert!((cosine - 1.0).abs() < 2e-4, "{degrees}: {cosine}");
-            assert!((solid_angle - 1.0).abs() < 2e-3, "{degrees}: {solid_angle}");
+    fn cosine_density_integrates_to_one() {
+        for theta in ANGLES {
+            let sum = Quadrature::new(wo(theta), 233).integrate(|wi| f64::from(wi.z) * FRAC_1_PI);
+            assert!((sum - 1.0).abs() < 1e-5, "{theta}°: {sum}");
+        }
+    }
+
+    #[test]
+    fn hemisphere_has_two_pi_steradians() {
+        for theta in ANGLES {
+            let sum = Quadrature::new(wo(theta), POINTS_PER_BIN).integrate(|_| 1.0);
+            assert!((sum / (2.0 * PI) - 1.0).abs() < 2e-5, "{theta}°: {sum}");
+        }
+    }
+
+    /// (n+1)/2π·cosⁿθh/(4 wo·h) is the density of a lobe of half vectors: its mass above the horizon is 1 minus a tail of
+    /// cosⁿ⁺¹ at the angle where the horizon begins to cut.
+    #[test]
+    fn sharp_lobe_of_half_vectors_integrates_to_one() {
+        for (theta, exponent) in [(0.76, 1e5), (29.75, 1e6), (60.25, 1e4), (75.5, 3e5), (84.7, 1e6)] {
+            let wo = wo(theta);
+            let exact = wo.as_dvec3();
+            let sum = Quadrature::new(wo, 233).integrate(|wi| {
+                let h = half_vector(exact, wi.as_dvec3()).unwrap();
+                let tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
+                let lobe = (-0.5 * exponent * tan2.ln_1p()).exp();
+                (exponent + 1.0) * 0.5 * FRAC_1_PI * lobe / (4.0 * exact.dot(h))
+            });
+            assert!((sum - 1.0).abs() < 1e-5, "{theta}°, n = {exponent}: {sum}");
+        }
+    }
+
+    #[test]
+    fn invalid_directions_integrate_to_zero() {
+        for wo in [Vec3::NAN, -Vec3::Z, Vec3::X, Vec3::ZERO] {
+            let quadrature = Quadrature::new(wo, 34);
+            assert_eq!(quadrature.nodes(), 0);
+            assert_eq!(quadrature.integrate(|_| 1.0), 0.0);
         }
     }
 }

@@ -1,7 +1,16 @@
-//! Figures about a material or a method: computed here, worded by [`crate::report`].
+//! Figures about a material or a method: facts of tables, what a sampler costs and whether it is right.
+//!
+//! Everything here returns plain results, the same bits for any number of threads (measured times apart); words and files
+//! are [`crate::report`]'s business.
 
+pub mod accuracy;
 mod albedo;
+pub mod check;
+pub mod chi_square;
+pub mod cost;
+mod expected;
 mod facts;
+mod probe;
 
 pub use albedo::{AlbedoEstimate, albedo_by_degree, directional_albedo, directional_albedo_with_error};
 pub use facts::{Albedo, AlbedoAboveOne, Asymmetry, Facts, TableFacts, facts, table_facts};
