@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use merlkit::brdf::{Brdf, Importance, LookupRule, Measured};
+use merlkit::geom::{POINTS_PER_BIN, Quadrature};
 use merlkit::geom::{half_vector, is_upper, reflect_about, spherical, to_spherical};
 use merlkit::measure::accuracy::weight_spread;
 use merlkit::measure::check::{Check, CheckReport, CheckSettings, check_directions, check_sampler};
 use merlkit::measure::chi_square::{ChiSquareTest, Verdict};
-use merlkit::geom::{POINTS_PER_BIN, Quadrature};
 use merlkit::merl::{Header, MerlTable, decode_embedded};
 use merlkit::points::Stream;
 use merlkit::sampler::{Cosine, DirectionSample, DirectionSampler};

@@ -188,8 +188,8 @@ fn value(brdf: &dyn Brdf, wo: Vec3, wi: Vec3, importance: Importance) -> DVec4 {
 mod tests {
     use super::*;
     use crate::color::Rgb;
-    use crate::geom::spherical;
     use crate::geom::POINTS_PER_BIN;
+    use crate::geom::spherical;
     use crate::sampler::Cosine;
     use std::f32::consts::FRAC_1_PI;
 

@@ -42,9 +42,8 @@ pub struct CallTimes {
 /// Times `sample` and `pdf` over `draws` random points, in turn at each of [`LIMIT_ANGLES_DEG`]: the median of five runs.
 pub fn call_times(sampler: &dyn DirectionSampler, draws: usize, seed: u64) -> CallTimes {
     let wos = LIMIT_ANGLES_DEG.map(|t| spherical(t.to_radians(), 0.4).as_vec3());
-    let jobs: Vec<(Vec3, Vec2)> = (0..draws.max(1))
-        .map(|i| (wos[i % wos.len()], PointSet::Random.point(seed, i as u64, 0)))
-        .collect();
+    let jobs: Vec<(Vec3, Vec2)> =
+        (0..draws.max(1)).map(|i| (wos[i % wos.len()], PointSet::Random.point(seed, i as u64, 0))).collect();
     let drawn: Vec<(Vec3, Vec3)> =
         jobs.iter().filter_map(|&(wo, u)| sampler.sample(wo, u).map(|s| (wo, s.wi))).collect();
     let sample_ns = nanoseconds(&jobs, |&(wo, u)| sampler.sample(wo, u).map_or(0.0, |s| s.pdf));
@@ -74,7 +73,8 @@ mod tests {
 
     #[test]
     fn times_are_positive_and_work_counts() {
-        let (sum, seconds) = time(|| (0..20_000_000u64).fold(0u64, |a, b| black_box(a ^ b.wrapping_mul(a | 1))));
+        let (sum, seconds) =
+            time(|| (0..20_000_000u64).fold(0u64, |a, b| black_box(a ^ b.wrapping_mul(a | 1))));
         assert!(sum != 1 && seconds.wall > 0.0);
         assert!(seconds.cpu > 0.0);
         let times = call_times(&Cosine, 1000, 1);

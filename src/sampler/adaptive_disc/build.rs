@@ -25,7 +25,8 @@ pub(super) fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: Th
         .into_par_iter()
         .map(|k| {
             let slice = Slice::new(brdf, settings, knots.theta(k));
-            let integral = Quadrature::new(slice.wo, NORMALISER_POINTS).integrate(|wi| slice.value(wi) * f64::from(wi.z));
+            let integral = Quadrature::new(slice.wo, NORMALISER_POINTS)
+                .integrate(|wi| slice.value(wi) * f64::from(wi.z));
             if integral <= 0.0 {
                 return (vec![Node::default()], 0.0);
             }
