@@ -11,6 +11,7 @@ pub mod cost;
 mod expected;
 mod facts;
 mod probe;
+pub mod profile;
 
 pub use albedo::{AlbedoEstimate, albedo_by_degree, directional_albedo, directional_albedo_with_error};
 pub use facts::{Albedo, AlbedoAboveOne, Asymmetry, Facts, TableFacts, facts, table_facts};

@@ -3,11 +3,17 @@
 //! JSON keeps full precision and fixed units, whatever a table on the screen shows. Where the output goes is the caller's
 //! business.
 
+mod check;
 mod info;
+mod profile;
 mod sheet;
+mod thesis;
 
+pub use check::CheckResult;
 pub use info::Info;
+pub use profile::{SamplerReport, thesis_legend};
 pub use sheet::Sheet;
+pub use thesis::{ThesisFigures, thesis_figures, thesis_uniform_memory};
 
 use serde::Serialize;
 use std::io::{self, Write};

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::{
-    AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, DirectionSample,
-    DirectionSampler,
+    AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Construction, Cosine,
+    DirectionSample, DirectionSampler,
 };
 use crate::Result;
 use crate::brdf::Measured;
@@ -30,6 +30,23 @@ impl SamplerSpec {
             Self::Cosine => "cosine",
             Self::AdaptiveDisc(_) => "adaptive-disc",
             Self::CascadeCdf(_) => "cascade-cdf",
+        }
+    }
+
+    /// The name with the settings that tell variants apart, for tables: "cascade-cdf 1024×512 ±0.001".
+    pub fn label(&self) -> String {
+        match self {
+            Self::Cosine => self.name().into(),
+            Self::AdaptiveDisc(s) => match s.construction {
+                Construction::Refined => format!("{}, {} trees", self.name(), s.tables),
+                Construction::Grid(side) => {
+                    format!("{}, {} trees from {side}² pixels", self.name(), s.tables)
+                }
+            },
+            Self::CascadeCdf(s) => {
+                let cells = format!("{} {}×{}×{}", self.name(), s.tables, s.theta_h, s.phi_h);
+                s.tolerance.map_or_else(|| format!("{cells} whole"), |t| format!("{cells} ±{t}"))
+            }
         }
     }
 

@@ -81,6 +81,22 @@ impl SamplerArgs {
         }
     }
 
+    /// The samplers called `names`, or all of them: cosine, the adaptive disc, and the cascade CDF whole and compressed.
+    ///
+    /// # Errors
+    /// As [`Self::spec`].
+    pub fn specs(&self, names: &[String]) -> Result<Vec<SamplerSpec>, Error> {
+        if !names.is_empty() {
+            return names.iter().map(|n| self.spec(n)).collect();
+        }
+        let whole = Self { uncompressed: true, ..self.clone() };
+        let mut specs = vec![SamplerSpec::Cosine, self.spec("adaptive-disc")?, whole.spec("cascade-cdf")?];
+        if !self.uncompressed {
+            specs.push(self.spec("cascade-cdf")?);
+        }
+        Ok(specs)
+    }
+
     /// The first setting given, by its option.
     pub fn first_given(&self) -> Option<&'static str> {
         self.disc_only().or(self.cdf_only()).or(self.tables_only())

@@ -63,7 +63,7 @@ pub struct SamplerFile {
 /// Saves `sampler`, built for `material` under `lookup`; returns the file's length in bytes.
 ///
 /// # Errors
-/// As [`write_new`]; [`Error::Argument`] for the cosine sampler, which has nothing to store.
+/// As [`encode`] and [`write_new`].
 pub fn save(
     sampler: &Sampler,
     material: &Material,
@@ -71,6 +71,16 @@ pub fn save(
     path: &Path,
     overwrite: Overwrite,
 ) -> Result<u64> {
+    let bytes = encode(sampler, material, lookup)?;
+    write_new(path, overwrite, |file| file.write_all(&bytes).map_err(|e| Error::io(path, "write", e)))?;
+    Ok(bytes.len() as u64)
+}
+
+/// The bytes of a sampler file; the same for the same sampler.
+///
+/// # Errors
+/// [`Error::Argument`] for the cosine sampler, which has nothing to store; [`Error::Io`] if the material's file is gone.
+pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Result<Vec<u8>> {
     let mut out = TensorsOut::default();
     match sampler {
         Sampler::Cosine(_) => {
@@ -95,9 +105,7 @@ pub fn save(
         payload_sha256: out.sha256(),
     };
     let json = serde_json::to_string(&record).map_err(|e| Error::argument(e.to_string(), "report this"))?;
-    let bytes = out.serialize(HashMap::from([(KEY.to_owned(), json)]))?;
-    write_new(path, overwrite, |file| file.write_all(&bytes).map_err(|e| Error::io(path, "write", e)))?;
-    Ok(bytes.len() as u64)
+    out.serialize(HashMap::from([(KEY.to_owned(), json)]))
 }
 
 /// Whether `path` begins like a sampler file: a length, then JSON. A MERL binary begins with its dimensions.

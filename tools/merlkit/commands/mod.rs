@@ -1,10 +1,12 @@
 //! One file a command.
 
 mod build;
+mod check;
 mod decode;
 mod eval;
 mod info;
 mod list;
+mod report;
 mod sample;
 
 use crate::failure::Outcome;
@@ -18,6 +20,8 @@ pub enum Command {
     Decode(decode::Args),
     Build(build::Args),
     Sample(sample::Args),
+    Report(report::Args),
+    Check(check::Args),
 }
 
 impl Command {
@@ -30,6 +34,8 @@ impl Command {
             Self::Decode(args) => decode::run(&args),
             Self::Build(args) => build::run(&args),
             Self::Sample(args) => sample::run(&args),
+            Self::Report(args) => report::run(&args),
+            Self::Check(args) => check::run(&args),
         }
     }
 }

@@ -1,0 +1,73 @@
+//! Outcomes of checks, worded.
+
+use serde::Serialize;
+
+use super::Sheet;
+use crate::measure::check::{Check, CheckReport};
+
+/// The checks of one sampler for one material.
+#[derive(Clone, Debug, Serialize)]
+pub struct CheckResult {
+    /// Short name of the material.
+    pub material: String,
+    /// The sampler, with its settings.
+    pub sampler: String,
+    /// What was found.
+    #[serde(flatten)]
+    pub report: CheckReport,
+}
+
+impl CheckResult {
+    /// Columns of [`Self::line`].
+    pub const HEADING: [&str; 9] = [
+        "material",
+        "sampler",
+        "validity",
+        "agreement",
+        "positivity",
+        "pdf integral",
+        "chi-square",
+        "bias",
+        "furnace",
+    ];
+
+    /// One line: how many directions passed each check, of how many.
+    pub fn line(&self) -> Vec<String> {
+        let checks = [
+            Check::Validity,
+            Check::Agreement,
+            Check::Positivity,
+            Check::PdfIntegral,
+            Check::ChiSquare,
+            Check::Bias,
+            Check::Furnace,
+        ];
+        let count = |check: Check| {
+            let outcomes = self.report.outcomes.iter().filter(|o| o.check == check);
+            let (passed, all) = outcomes.fold((0, 0), |(p, n), o| (p + u32::from(o.pass), n + 1));
+            if passed == all { format!("{passed} ok") } else { format!("{passed} of {all} FAILED") }
+        };
+        [self.material.clone(), self.sampler.clone()].into_iter().chain(checks.map(count)).collect()
+    }
+
+    /// A row for each failed check, with where and what.
+    pub fn failures(&self, sheet: &mut Sheet) {
+        for o in self.report.failures() {
+            let check = serde_json::to_value(o.check).ok().and_then(|v| v.as_str().map(str::to_owned));
+            sheet.push(vec![
+                self.material.clone(),
+                self.sampler.clone(),
+                check.unwrap_or_default(),
+                format!("{:.2}, {:.1}", o.theta_o_deg, o.phi_o_deg),
+                format!("{:.3e}", o.value),
+                format!("{:.3e}", o.bound),
+                o.note.clone(),
+            ]);
+        }
+    }
+
+    /// An empty sheet for [`Self::failures`].
+    pub fn failure_sheet() -> Sheet {
+        Sheet::new(&["material", "sampler", "failed check", "wo θ, φ °", "value", "bound", "found"])
+    }
+}

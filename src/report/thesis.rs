@@ -1,0 +1,93 @@
+//! Figures of the 2008 thesis for a material, to stand beside ours.
+
+use serde::Serialize;
+
+/// Tables 5.9, 5.10, 6.23 and 6.24 of R. Montes's thesis.
+const UNIFORM_MEMORY: &str = include_str!("../../data/thesis/table_5_9_cascade_uniform_memory.csv");
+const COMPRESSED_MEMORY: &str = include_str!("../../data/thesis/table_5_10_cascade_compressed_memory.csv");
+const PRECOMPUTE: &str = include_str!("../../data/thesis/table_6_23_precompute_and_memory.csv");
+const SAMPLING: &str = include_str!("../../data/thesis/table_6_24_sampling_time.csv");
+
+/// What the thesis gives for one method and material. Its machine was an AMD Opteron of 2007.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ThesisFigures {
+    /// The thesis's name for the method, and where the figures stand.
+    pub method: String,
+    /// Memory, KB.
+    pub memory_kb: Option<f64>,
+    /// Precompute time, s.
+    pub precompute_s: Option<f64>,
+    /// Time spent on drawing for its picture of 450 × 200 pixels at 25 samples, s.
+    pub sampling_s: Option<f64>,
+}
+
+/// The thesis's figures for a material by its embedded name; empty where it has none.
+pub fn thesis_figures(material: &str) -> Vec<ThesisFigures> {
+    let mut all = Vec::new();
+    if let Some(row) = row(PRECOMPUTE, material) {
+        let sampling = self::row(SAMPLING, material);
+        let at = |row: &Option<Vec<f64>>, i: usize| row.as_ref().and_then(|r| r.get(i).copied());
+        let methods =
+            [("adaptive disc, 60 quadtrees", 2, 3), ("uniform CDF", 0, 1), ("compressed CDF", 1, 2)];
+        for (method, column, sampling_column) in methods {
+            all.push(ThesisFigures {
+                method: format!("thesis (6.23, 6.24): {method}"),
+                memory_kb: row.get(3 + column).copied(),
+                precompute_s: row.get(column).copied(),
+                sampling_s: at(&sampling, sampling_column),
+            });
+        }
+    }
+    if let Some(row) = row(COMPRESSED_MEMORY, material) {
+        all.push(ThesisFigures {
+            method: "thesis (5.10): compressed CDF".into(),
+            memory_kb: row.get(2).copied(),
+            precompute_s: row.first().copied(),
+            sampling_s: None,
+        });
+    }
+    all
+}
+
+/// The thesis's memory of uniform CDFs, whatever the material: (cells over θh, cells over φh, KB).
+pub fn thesis_uniform_memory() -> Vec<(u32, u32, f64)> {
+    let parse = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        Some((cells.first()?.parse().ok()?, cells.get(1)?.parse().ok()?, cells.get(2)?.parse().ok()?))
+    };
+    UNIFORM_MEMORY.lines().skip(1).filter_map(parse).collect()
+}
+
+/// The numbers of a material's row, without its name.
+fn row(table: &str, material: &str) -> Option<Vec<f64>> {
+    table.lines().skip(1).find_map(|line| {
+        let (name, numbers) = line.split_once(',')?;
+        (name == material).then(|| numbers.split(',').filter_map(|x| x.parse().ok()).collect())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_those_printed_in_the_thesis() {
+        let nickel = thesis_figures("nickel");
+        assert_eq!(nickel.len(), 4);
+        assert_eq!(
+            (nickel[0].memory_kb, nickel[0].precompute_s, nickel[0].sampling_s),
+            (Some(846.15), Some(71.36), Some(12.31))
+        );
+        assert_eq!(
+            (nickel[1].memory_kb, nickel[1].precompute_s, nickel[1].sampling_s),
+            (Some(33792.0), Some(30.13), Some(1.87))
+        );
+        assert_eq!(
+            (nickel[2].memory_kb, nickel[2].precompute_s, nickel[2].sampling_s),
+            (Some(2057.51), Some(2576.81), Some(1.13))
+        );
+        assert_eq!((nickel[3].memory_kb, nickel[3].precompute_s), (Some(1023.62), Some(567.49)));
+        assert!(thesis_figures("chrome").is_empty());
+        assert_eq!(thesis_uniform_memory()[1], (100, 32, 82500.0));
+    }
+}

@@ -1,0 +1,87 @@
+//! `merlkit report`
+
+use std::process::ExitCode;
+
+use merlkit::brdf::LookupRule;
+use merlkit::measure::profile::{ProfileSettings, profile};
+use merlkit::merl::embedded_names;
+use merlkit::report::{SamplerReport, thesis_legend, write_json};
+
+use crate::failure::Outcome;
+use crate::output::{self, Destination};
+use crate::progress::Progress;
+use crate::sampler_args::{SAMPLERS, SamplerArgs};
+use crate::{args, table};
+
+/// Measure memory, time and accuracy of samplers, with the thesis's figures beside them
+///
+/// For each material and sampler: bytes of its tables (counted) and of its file, seconds to build, nanoseconds a draw and a
+/// density, and at seven angles between the samplers' own: spread of the weights, by quadrature, and bias of the albedo, by
+/// draws. Every figure but the thesis's is measured in this run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Paths to MERL binaries or names of embedded materials
+    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
+    materials: Vec<String>,
+    /// Report on every embedded material
+    #[arg(long, conflicts_with = "materials")]
+    all: bool,
+    /// Sampler to measure; may be repeated [default: all, the cascade CDF both whole and compressed]
+    #[arg(long = "sampler", value_name = "NAME", value_parser = SAMPLERS)]
+    samplers: Vec<String>,
+    /// What the table says between its samples
+    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    lookup: LookupRule,
+    /// Draws that a bias is estimated from, at each angle
+    #[arg(long, value_name = "N", default_value_t = 100_000)]
+    draws: usize,
+    /// Seed of the draws
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    /// Write JSON to FILE as well, or to standard output (-) instead of the tables [default: none]
+    #[arg(long, value_name = "FILE|-")]
+    json: Option<Destination>,
+    /// Write CSV, one line a material, sampler and angle, to FILE as well, or to standard output (-) instead [default: none]
+    #[arg(long, value_name = "FILE|-")]
+    csv: Option<Destination>,
+    /// Replace existing files [default: refuse]
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    settings: SamplerArgs,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
+    let specs = args.settings.specs(&args.samplers)?;
+    let overwrite = output::overwrite(args.force);
+    let destinations = [&args.json, &args.csv];
+    for destination in destinations.into_iter().flatten() {
+        destination.check(overwrite)?;
+    }
+    let tables = !destinations.into_iter().flatten().any(|d| *d == Destination::Stdout);
+    let settings = ProfileSettings { draws: args.draws, seed: args.seed, ..ProfileSettings::default() };
+    let progress = Progress::new("measuring", materials.len() * specs.len());
+    let mut reports = Vec::new();
+    for material in &materials {
+        let figures = profile(material, args.lookup, &specs, &settings, &|| progress.advance())?;
+        let report = SamplerReport::new(figures);
+        if tables {
+            progress.aside(|| {
+                output::stdout(|out| writeln!(out, "{}\n{}", report.legend(), table::render(&report.sheet())))
+            })?;
+        }
+        reports.push(report);
+    }
+    drop(progress);
+    if tables && reports.iter().any(|r| !r.thesis.is_empty()) {
+        output::stdout(|out| writeln!(out, "{}", thesis_legend()))?;
+    }
+    if let Some(destination) = &args.json {
+        destination.write(overwrite, |out| write_json(out, "report", &reports))?;
+    }
+    if let Some(destination) = &args.csv {
+        destination.write(overwrite, |out| SamplerReport::csv(&reports).write_csv(out))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
