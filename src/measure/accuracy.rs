@@ -43,11 +43,6 @@ pub fn weight_spread(
     Moments::of(sampler, brdf, quadrature, importance).spread(SCALAR)
 }
 
-/// Directional albedo ∫ `importance`(f) cosθ dσ, at the nodes of `quadrature`.
-pub fn albedo(brdf: &dyn Brdf, quadrature: &Quadrature, importance: Importance) -> f64 {
-    quadrature.integrate(|wi| f64::from(importance.of(brdf.eval_cos(quadrature.wo(), wi))))
-}
-
 /// Seeded independent draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Draws {
