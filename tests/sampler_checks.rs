@@ -110,9 +110,9 @@ impl Steps {
 
     /// The largest θh, and the largest azimuth of h at one θh, that reflect above the horizon.
     fn limits(theta_o: f64, theta_h: f64) -> (f64, f64) {
-        let cos =
-            -(2.0 * theta_h).cos() * theta_o.cos() / ((2.0 * theta_h).sin() * theta_o.sin()).max(1e-300);
-        (0.5 * (FRAC_PI_2 + theta_o), cos.clamp(-1.0, 1.0).acos())
+        let (far, near) = ((2.0 * theta_h + theta_o).cos(), (2.0 * theta_h - theta_o).cos());
+        let phi_max = if far >= 0.0 { PI } else { 2.0 * near.max(1e-16).sqrt().atan2((-far).sqrt()) };
+        (0.5 * (FRAC_PI_2 + theta_o), phi_max)
     }
 }
 
@@ -212,17 +212,25 @@ impl DirectionSampler for Faulty {
     }
 }
 
+fn assert_pass(sampler: &dyn DirectionSampler, brdf: &dyn Brdf) {
+    let report = check_sampler(sampler, brdf, &check_directions(), &settings(8));
+    assert_eq!(report.outcomes.len(), 13 * 7);
+    assert!(report.pass(), "{:#?}", report.failures().collect::<Vec<_>>());
+}
+
 #[test]
-fn right_samplers_pass_at_every_angle() {
-    let materials = ["teflon", "nickel", "red-plastic"].map(|name| measured(name, LookupRule::Floor));
-    let settings = settings(3 * (materials.len() + 1));
-    let steps = Steps::new(40, 24, 9);
-    for brdf in materials.iter().chain([&lambert()]) {
-        for sampler in [&Cosine as &dyn DirectionSampler, &Lobe::right(200.0), &steps] {
-            let report = check_sampler(sampler, brdf, &check_directions(), &settings);
-            assert_eq!(report.outcomes.len(), 13 * 7);
-            assert!(report.pass(), "{:#?}", report.failures().collect::<Vec<_>>());
-        }
+fn cosine_passes_on_every_material() {
+    for name in ["teflon", "nickel", "red-plastic"] {
+        assert_pass(&Cosine, &measured(name, LookupRule::Floor));
+    }
+    assert_pass(&Cosine, &lambert());
+}
+
+#[test]
+fn right_samplers_with_failed_draws_and_with_jumps_pass() {
+    for brdf in [measured("nickel", LookupRule::Floor), lambert()] {
+        assert_pass(&Lobe::right(200.0), &brdf);
+        assert_pass(&Steps::new(40, 24, 9), &brdf);
     }
 }
 
@@ -333,7 +341,7 @@ fn p_values_of_right_samplers_are_uniform() {
 
 #[test]
 fn p_values_of_densities_with_jumps_are_uniform() {
-    let p: Vec<f64> = (0..40)
+    let p: Vec<f64> = (0..24)
         .map(|seed| {
             let wo = directions(&[0.76, 29.75, 60.25, 84.7])[seed as usize % 4];
             let test = ChiSquareTest { seed, ..ChiSquareTest::default() };
@@ -341,9 +349,10 @@ fn p_values_of_densities_with_jumps_are_uniform() {
         })
         .collect();
     let below = |x: f64| p.iter().filter(|&&p| p < x).count();
+    // Binomial with 24 trials: each range holds with probability over 0.998.
     assert!(below(0.01) <= 3, "{p:?}");
-    assert!((2..=19).contains(&below(0.2)), "{p:?}");
-    assert!((9..=31).contains(&below(0.5)), "{p:?}");
+    assert!(below(0.2) <= 13, "{p:?}");
+    assert!((4..=20).contains(&below(0.5)), "{p:?}");
 }
 
 #[test]

@@ -5,6 +5,7 @@
 
 use glam::{DVec4, Vec3};
 
+use super::probe::Violations;
 use crate::brdf::{Brdf, Importance};
 use crate::geom::Quadrature;
 use crate::points::PointSet;
@@ -40,11 +41,6 @@ pub fn weight_spread(
     importance: Importance,
 ) -> WeightSpread {
     Moments::of(sampler, brdf, quadrature, importance).spread(SCALAR)
-}
-
-/// Directional albedo ∫ `importance`(f) cosθ dσ, at the nodes of `quadrature`.
-pub fn albedo(brdf: &dyn Brdf, quadrature: &Quadrature, importance: Importance) -> f64 {
-    quadrature.integrate(|wi| f64::from(importance.of(brdf.eval_cos(quadrature.wo(), wi))))
 }
 
 /// Seeded independent draws.
@@ -97,7 +93,7 @@ pub(super) struct Moments {
     largest: DVec4,
     pdf: f64,
     /// Nodes with f cosθ > 0 where pdf is not positive and finite.
-    pub hole_nodes: usize,
+    pub holes: Violations,
 }
 
 impl Moments {
@@ -110,22 +106,23 @@ impl Moments {
         let mut sums = Self::default();
         let wo = quadrature.wo();
         quadrature.for_each(|wi, d_sigma| {
-            sums.add(value(brdf, wo, wi, importance), f64::from(sampler.pdf(wo, wi)), d_sigma);
+            let (f_cos, pdf) = (value(brdf, wo, wi, importance), sampler.pdf(wo, wi));
+            if pdf > 0.0 && pdf.is_finite() {
+                sums.add(f_cos, f64::from(pdf), d_sigma);
+            } else if f_cos.max_element() > 0.0 {
+                sums.holes.add(wi, pdf);
+            }
+            sums.albedo += f_cos * d_sigma;
         });
         sums
     }
 
     fn add(&mut self, f_cos: DVec4, pdf: f64, d_sigma: f64) {
-        self.albedo += f_cos * d_sigma;
-        if pdf > 0.0 && pdf.is_finite() {
-            let weight = f_cos / pdf;
-            self.first += f_cos * d_sigma;
-            self.second += f_cos * weight * d_sigma;
-            self.largest = self.largest.max(weight);
-            self.pdf += pdf * d_sigma;
-        } else if f_cos.max_element() > 0.0 {
-            self.hole_nodes += 1;
-        }
+        let weight = f_cos / pdf;
+        self.first += f_cos * d_sigma;
+        self.second += f_cos * weight * d_sigma;
+        self.largest = self.largest.max(weight);
+        self.pdf += pdf * d_sigma;
     }
 
     pub fn spread(&self, lane: usize) -> WeightSpread {

@@ -186,13 +186,14 @@ impl<'a> Subject<'a> {
 
     /// The checks that chance has no part in.
     fn exact(&self, probe: &Probe, fine: &Moments) -> Vec<Outcome> {
-        let holes = probe.holes.count + fine.hole_nodes;
+        let holes = if fine.holes.count > 0 { &fine.holes } else { &probe.holes };
+        let count = fine.holes.count + probe.holes.count;
         let share = fine.spread(SCALAR).holes;
         vec![
             self.at_most(Check::Validity, probe.invalid.count as f64, 0.0, || probe.invalid.describe()),
             self.at_most(Check::Agreement, probe.disagreement, probe::AGREEMENT, || probe.differs.describe()),
-            self.at_most(Check::Positivity, holes as f64, 0.0, || {
-                format!("pdf = 0 over {:.3} % of f cosθ; {}", 100.0 * share, probe.holes.describe())
+            self.at_most(Check::Positivity, count as f64, 0.0, || {
+                format!("pdf = 0 over {:.3} % of f cosθ; {}", 100.0 * share, holes.describe())
             }),
         ]
     }

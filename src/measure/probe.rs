@@ -25,7 +25,7 @@ pub(super) struct Violations {
 }
 
 impl Violations {
-    fn add(&mut self, wi: Vec3, pdf: f32) {
+    pub fn add(&mut self, wi: Vec3, pdf: f32) {
         self.count += 1;
         self.first.get_or_insert((wi, pdf));
     }
@@ -33,7 +33,7 @@ impl Violations {
     /// "none", or the first violation.
     pub fn describe(&self) -> String {
         self.first.map_or_else(
-            || "none among random directions".to_owned(),
+            || "none".to_owned(),
             |(wi, pdf)| format!("first at wi = ({}, {}, {}), pdf {pdf}", wi.x, wi.y, wi.z),
         )
     }
