@@ -19,11 +19,15 @@
 
 pub mod brdf;
 pub mod color;
+pub mod dist;
 mod error;
 pub mod files;
 pub mod geom;
+pub mod image;
+pub mod light;
 pub mod merl;
 pub mod points;
+pub mod render;
 pub mod sampler;
 
 pub use error::{Error, Result};
