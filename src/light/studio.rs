@@ -7,9 +7,9 @@ use crate::Result;
 use crate::color::Rgb;
 use crate::geom::spherical;
 
-/// Size of the map: fine enough for the sun's soft edge.
-const WIDTH: usize = 1024;
-const HEIGHT: usize = 512;
+/// Size of the map: fine enough for the sun's soft edge, small enough for a cache.
+const WIDTH: usize = 512;
+const HEIGHT: usize = 256;
 
 /// A lamp in the sky, seen from the scene as a rectangle with a soft edge.
 struct Softbox {

@@ -16,6 +16,11 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// The ray through a point of a picture of `aspect` = width over height, in [0, 1]² from its upper left corner.
+    pub fn ray(&self, p: DVec2, aspect: f64) -> Ray {
+        self.lens(aspect).ray(p)
+    }
+
     /// The camera's axes, ready to make rays for a picture of the given width over height.
     pub(super) fn lens(&self, aspect: f64) -> Lens {
         let forward = (self.target - self.eye).normalize_or(-DVec3::Z);
