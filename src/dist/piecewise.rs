@@ -27,11 +27,11 @@ impl Piecewise2d {
     /// positive.
     pub fn new(width: usize, height: usize, weights: &[f64]) -> Result<Self> {
         check(width, height, weights)?;
-        // Scaled by the largest, sums can't overflow.
-        let scale = weights.iter().fold(0.0, |m: f64, &w| m.max(w)).recip();
+        // In units of the largest, sums can't overflow.
+        let largest = weights.iter().fold(0.0, |m: f64, &w| m.max(w));
         let mut columns = Vec::with_capacity(height * (width + 1));
         let sums: Vec<f64> =
-            weights.chunks_exact(width).map(|row| push_cumulative(&mut columns, row, scale)).collect();
+            weights.chunks_exact(width).map(|row| push_cumulative(&mut columns, row, largest)).collect();
         let mut rows = Vec::with_capacity(height + 1);
         push_cumulative(&mut rows, &sums, 1.0);
         Ok(Self { width, height, rows, columns })
@@ -115,14 +115,14 @@ fn check(width: usize, height: usize, weights: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// Appends the cumulative shares of `weights`, from 0 to exactly 1, and returns their scaled sum. Without mass, shares are
+/// Appends the cumulative shares of `weights`, from 0 to exactly 1, and returns their sum in units of `unit`. Without mass, shares are
 /// equal: nothing chooses such a row.
-fn push_cumulative(cdf: &mut Vec<f64>, weights: &[f64], scale: f64) -> f64 {
+fn push_cumulative(cdf: &mut Vec<f64>, weights: &[f64], unit: f64) -> f64 {
     let start = cdf.len();
     cdf.push(0.0);
     let mut sum = 0.0;
     for w in weights {
-        sum += w * scale;
+        sum += w / unit;
         cdf.push(sum);
     }
     let shares = &mut cdf[start + 1..];
@@ -218,6 +218,14 @@ mod tests {
         let message = Piecewise2d::new(2, 2, &[1.0, 1.0, 1.0, -2.0]).unwrap_err().to_string();
         assert!(message.contains("column 1, row 1"), "{message}");
         assert!(Piecewise2d::new(2, 1, &[1.0, f64::NAN]).is_err());
-        assert!(Piecewise2d::new(2, 1, &[f64::MAX, f64::MAX]).is_ok());
+    }
+
+    #[test]
+    fn extreme_weights_keep_their_shares() {
+        for unit in [f64::MAX, f64::MIN_POSITIVE * 1e-3] {
+            let d = Piecewise2d::new(2, 2, &[unit, 0.0, unit, 0.0]).unwrap();
+            assert_eq!(d.mass(0, 0), 0.5);
+            assert_eq!(d.mass(0, 1), 0.5);
+        }
     }
 }

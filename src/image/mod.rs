@@ -63,6 +63,11 @@ impl Image {
         &self.pixels
     }
 
+    /// Gives the pixels away, `[y][x]`.
+    pub fn into_pixels(self) -> Vec<Rgb> {
+        self.pixels
+    }
+
     /// The pixel in column `x` and row `y`; 0 outside.
     pub fn at(&self, x: usize, y: usize) -> Rgb {
         if x < self.width && y < self.height { self.pixels[y * self.width + x] } else { Rgb::ZERO }

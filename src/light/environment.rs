@@ -174,7 +174,8 @@ fn direction_of(longitude: f64, cos: f64) -> DVec3 {
 /// Longitude and latitude of a unit vector as shares in [0, 1].
 fn square_of(direction: DVec3) -> DVec2 {
     let longitude = direction.x.atan2(-direction.z) / TAU + 0.5;
-    DVec2::new(longitude, direction.x.hypot(direction.z).atan2(direction.y) / PI)
+    let beside = (direction.x * direction.x + direction.z * direction.z).sqrt();
+    DVec2::new(longitude, beside.atan2(direction.y) / PI)
 }
 
 #[cfg(test)]

@@ -178,16 +178,21 @@ impl<'a> Tracer<'a> {
                 break;
             }
             hit = self.next_hit(&step.ray, vertex.hit.object);
-            if self.hits_count {
-                let weight = |pdf: f64| if self.mis { power(step.pdf, pdf) } else { 1.0 };
-                sum += throughput * self.emitted(&step.ray, hit, weight);
-            }
+            sum += throughput * self.found(&step, hit);
             if !follows || !self.survives(&mut throughput, index, u[2]) {
                 break;
             }
             ray = step.ray;
         }
         if sum.is_finite() { sum } else { DVec3::ZERO }
+    }
+
+    /// Radiance of lights with an extent that a drawn direction finds, as far as it counts.
+    fn found(&self, step: &Step, hit: Option<Hit>) -> DVec3 {
+        if !self.hits_count {
+            return DVec3::ZERO;
+        }
+        self.emitted(&step.ray, hit, |pdf| if self.mis { power(step.pdf, pdf) } else { 1.0 })
     }
 
     /// What a drawn direction meets; nothing, where the plan says that nothing can be in the way.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::shape::enter_floor;
-use super::{Camera, Effect, EffectPlan, EnvironmentSource, Lambert, LightSpec, Ray, SceneSpec, Sphere};
+use super::{
+    Camera, Effect, EffectPlan, EnvironmentSource, Lambert, LightSpec, Ray, SceneSpec, Sphere, SphereSpec,
+};
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::image::read_exr;
@@ -61,37 +63,19 @@ impl Scene {
     pub fn build(
         spec: &SceneSpec,
         plan: &EffectPlan,
-        mut surface: impl FnMut(usize, bool) -> Result<Surface>,
+        surface: impl FnMut(usize, bool) -> Result<Surface>,
     ) -> Result<Self> {
         check(spec)?;
-        let directions = plan.is_on(Effect::Directions);
-        let mut surfaces = Vec::with_capacity(spec.materials.len() + 1);
-        for (i, material) in plan.materials().iter().enumerate() {
-            let loaded = material.on.then(|| surface(i, directions)).transpose()?;
-            if directions && loaded.as_ref().is_some_and(|s| s.sampler.is_none()) {
-                let what = format!("material {} has no sampler", spec.materials[i]);
-                return Err(Error::argument(what, "give one: the plan draws directions"));
-            }
-            surfaces.push(loaded);
-        }
-        let sphere = |s: &super::SphereSpec| Object { shape: Shape::Sphere(s.shape), surface: s.material };
+        // Lights first: a missing file should be told of before materials and samplers take their time.
+        let lights = load_lights(spec, plan)?;
+        let mut surfaces = load_surfaces(spec, plan, surface)?;
+        let sphere = |s: &SphereSpec| Object { shape: Shape::Sphere(s.shape), surface: s.material };
         let mut objects: Vec<Object> = spec.spheres.iter().map(sphere).collect();
         if let Some(reflectance) = spec.floor {
             objects.push(Object { shape: Shape::Floor, surface: surfaces.len() });
             surfaces.push(Some(floor(reflectance)));
         }
-        let lights = spec.lights.iter().zip(plan.lights()).filter(|(_, d)| d.on);
-        let sampling = match plan.is_on(Effect::EnvironmentTables) {
-            true => SkySampling::Importance,
-            false => SkySampling::Uniform,
-        };
-        Ok(Self {
-            camera: spec.camera,
-            depth: spec.depth,
-            lights: lights.map(|(light, _)| load(light, sampling)).collect::<Result<_>>()?,
-            objects,
-            surfaces,
-        })
+        Ok(Self { camera: spec.camera, depth: spec.depth, lights, objects, surfaces })
     }
 
     /// The first object that `ray` meets, except `leaving`: shapes are convex, so a ray that leaves one never meets it
@@ -146,6 +130,36 @@ fn floor(reflectance: f32) -> Surface {
     }
 }
 
+/// The surfaces of [`SceneSpec::materials`]; `None` for those that are not used.
+fn load_surfaces(
+    spec: &SceneSpec,
+    plan: &EffectPlan,
+    mut surface: impl FnMut(usize, bool) -> Result<Surface>,
+) -> Result<Vec<Option<Surface>>> {
+    let directions = plan.is_on(Effect::Directions);
+    let load = |(i, name): (usize, &String)| {
+        if !plan.materials().get(i).is_some_and(|material| material.on) {
+            return Ok(None);
+        }
+        let surface = surface(i, directions)?;
+        if directions && surface.sampler.is_none() {
+            let what = format!("material {name} has no sampler");
+            return Err(Error::argument(what, "give one: the plan draws directions"));
+        }
+        Ok(Some(surface))
+    };
+    spec.materials.iter().enumerate().map(load).collect()
+}
+
+fn load_lights(spec: &SceneSpec, plan: &EffectPlan) -> Result<Vec<Box<dyn Light>>> {
+    let sampling = match plan.is_on(Effect::EnvironmentTables) {
+        true => SkySampling::Importance,
+        false => SkySampling::Uniform,
+    };
+    let used = spec.lights.iter().zip(plan.lights()).filter(|(_, decision)| decision.on);
+    used.map(|(light, _)| load(light, sampling)).collect()
+}
+
 fn load(light: &LightSpec, sampling: SkySampling) -> Result<Box<dyn Light>> {
     Ok(match light {
         LightSpec::Point(light) => Box::new(*light),
@@ -161,13 +175,13 @@ fn environment(source: &EnvironmentSource, sampling: SkySampling) -> Result<Envi
         EnvironmentSource::Uniform(radiance) => Environment::uniform(*radiance),
         EnvironmentSource::File(path) => {
             let map = read_exr(path)?;
-            Environment::new(map.width(), map.height(), map.pixels().to_vec(), sampling)
+            Environment::new(map.width(), map.height(), map.into_pixels(), sampling)
         }
     }
 }
 
 fn check(spec: &SceneSpec) -> Result<()> {
-    let sphere_fits = |s: &super::SphereSpec| {
+    let sphere_fits = |s: &SphereSpec| {
         s.shape.centre.is_finite()
             && s.shape.radius > 0.0
             && s.shape.radius.is_finite()

@@ -57,8 +57,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
     /// Threads [default: one per core].
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
-    threads: usize,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
     /// Replace existing pictures.
     #[arg(long)]
     force: bool,
@@ -90,7 +90,7 @@ fn run_on_this_pool(args: &RenderArgs) -> Result<ExitCode> {
     let start = Instant::now();
     let (exr, png) = outputs(&args.output);
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Refuse };
-    refuse_existing(&[&exr, &png], overwrite)?;
+    check_outputs(&[&exr, &png], overwrite)?;
     let settings = settings(args);
     let (spec, materials) = describe(args, &settings)?;
     let plan = if args.all_effects { EffectPlan::everything(&spec) } else { EffectPlan::of(&spec) };
@@ -206,20 +206,30 @@ fn outputs(name: &Path) -> (PathBuf, PathBuf) {
     (with(".exr"), with(".png"))
 }
 
-/// Says so before the work, not after it.
-fn refuse_existing(paths: &[&Path], overwrite: Overwrite) -> Result<()> {
-    match paths.iter().find(|p| overwrite == Overwrite::Refuse && p.exists()) {
-        Some(path) => Err(Error::argument(
-            format!("{} exists", path.display()),
-            "pass --force to replace it, or name another output",
-        )),
-        None => Ok(()),
+/// Tells of outputs that can't be written before the work, not after it.
+fn check_outputs(paths: &[&Path], overwrite: Overwrite) -> Result<()> {
+    for path in paths {
+        if overwrite == Overwrite::Refuse && path.exists() {
+            return Err(Error::argument(
+                format!("{} exists", path.display()),
+                "pass --force to replace it, or name another output",
+            ));
+        }
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|p| !p.is_dir()) {
+            return Err(Error::argument(
+                format!("{} is not a folder", folder.display()),
+                "make it, or name another output",
+            ));
+        }
     }
+    Ok(())
 }
 
-fn rayon_pool(threads: usize) -> Result<rayon::ThreadPool> {
+fn rayon_pool(threads: Option<u16>) -> Result<rayon::ThreadPool> {
+    let threads = threads.map_or(0, usize::from);
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
-        Error::argument(format!("{threads} threads can't be started ({e})"), "pass a smaller --threads")
+        Error::argument(format!("the threads can't be started ({e})"), "pass a smaller --threads")
     })
 }
 
