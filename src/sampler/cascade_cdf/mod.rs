@@ -216,8 +216,8 @@ impl CascadeCdf {
     /// Half vector at grid coordinates `at`, in the frame of `wo`.
     #[inline]
     fn half_vector(&self, wo: Vec3, at: DVec2) -> DVec3 {
-        let sin = approx::sin(self.axis.theta(at.x / self.settings.theta_h as f64));
-        let cos = ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
+        let theta = self.axis.theta(at.x / self.settings.theta_h as f64);
+        let (sin, cos) = approx::sin_cos_turns(theta * (1.0 / TAU));
         let (s, c) = approx::sin_cos_turns(at.y / self.settings.phi_h as f64);
         let turn = wo.truncate().as_dvec2().try_normalize().unwrap_or(DVec2::X);
         (turn.rotate(DVec2::new(c, s)) * sin).extend(cos)
