@@ -31,7 +31,7 @@ pub struct SamplerArgs {
     /// adaptive-disc: mean number of trials allowed in a leaf, above 1 [default: 2]
     #[arg(long, value_name = "TRIALS")]
     n_max: Option<f64>,
-    /// adaptive-disc: subdivisions down to the smallest leaf, 1 to 20 [default: 14; as published 10]
+    /// adaptive-disc: subdivisions down to the smallest leaf, 1 to 14 [default: 14; as published 10]
     #[arg(long, value_name = "LEVELS")]
     depth: Option<u32>,
     /// adaptive-disc: don't split a leaf that wastes less than this share of the tree [default: 0.0001; as published 0]
