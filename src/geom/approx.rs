@@ -37,34 +37,39 @@ pub fn atan2(y: f64, x: f64) -> f64 {
         0.002_866_225_7,
     ];
     let (ax, ay) = (x.abs(), y.abs());
-    let (low, high) = if ay > ax { (ax, ay) } else { (ay, ax) };
+    let high = ax.max(ay);
     if high == 0.0 {
         return 0.0;
     }
-    let t = low / high;
+    let t = ax.min(ay) / high;
     let t2 = t * t;
     let angle = t * (polynomial(&[C[0], C[1], C[2], C[3], C[4], C[5], C[6], C[7]], t2) + C[8] * t2.powi(8));
-    let angle = if ay > ax { FRAC_PI_2 - angle } else { angle };
-    let angle = if x < 0.0 { PI - angle } else { angle };
+    // Octants come at random, so they are told apart without branches.
+    let steep = f64::from(u8::from(ay > ax));
+    let angle = steep * FRAC_PI_2 + (1.0 - 2.0 * steep) * angle;
+    let back = f64::from(u8::from(x < 0.0));
+    let angle = back * PI + (1.0 - 2.0 * back) * angle;
     angle.copysign(y)
 }
 
 /// Sine and cosine of `turns` full turns, 0 to 1, to 10⁻⁸; the sine to 10⁻⁸ of itself near 0.
 #[inline]
 pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
-    let quarters = (4.0 * turns).round();
+    // Truncation is an instruction everywhere; rounding is a call on the oldest x86-64.
+    let nearest = (4.0 * turns + 0.5) as u32;
     // At most an eighth of a turn from a multiple of a quarter, where the cosine follows from the sine without loss.
-    let x = (turns - 0.25 * quarters) * TAU;
+    let x = (turns - 0.25 * f64::from(nearest)) * TAU;
     let x2 = x * x;
     let low = 1.0 - 0.166_666_666_4 * x2 + x2 * x2 * (0.008_333_331_5 - 0.000_198_409_0 * x2);
     let s = x * (low + x2 * x2 * x2 * x2 * (0.000_002_752_6 - 0.000_000_023_9 * x2));
     let c = ((1.0 - s) * (1.0 + s)).sqrt();
-    match quarters as u32 & 3 {
-        0 => (s, c),
-        1 => (c, -s),
-        2 => (-s, -c),
-        _ => (-c, s),
-    }
+    // The quarter comes at random, so it is applied without branches.
+    let odd = 0u64.wrapping_sub(u64::from(nearest & 1));
+    let (s, c) = (s.to_bits(), c.to_bits());
+    let negative = |quarter: u32| u64::from(quarter & 2) << 62;
+    let sin = (s & !odd | c & odd) ^ negative(nearest);
+    let cos = (c & !odd | s & odd) ^ negative(nearest + 1);
+    (f64::from_bits(sin), f64::from_bits(cos))
 }
 
 /// Estrin's scheme: shorter chains of operations than Horner's.

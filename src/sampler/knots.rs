@@ -84,7 +84,10 @@ impl ThetaKnots {
 /// Splits [0, 1) at `at`: whether `u` fell below, and its position within its part, again uniform in [0, 1).
 #[inline]
 pub(super) fn split_unit(u: f64, at: f64) -> (bool, f64) {
-    if u < at { (true, u / at) } else { (false, ((u - at) / (1.0 - at)).min(1.0f64.next_down())) }
+    // Both parts come at random: choose the operands, not the path.
+    let below = u < at;
+    let (low, width) = if below { (0.0, at) } else { (at, 1.0 - at) };
+    (below, ((u - low) / width).min(1.0f64.next_down()))
 }
 
 #[cfg(test)]
