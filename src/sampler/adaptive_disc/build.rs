@@ -1,6 +1,6 @@
 //! Growing the trees.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
 use super::bounds::MaxTable;
@@ -178,7 +178,7 @@ impl Contents for Points<'_> {
     }
 
     fn bound(&self, rect: Rect, _: &Content) -> f32 {
-        self.bounds.over(DVec3::from(self.slice.wo.as_dvec3()), rect)
+        self.bounds.over(self.slice.wo.as_dvec3(), rect)
     }
 
     fn total(&self) -> f64 {
