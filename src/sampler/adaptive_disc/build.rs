@@ -10,8 +10,15 @@ use super::{AdaptiveDiscSettings, Construction, LeafChoice, ThetaKnots};
 use crate::brdf::{Brdf, Measured};
 use crate::geom::{Quadrature, spherical};
 
-/// Points along each side of a node in the refined construction.
-const SIDE: usize = 8;
+/// Points along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
+/// decides on splits, and a rough one will do.
+fn points_a_side(leaves: LeafChoice) -> usize {
+    match leaves {
+        LeafChoice::Envelope => 4,
+        LeafChoice::Integral => 8,
+    }
+}
+
 /// Points a bin of θh for ∫ f, which every density is divided by: within 10⁻³ on all embedded materials.
 const NORMALISER_POINTS: usize = 233;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
@@ -168,13 +175,14 @@ impl Contents for Points<'_> {
 
     fn of(&self, _: Square, rect: Rect) -> Content {
         let (mut sum, mut seen) = (0.0, 0.0f64);
-        for k in 0..SIDE * SIDE {
-            let t = DVec2::new((k % SIDE) as f64 + 0.5, (k / SIDE) as f64 + 0.5) / SIDE as f64;
+        let side = points_a_side(self.slice.settings.leaves);
+        for k in 0..side * side {
+            let t = DVec2::new((k % side) as f64 + 0.5, (k / side) as f64 + 0.5) / side as f64;
             let f = self.slice.value_on_disc(rect.at(t));
             sum += f;
             seen = seen.max(f);
         }
-        Content { integral: sum / (SIDE * SIDE) as f64 * rect.area(), seen, area: rect.area() }
+        Content { integral: sum / (side * side) as f64 * rect.area(), seen, area: rect.area() }
     }
 
     fn bound(&self, rect: Rect, _: &Content) -> f32 {
