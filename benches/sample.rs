@@ -6,9 +6,10 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
-use merlkit::brdf::{Brdf, LookupRule, Measured};
+use merlkit::brdf::{Brdf, Importance, LookupRule, Measured};
 use merlkit::color;
 use merlkit::geom::{POINTS_PER_BIN, Quadrature, spherical};
+use merlkit::measure::accuracy::weight_spread;
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::sampler::{
@@ -31,18 +32,16 @@ fn specs() -> [(&'static str, SamplerSpec); 6] {
     ]
 }
 
-/// The draws estimate the albedo; a few thousand of the cosine's don't see a metal's lobe.
+/// The draws estimate the albedo, within six standard errors by quadrature.
 fn assert_albedo(sampler: &Sampler, brdf: &Measured, wo: Vec3, points: &[Vec2]) {
-    let mut albedo = 0.0;
-    Quadrature::new(wo, POINTS_PER_BIN)
-        .for_each(|wi, d_sigma| albedo += f64::from(color::mean(brdf.eval_cos(wo, wi))) * d_sigma);
+    let spread = weight_spread(sampler, brdf, &Quadrature::new(wo, POINTS_PER_BIN), Importance::Mean);
     let weight = |&u: &Vec2| {
         let weight = sampler.sample(wo, u).map(|s| color::mean(brdf.eval_cos(wo, s.wi)) / s.pdf);
         f64::from(weight.unwrap_or(0.0))
     };
-    let ratio = points.iter().map(weight).sum::<f64>() / points.len() as f64 / albedo;
-    let allowed = if matches!(sampler, Sampler::Cosine(_)) { 2.0 } else { 0.05 };
-    assert!((ratio - 1.0).abs() < allowed, "{:?} {wo}: {ratio}", sampler.spec());
+    let ratio = points.iter().map(weight).sum::<f64>() / points.len() as f64 / spread.mean;
+    let allowed = 1e-3 + 6.0 * spread.relstd / (points.len() as f64).sqrt();
+    assert!((ratio - 1.0).abs() < allowed, "{:?} {wo}: {ratio}, {spread:?}", sampler.spec());
 }
 
 fn benches(c: &mut Criterion) {

@@ -48,6 +48,9 @@ fn coarse(choice: TableChoice) -> SamplerSpec {
     SamplerSpec::CascadeCdf(CascadeCdfSettings { choice, tolerance: Some(1e-2), ..Default::default() })
 }
 
+/// A sampler with its default settings but for what serves a `wo` between two tables.
+type Spec = fn(TableChoice) -> SamplerSpec;
+
 fn settings(seed: u64) -> CheckSettings {
     CheckSettings { draws: 30_000, calls: CALLS, seed, ..CheckSettings::default() }
 }
@@ -210,8 +213,7 @@ fn a_density_without_the_floor_is_rejected() {
 fn draws_of_the_nearest_table_with_the_density_of_the_mixture_are_rejected() {
     let brdf = measured("nickel", LookupRule::Floor);
     // Midway between trees 1.5° apart, and between tables 6° apart where half vectors change fast.
-    let cases: [(fn(TableChoice) -> SamplerSpec, _); 2] =
-        [(disc, [14.5, 45.0, 75.5]), (cascade, [75.0, 81.0, 87.0])];
+    let cases: [(Spec, _); 2] = [(disc, [14.5, 45.0, 75.5]), (cascade, [75.0, 81.0, 87.0])];
     for (spec, angles) in cases {
         let wos = angles.map(direction);
         let (draws, claims) = (
