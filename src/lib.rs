@@ -23,9 +23,12 @@ pub mod dist;
 mod error;
 pub mod files;
 pub mod geom;
+pub mod image;
+pub mod light;
 pub mod measure;
 pub mod merl;
 pub mod points;
+pub mod render;
 pub mod report;
 pub mod sampler;
 

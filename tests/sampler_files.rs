@@ -206,54 +206,48 @@ const COMMON: [Forgery; 5] = [
 #[test]
 fn forged_trees_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
-        ("NaN for a weight", |f| f.set_f32("node.weight", 9, f32::NAN), "node 9"),
-        ("infinity for a weight", |f| f.set_f32("node.weight", 0, f32::INFINITY), "node 0"),
-        ("a weight below 0", |f| f.set_f32("node.weight", 1, -1.0), "node 1"),
-        ("NaN for a bound", |f| f.set_f32("node.bound", 2, f32::NAN), "node 2"),
-        ("a root without children or bound", |f| f.set_u32("node.children", 0, 0), "node 0"),
+        ("NaN for a bound", |f| f.set_f32("leaf.bound", 2, f32::NAN), "leaf 2 of tree 0"),
+        ("infinity for a bound", |f| f.set_f32("leaf.bound", 0, f32::INFINITY), "leaf 0 of tree 0"),
+        ("a bound of 0", |f| f.set_f32("leaf.bound", 1, 0.0), "leaf 1 of tree 0"),
+        ("a bound below 0", |f| f.set_f32("leaf.bound", 1, -1.0), "leaf 1 of tree 0"),
+        ("a leaf too deep", |f| f.set_u32("leaf.code", 3, 15 << 28), "leaf 3 of tree 0"),
+        ("a leaf beside the disc's square", |f| f.set_u32("leaf.code", 3, 1 << 28 | 2), "leaf 3 of tree 0"),
+        ("probabilities that fall", |f| f.set_u32("leaf.upper", 5, 0), "probabilities of tree 0"),
         (
-            "children that point back",
+            "probabilities below 1",
             |f| {
-                let first = f.u32("node.children", 0);
-                let inner = (first..first + 4).find(|&i| f.u32("node.children", i as usize) != 0).unwrap();
-                f.set_u32("node.children", inner as usize, inner - 1);
+                let last = f.u32("tree.start", 1) as usize - 1;
+                f.set_u32("leaf.upper", last, u32::MAX - 1);
             },
-            "four later nodes",
+            "sum to 1",
         ),
-        ("children past the end", |f| f.set_u32("node.children", 0, u32::MAX - 2), "four later nodes"),
-        (
-            "children in the next tree",
-            |f| {
-                let next = f.u32("root", 1);
-                f.set_u32("node.children", 0, next);
-            },
-            "four later nodes",
-        ),
-        ("a root past the end", |f| f.set_u32("root", 6, u32::MAX), "tree"),
-        ("roots that fall", |f| f.set_u32("root", 3, 1), "one after the other"),
-        ("a first root other than 0", |f| f.set_u32("root", 0, 1), "one after the other"),
-        ("NaN for an integral", |f| f.set_f32("integral", 4, f32::NAN), "tree 4"),
-        ("an integral below 0", |f| f.set_f32("integral", 4, -0.5), "tree 4"),
-        ("a root without weight", |f| f.set_f32("node.weight", 0, 0.0), "tree 0"),
-        ("a short tensor", |f| f.cut("node.bound", 4), "equal length"),
+        ("starts past the end", |f| f.set_u32("tree.start", 6, u32::MAX), "starts that partition"),
+        ("starts that fall", |f| f.set_u32("tree.start", 3, 1), "starts that partition"),
+        ("a first start other than 0", |f| f.set_u32("tree.start", 0, 1), "starts that partition"),
+        ("a tree without leaves", |f| f.set_u32("tree.start", 1, 0), "0 leaves"),
+        ("NaN for an integral", |f| f.set_f32("tree.integral", 4, f32::NAN), "tree 4"),
+        ("an integral below 0", |f| f.set_f32("tree.integral", 4, -0.5), "tree 4"),
+        ("a dark tree with leaves", |f| f.set_f32("tree.integral", 4, 0.0), "tree 4"),
+        ("a short tensor", |f| f.cut("leaf.bound", 4), "equal length"),
         (
             "a missing tree",
             |f| {
-                f.cut("root", 4);
-                f.cut("integral", 4);
+                f.cut("tree.start", 4);
+                f.cut("tree.integral", 4);
             },
             "7 trees",
         ),
         ("another number of trees", |f| f.settings("tables", 8.into()), "8 trees"),
         ("no trees at all", |f| f.settings("tables", 0.into()), "0 trees"),
+        ("more trees than can be counted", |f| f.settings("tables", u64::MAX.into()), "trees"),
         (
             "a missing tensor",
             |f| {
-                f.tensors.remove("node.weight");
+                f.tensors.remove("leaf.code");
             },
-            "a tensor \"node.weight\", found none",
+            "a tensor \"leaf.code\", found none",
         ),
-        ("another type", |f| f.tensors.get_mut("node.children").unwrap().0 = Dtype::I32, "U32, found I32"),
+        ("another type", |f| f.tensors.get_mut("leaf.code").unwrap().0 = Dtype::I32, "U32, found I32"),
         ("a depth past its domain", |f| f.settings("depth", 99.into()), "depth is 99"),
     ];
     forgeries.extend(COMMON);

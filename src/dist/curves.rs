@@ -15,14 +15,6 @@ pub struct Segment {
     pub c1: f64,
 }
 
-impl Segment {
-    /// Density per grid unit.
-    #[inline]
-    pub fn density(&self) -> f64 {
-        (self.c1 - self.c0) / (self.x1 - self.x0)
-    }
-}
-
 /// CDF curves over the grid 0, 1 … n, each with its own knots at grid positions, or all with a knot at every position.
 ///
 /// A curve rises from 0 to 1 and never falls. One that is 0 everywhere stands for an empty distribution.
@@ -163,10 +155,9 @@ mod tests {
         for (x, index) in [(0.0, 0), (0.99, 0), (1.0, 1), (2.9, 1), (3.0, 2), (4.5, 3), (5.0, 3), (9.0, 3)] {
             assert_eq!(c.at(0, x).index, index, "{x}");
         }
-        assert_eq!(c.at(0, 2.0).density(), 0.125);
         let mut uniform = Curves::new();
         uniform.push(&[0.0, 1.0, 2.0], None);
-        assert_eq!(uniform.at(0, 1.5).density(), 0.5);
+        assert_eq!(uniform.at(0, 1.5).c0, 0.5);
         assert_eq!(uniform.at(0, 7.0).index, 1);
     }
 }

@@ -6,6 +6,7 @@
 //!
 //! Evaluation of BRDFs and choice of samples are its neighbours' business ([`crate::brdf`], [`crate::sampler`]).
 
+pub mod approx;
 mod disc;
 mod frame;
 mod half_diff;

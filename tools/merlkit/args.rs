@@ -44,3 +44,20 @@ pub fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
         None => Ok(()),
     }
 }
+
+/// Parses one of a few names.
+pub fn named<T: Copy + Send + Sync + 'static>(
+    values: &'static [(&'static str, T)],
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(values.iter().map(|v| v.0))
+        .map(move |name| values.iter().find(|v| v.0 == name).unwrap_or(&values[0]).1)
+}
+
+/// "1024x512" as two counts, neither of them 0.
+pub fn size(argument: &str) -> Result<(usize, usize), String> {
+    let parts = argument.split_once(['x', 'X', '×']);
+    parts
+        .and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)))
+        .filter(|&(a, b)| a > 0 && b > 0)
+        .ok_or_else(|| "expected two counts above 0, as in 1024x512".into())
+}

@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod failure;
 mod output;
+mod picture;
 mod progress;
 mod sampler_args;
 mod table;

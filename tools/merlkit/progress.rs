@@ -30,10 +30,15 @@ impl Progress {
 
     /// One part is done. May be called from any thread.
     pub fn advance(&self) {
+        self.advance_by(1);
+    }
+
+    /// Some parts are done. May be called from any thread.
+    pub fn advance_by(&self, parts: usize) {
         if self.bar.is_hidden() && self.started.elapsed() > PATIENCE {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
-        self.bar.inc(1);
+        self.bar.inc(parts as u64);
     }
 }
 

@@ -1,12 +1,13 @@
 //! Which sampler, with which settings: the options of every command that builds one.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
 use merlkit::brdf::Importance;
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, Construction, LeafChoice, SamplerSpec, TableChoice,
     ThetaSpacing,
 };
+
+use crate::args;
 
 /// Settings of samplers; those that are left out keep the method's own default.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -19,18 +20,18 @@ pub struct SamplerArgs {
     #[arg(long, value_name = "N")]
     tables: Option<usize>,
     /// What serves a wo between two tables [default: mixture; as published nearest]
-    #[arg(long, value_name = "HOW", value_parser = named(&[("nearest", TableChoice::Nearest), ("mixture", TableChoice::Mixture)]))]
+    #[arg(long, value_name = "HOW", value_parser = args::named(&[("nearest", TableChoice::Nearest), ("mixture", TableChoice::Mixture)]))]
     choice: Option<TableChoice>,
     /// Share of draws that follow the cosine, so that no direction is left out, 0 to 1 [default: 0.001; as published 0]
     #[arg(long, value_name = "SHARE")]
     floor: Option<f64>,
     /// Scalar that draws are proportional to [default: mean (of red, green, blue)]
-    #[arg(long, value_name = "SCALAR", value_parser = named(&[("mean", Importance::Mean), ("luminance", Importance::Luminance)]))]
+    #[arg(long, value_name = "SCALAR", value_parser = args::named(&[("mean", Importance::Mean), ("luminance", Importance::Luminance)]))]
     importance: Option<Importance>,
     /// adaptive-disc: mean number of trials allowed in a leaf, above 1 [default: 2]
     #[arg(long, value_name = "TRIALS")]
     n_max: Option<f64>,
-    /// adaptive-disc: subdivisions down to the smallest leaf, 1 to 20 [default: 14; as published 10]
+    /// adaptive-disc: subdivisions down to the smallest leaf, 1 to 14 [default: 14; as published 10]
     #[arg(long, value_name = "LEVELS")]
     depth: Option<u32>,
     /// adaptive-disc: don't split a leaf that wastes less than this share of the tree [default: 0.0001; as published 0]
@@ -41,10 +42,10 @@ pub struct SamplerArgs {
     #[arg(long, value_name = "PIXELS")]
     grid: Option<u32>,
     /// adaptive-disc: draw leaves by bound × area, which is exact, or by integral [default: envelope; as published integral]
-    #[arg(long, value_name = "BY", value_parser = named(&[("envelope", LeafChoice::Envelope), ("integral", LeafChoice::Integral)]))]
+    #[arg(long, value_name = "BY", value_parser = args::named(&[("envelope", LeafChoice::Envelope), ("integral", LeafChoice::Integral)]))]
     leaves: Option<LeafChoice>,
     /// cascade-cdf: cells over θh and φh before compression [default: 1024x512; 256x32 with --uncompressed]
-    #[arg(long, value_name = "THETAxPHI", value_parser = resolution)]
+    #[arg(long, value_name = "THETAxPHI", value_parser = args::size)]
     resolution: Option<(usize, usize)>,
     /// cascade-cdf: largest error of a compressed CDF, in probability [default: 0.001]
     #[arg(long, value_name = "ERROR", conflicts_with = "uncompressed")]
@@ -53,7 +54,7 @@ pub struct SamplerArgs {
     #[arg(long)]
     uncompressed: bool,
     /// cascade-cdf: spacing of cells over θh, by its root as MERL's bins or uniform [default: merl; as published uniform]
-    #[arg(long, value_name = "SPACING", value_parser = named(&[("merl", ThetaSpacing::Merl), ("uniform", ThetaSpacing::Uniform)]))]
+    #[arg(long, value_name = "SPACING", value_parser = args::named(&[("merl", ThetaSpacing::Merl), ("uniform", ThetaSpacing::Uniform)]))]
     spacing: Option<ThetaSpacing>,
 }
 
@@ -174,20 +175,4 @@ impl SamplerArgs {
 
 fn given(options: &[(bool, &'static str)]) -> Option<&'static str> {
     options.iter().find(|o| o.0).map(|o| o.1)
-}
-
-/// Parses one of a few names.
-fn named<T: Copy + Send + Sync + 'static>(
-    values: &'static [(&'static str, T)],
-) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(values.iter().map(|v| v.0))
-        .map(move |name| values.iter().find(|v| v.0 == name).unwrap_or(&values[0]).1)
-}
-
-/// "1024x512" as two counts.
-fn resolution(argument: &str) -> Result<(usize, usize), String> {
-    let parts = argument.split_once(['x', '×']);
-    parts
-        .and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)))
-        .ok_or_else(|| "expected two counts, as in 1024x512".into())
 }

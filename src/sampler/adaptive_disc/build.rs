@@ -1,11 +1,11 @@
 //! Growing the trees.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
 use super::bounds::MaxTable;
 use super::square::{Rect, Square};
-use super::tree::{Forest, Node};
+use super::tree::{Forest, Grown, MOST_LEAVES};
 use super::{AdaptiveDiscSettings, Construction, LeafChoice, ThetaKnots};
 use crate::brdf::{Brdf, Measured};
 use crate::geom::{Quadrature, spherical};
@@ -14,6 +14,8 @@ use crate::geom::{Quadrature, spherical};
 const SIDE: usize = 8;
 /// Points a bin of θh for ∫ f, which every density is divided by: within 10⁻³ on all embedded materials.
 const NORMALISER_POINTS: usize = 233;
+/// Leaves kept free for the squares that are open when a tree is full: three a level.
+const SPARE: usize = 20;
 /// Nodes above this depth are split unseen.
 const COARSEST: u32 = 3;
 
@@ -21,25 +23,23 @@ const COARSEST: u32 = 3;
 pub(super) fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
     let bounds = matches!(settings.construction, Construction::Refined)
         .then(|| MaxTable::new(brdf, settings.importance));
-    let trees: Vec<(Vec<Node>, f64)> = (0..knots.count())
+    let trees: Vec<(Vec<Grown>, f64)> = (0..knots.count())
         .into_par_iter()
         .map(|k| {
             let slice = Slice::new(brdf, settings, knots.theta(k));
             let integral = Quadrature::new(slice.wo, NORMALISER_POINTS)
                 .integrate(|wi| slice.value(wi) * f64::from(wi.z));
-            if integral <= 0.0 {
-                return (vec![Node::default()], 0.0);
-            }
-            let tree = match (&settings.construction, &bounds) {
+            let leaves = match (&settings.construction, &bounds) {
+                _ if integral <= 0.0 => Vec::new(),
                 (Construction::Grid(side), _) => Grower::new(settings, Image::new(&slice, *side)).grow(),
                 (_, Some(bounds)) => Grower::new(settings, Points { slice: &slice, bounds, integral }).grow(),
-                (_, None) => vec![Node::default()],
+                (_, None) => Vec::new(),
             };
-            let drawn = f64::from(tree[0].weight);
+            let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
             match settings.leaves {
-                _ if drawn <= 0.0 => (vec![Node::default()], 0.0),
-                LeafChoice::Envelope => (tree, integral),
-                LeafChoice::Integral => (tree, drawn),
+                _ if leaves.is_empty() => (leaves, 0.0),
+                LeafChoice::Envelope => (leaves, integral),
+                LeafChoice::Integral => (leaves, drawn),
             }
         })
         .collect();
@@ -96,41 +96,45 @@ struct Grower<'a, C> {
     settings: &'a AdaptiveDiscSettings,
     contents: C,
     wasted: f64,
-    nodes: Vec<Node>,
+    leaves: Vec<Grown>,
 }
 
 impl<'a, C: Contents> Grower<'a, C> {
     fn new(settings: &'a AdaptiveDiscSettings, contents: C) -> Self {
         let wasted = settings.waste * contents.total();
-        Self { settings, contents, wasted, nodes: vec![Node::default()] }
+        Self { settings, contents, wasted, leaves: Vec::new() }
     }
 
-    fn grow(mut self) -> Vec<Node> {
-        self.node(0, Square::ROOT, 0);
-        self.nodes
+    /// The leaves that can be drawn, in Z-order.
+    fn grow(mut self) -> Vec<Grown> {
+        self.visit(Square::ROOT, 0);
+        self.leaves
     }
 
-    fn node(&mut self, position: usize, square: Square, depth: u32) {
+    fn visit(&mut self, square: Square, depth: u32) {
         let Some(rect) = square.inside_disc() else {
             return;
         };
-        if depth < self.settings.depth && self.contents.too_coarse(depth) {
-            return self.split(position, square, depth);
+        let has_room = depth < self.settings.depth && self.leaves.len() + 4 * SPARE < MOST_LEAVES;
+        if has_room && self.contents.too_coarse(depth) {
+            return self.split(square, depth);
         }
         let content = self.contents.of(square, rect);
-        let may_split = depth < self.settings.depth && !self.contents.too_fine(square);
+        let may_split = has_room && !self.contents.too_fine(square);
         if may_split && self.wants_split(&content, content.seen) {
-            return self.split(position, square, depth);
+            return self.split(square, depth);
         }
         let bound = self.contents.bound(rect, &content);
         if may_split && self.wants_split(&content, f64::from(bound)) {
-            return self.split(position, square, depth);
+            return self.split(square, depth);
         }
         let weight = match self.settings.leaves {
             LeafChoice::Envelope => f64::from(bound) * content.area,
             LeafChoice::Integral => content.integral,
         };
-        self.nodes[position] = Node { weight: weight as f32, bound, children: 0 };
+        if weight > 0.0 && bound > 0.0 {
+            self.leaves.push(Grown { square, bound, weight });
+        }
     }
 
     /// I/V < 1/n_max (the printed inequality 6.6 is the wrong way round; algorithm 12 is right), with V under `bound`.
@@ -139,14 +143,10 @@ impl<'a, C: Contents> Grower<'a, C> {
         content.integral * self.settings.n_max < volume && volume - content.integral > self.wasted
     }
 
-    fn split(&mut self, position: usize, square: Square, depth: u32) {
-        let first = self.nodes.len();
-        self.nodes.resize(first + 4, Node::default());
+    fn split(&mut self, square: Square, depth: u32) {
         for i in 0..4 {
-            self.node(first + i, square.child(i), depth + 1);
+            self.visit(square.child(i), depth + 1);
         }
-        let weight: f64 = self.nodes[first..first + 4].iter().map(|n| f64::from(n.weight)).sum();
-        self.nodes[position] = Node { weight: weight as f32, bound: 0.0, children: first as u32 };
     }
 }
 
@@ -178,7 +178,7 @@ impl Contents for Points<'_> {
     }
 
     fn bound(&self, rect: Rect, _: &Content) -> f32 {
-        self.bounds.over(DVec3::from(self.slice.wo.as_dvec3()), rect)
+        self.bounds.over(self.slice.wo.as_dvec3(), rect)
     }
 
     fn total(&self) -> f64 {
@@ -248,21 +248,11 @@ mod tests {
     use crate::merl::decode_embedded;
     use crate::points::Stream;
     use crate::sampler::TableChoice;
-    use crate::sampler::adaptive_disc::tree::Leaf;
+    use crate::sampler::adaptive_disc::tree::{Drawn, Leaf, WHOLE};
     use std::sync::Arc;
 
-    /// Calls `visit` with every leaf of a tree.
-    fn leaves(forest: &Forest, position: usize, square: Square, visit: &mut impl FnMut(Leaf, f64)) {
-        let node = forest.nodes[position];
-        if node.children == 0 {
-            if square.inside_disc().is_some() {
-                visit(Leaf::new(square, &node), f64::from(node.weight));
-            }
-            return;
-        }
-        for i in 0..4 {
-            leaves(forest, node.children as usize + i, square.child(i), visit);
-        }
+    fn volume(leaf: &Leaf) -> f64 {
+        f64::from(leaf.bound) * Drawn::new(leaf, 0.0).rect.area()
     }
 
     #[test]
@@ -280,20 +270,21 @@ mod tests {
             let mut random = Stream::new(1);
             for k in 0..9 {
                 let slice = Slice::new(&brdf, &settings, knots.theta(k));
-                let (mut volume, mut worst) = (0.0, 0.0f64);
-                leaves(&forest, forest.roots[k] as usize, Square::ROOT, &mut |leaf, weight| {
-                    volume += weight;
+                let mut worst = 0.0f64;
+                for leaf in forest.tree(k).iter().map(|leaf| Drawn::new(leaf, 0.0)) {
                     for _ in 0..100 {
                         let t = DVec2::new(random.next_f64(), random.next_f64());
                         if let Some(wi) = leaf.direction(t, DVec2::X) {
                             worst = worst.max(slice.value(wi) / f64::from(leaf.bound));
                         }
                     }
-                });
+                }
                 assert!(worst <= 1.0, "{name}, knot {k}: a value {worst} times the bound");
                 assert!(worst > 0.8, "{name}, knot {k}: the bounds are slack, at best {worst}");
+                let volume: f64 = forest.tree(k).iter().map(volume).sum();
                 let trials = volume / forest.integral(k);
                 assert!((1.0..3.0).contains(&trials), "{name}, knot {k}: {trials} trials a draw");
+                assert_eq!(forest.tree(k).last().unwrap().upper, WHOLE);
             }
         }
     }
@@ -307,13 +298,13 @@ mod tests {
         let forest = forest(&brdf, &settings, knots);
         let slice = Slice::new(&brdf, &settings, knots.theta(1));
         let (mut random, mut exceeded) = (Stream::new(1), 0);
-        leaves(&forest, forest.roots[1] as usize, Square::ROOT, &mut |leaf, _| {
+        for leaf in forest.tree(1).iter().map(|leaf| Drawn::new(leaf, 0.0)) {
             for _ in 0..100 {
                 let t = DVec2::new(random.next_f64(), random.next_f64());
                 let value = leaf.direction(t, DVec2::X).map_or(0.0, |wi| slice.value(wi));
                 exceeded += u32::from(value > f64::from(leaf.bound));
             }
-        });
+        }
         assert!(exceeded > 0);
     }
 }

@@ -2,8 +2,7 @@
 
 use glam::{DVec2, Vec3};
 
-use super::square::Square;
-use super::tree::Leaf;
+use super::tree::Drawn;
 use super::{AdaptiveDisc, LeafChoice, MAX_TRIALS, View};
 use crate::geom::{cosine_hemisphere, is_upper};
 use crate::points::{PointSet, Stream};
@@ -65,58 +64,27 @@ impl Batch<'_> {
         if self.disc.forest.integral(k) <= 0.0 {
             return self.cosine(count, seed.wrapping_add(1));
         }
-        let root = self.disc.forest.roots[k] as usize;
-        match self.disc.settings.leaves {
-            LeafChoice::Integral => self.node(k, root, Square::ROOT, count),
-            LeafChoice::Envelope => self.rounds(k, root, count),
-        }
-    }
-
-    /// Proposals are shared over the leaves; as many as were rejected are shared again, until all are accepted.
-    fn rounds(&mut self, k: usize, root: usize, count: usize) {
         let goal = self.out.len() + count;
-        for _ in 0..MAX_TRIALS {
-            let missing = goal - self.out.len();
-            if missing == 0 {
-                return;
-            }
-            self.node(k, root, Square::ROOT, missing);
+        match self.disc.settings.leaves {
+            LeafChoice::Integral => self.shares(k, count, MAX_TRIALS),
+            // As many proposals as were rejected are shared again, until all are accepted.
+            LeafChoice::Envelope => (0..MAX_TRIALS).for_each(|_| self.shares(k, goal - self.out.len(), 1)),
         }
         self.out.resize(goal, None);
     }
 
-    fn node(&mut self, k: usize, position: usize, square: Square, count: usize) {
-        if count == 0 {
-            return;
-        }
-        let node = self.disc.forest.nodes[position];
-        if node.children == 0 {
-            return self.leaf(k, &Leaf::new(square, &node), count);
-        }
-        let shares = share_out(count, self.disc.forest.child_weights(&node), &mut self.random);
-        for (i, share) in shares.into_iter().enumerate() {
-            self.node(k, node.children as usize + i, square.child(i), share);
+    /// Shares `count` draws of up to `trials` trials over the leaves: one every 1/count of their CDF, from one random offset
+    /// on, so that every square of the tree gets its expected number, rounded.
+    fn shares(&mut self, k: usize, count: usize, trials: u32) {
+        let offset = self.random.next_f64();
+        for i in 0..count {
+            let leaf = self.disc.forest.draw(k, (i as f64 + offset) / count as f64);
+            let drawn = (0..trials).find_map(|_| self.trial(k, &leaf));
+            self.out.extend(drawn.map(Some));
         }
     }
 
-    /// `count` trials under the envelope, or `count` accepted draws of the leaf.
-    fn leaf(&mut self, k: usize, leaf: &Leaf, count: usize) {
-        for _ in 0..count {
-            match self.disc.settings.leaves {
-                LeafChoice::Envelope => {
-                    if let Some(sample) = self.trial(k, leaf) {
-                        self.out.push(Some(sample));
-                    }
-                }
-                LeafChoice::Integral => {
-                    let drawn = (0..MAX_TRIALS).find_map(|_| self.trial(k, leaf));
-                    self.out.push(drawn);
-                }
-            }
-        }
-    }
-
-    fn trial(&mut self, k: usize, leaf: &Leaf) -> Option<DirectionSample> {
+    fn trial(&mut self, k: usize, leaf: &Drawn) -> Option<DirectionSample> {
         let point = DVec2::new(self.random.next_f64(), self.random.next_f64());
         let wi = leaf.direction(point, self.view.turn)?;
         let value = self.disc.value(k, self.view.turn, wi);

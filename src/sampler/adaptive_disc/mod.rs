@@ -10,7 +10,8 @@ mod many;
 mod square;
 mod tree;
 
-pub(super) use tree::{Forest, Node};
+pub(super) use square::DEEPEST;
+pub(super) use tree::{Forest, Leaf, MOST_LEAVES, WHOLE};
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -52,7 +53,7 @@ pub struct AdaptiveDiscSettings {
     pub tables: usize,
     /// Mean number of trials allowed in a leaf, > 1.
     pub n_max: f64,
-    /// Subdivisions from the whole disc to the smallest leaf, 1 to 20.
+    /// Subdivisions from the whole disc to the smallest leaf, 1 to 14.
     pub depth: u32,
     /// A leaf is not split when the trials it wastes are less than this share of the whole tree's; 0 splits by `n_max` alone.
     pub waste: f64,
@@ -106,8 +107,8 @@ impl AdaptiveDiscSettings {
                 "choose a mean number of trials above 1, such as 2",
             );
         }
-        if !(1..=20).contains(&self.depth) {
-            return refuse(format!("depth is {}", self.depth), "choose 1 to 20 subdivisions");
+        if !(1..=DEEPEST).contains(&self.depth) {
+            return refuse(format!("depth is {}", self.depth), "choose 1 to 14 subdivisions");
         }
         if !(0.0..=1.0).contains(&self.floor) || !(0.0..1.0).contains(&self.waste) {
             return refuse(
@@ -156,17 +157,17 @@ impl AdaptiveDisc {
         Ok(Self { brdf, settings, knots, forest })
     }
 
-    /// Puts a sampler together from stored nodes, the roots among them and each tree's integral, validated beforehand.
+    /// Puts a sampler together from stored leaves, each tree's start and integral, validated beforehand.
     pub(super) fn from_parts(
         brdf: Arc<Measured>,
         settings: AdaptiveDiscSettings,
-        nodes: Vec<Node>,
-        roots: &[u32],
-        integrals: &[f32],
+        leaves: Vec<Leaf>,
+        starts: Vec<u32>,
+        integrals: Vec<f32>,
     ) -> Result<Self> {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
-        let forest = Forest::new(nodes, roots.to_vec(), integrals.to_vec(), knots);
+        let forest = Forest::new(leaves, starts, integrals, knots);
         Ok(Self { brdf, settings, knots, forest })
     }
 
@@ -182,7 +183,7 @@ impl AdaptiveDisc {
 
     /// Leaves of all trees together.
     pub fn leaves(&self) -> usize {
-        self.forest.leaves()
+        self.forest.leaves.len()
     }
 
     pub(super) fn forest(&self) -> &Forest {
@@ -234,7 +235,8 @@ impl AdaptiveDisc {
         if self.forest.integral(k) <= 0.0 {
             return Some((cosine_hemisphere(point.as_vec2()).as_vec3(), 0.0));
         }
-        let mut leaf = self.forest.descend(k, &mut point);
+        let mut leaf = self.forest.draw(k, point.x);
+        point.x = leaf.rest;
         for _ in 0..MAX_TRIALS {
             if let Some(wi) = leaf.direction(point, turn) {
                 let value = self.value(k, turn, wi);
@@ -244,7 +246,8 @@ impl AdaptiveDisc {
             }
             point = DVec2::new(random.next_f64(), random.next_f64());
             if self.settings.leaves == LeafChoice::Envelope {
-                leaf = self.forest.descend(k, &mut point);
+                leaf = self.forest.draw(k, point.x);
+                point.x = leaf.rest;
             }
         }
         None

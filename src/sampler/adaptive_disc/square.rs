@@ -9,6 +9,9 @@ pub(super) struct Square {
     pub side: f64,
 }
 
+/// Subdivisions that a square's code has room for.
+pub(in crate::sampler) const DEEPEST: u32 = 14;
+
 /// An axis-aligned rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rect {
@@ -24,6 +27,22 @@ impl Square {
     pub fn child(self, i: usize) -> Self {
         let side = self.side * 0.5;
         Self { corner: self.corner + side * DVec2::new((i & 1) as f64, (i >> 1) as f64), side }
+    }
+
+    /// Depth in the upper four bits, then the square's column and row among all of its depth, fourteen bits each.
+    pub fn code(self) -> u32 {
+        let depth = (2.0 / self.side).log2().round() as u32;
+        let place = |x: f64| ((x + 1.0) / self.side).round() as u32;
+        depth << 28 | place(self.corner.x) << 14 | place(self.corner.y)
+    }
+
+    /// The square of a code.
+    #[inline]
+    pub fn of_code(code: u32) -> Self {
+        // 2^(1 − depth), by its exponent.
+        let side = f64::from_bits((1024 - u64::from(code >> 28)) << 52);
+        let place = DVec2::new(f64::from(code >> 14 & 0x3fff), f64::from(code & 0x3fff));
+        Self { corner: place * side - 1.0, side }
     }
 
     /// Bounding rectangle of the part inside the unit disc; `None` if there is none.
@@ -76,6 +95,17 @@ use glam::Vec2Swizzles as _;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn codes_give_back_their_squares() {
+        let mut square = Square::ROOT;
+        assert_eq!(Square::of_code(square.code()), square);
+        for depth in 1..=DEEPEST {
+            square = square.child(depth as usize % 4);
+            assert_eq!(Square::of_code(square.code()), square);
+            assert_eq!(square.code() >> 28, depth);
+        }
+    }
 
     #[test]
     fn rectangles_hold_the_part_inside_and_touch_the_circle() {

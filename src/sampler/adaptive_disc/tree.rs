@@ -1,52 +1,106 @@
-//! Trees as flat arrays of nodes.
+//! Quadtrees as their leaves in Z-order.
+//!
+//! Descending a quadtree by its children's conditional CDFs (thesis 6.2.2) is inverting one CDF over the leaves in the order
+//! of a depth-first walk. Stored that way a tree needs no inner nodes, and a guide table (Chen and Asau 1974) finds the leaf
+//! in a step or two, where the descent takes as many as the tree is deep.
 
 use glam::{DVec2, Vec3};
 
 use super::square::{Rect, Square};
 use crate::sampler::knots::ThetaKnots;
 
-/// A node of twelve bytes. Children of a node stand together in the order of [`Square::child`].
+/// A leaf of twelve bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::sampler) struct Node {
-    /// What the node is drawn in proportion to: the sum over its leaves of bound × area, or of their integrals.
-    pub weight: f32,
-    /// Upper bound of f in a leaf; 0 in an inner node.
+pub(in crate::sampler) struct Leaf {
+    /// Probability of this leaf and all before it in its tree, in units of 1/[`WHOLE`].
+    pub upper: u32,
+    /// Upper bound of f in the leaf, > 0.
     pub bound: f32,
-    /// Position of the first child; 0 for a leaf.
-    pub children: u32,
+    /// The leaf's square: see [`Square::code`].
+    pub code: u32,
 }
+
+/// A probability of 1.
+pub(in crate::sampler) const WHOLE: u32 = u32::MAX;
+/// A tree's leaves are counted in 16 bits.
+pub(in crate::sampler) const MOST_LEAVES: usize = u16::MAX as usize;
 
 /// A tree for each angle of `wo`, in one array.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::sampler) struct Forest {
-    /// Nodes of all trees; each tree starts with its root, and positions count from the array's start.
-    pub nodes: Vec<Node>,
-    /// Position of each tree's root.
-    pub roots: Vec<u32>,
+    /// Leaves of all trees.
+    pub leaves: Vec<Leaf>,
+    /// Where each tree's leaves start, and the number of all at the end.
+    pub starts: Vec<u32>,
     /// ∫ f dx dy over the disc at each knot: what a value is divided by to become a density.
     pub integrals: Vec<f32>,
+    /// For each tree as many entries as leaves: the leaf that holds probability j/n.
+    guide: Vec<u16>,
     /// Sine and cosine of each knot's angle.
-    pub directions: Vec<[f32; 2]>,
+    directions: Vec<[f32; 2]>,
 }
 
-/// A leaf reached by a descent.
+/// A leaf before its tree is complete.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Leaf {
+pub(super) struct Grown {
+    pub square: Square,
+    pub bound: f32,
+    /// What the leaf is drawn in proportion to.
+    pub weight: f64,
+}
+
+/// A leaf that was drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drawn {
     pub rect: Rect,
     pub bound: f32,
+    /// Position of the number drawn within the leaf's share, uniform in [0, 1).
+    pub rest: f64,
 }
 
 impl Forest {
+    /// Arrays for the angles of `knots`; the guide is made here.
+    pub fn new(leaves: Vec<Leaf>, starts: Vec<u32>, integrals: Vec<f32>, knots: ThetaKnots) -> Self {
+        let directions = (0..knots.count())
+            .map(|k| {
+                let (sin, cos) = knots.theta(k).sin_cos();
+                [sin as f32, cos as f32]
+            })
+            .collect();
+        let guide = starts.windows(2).flat_map(|w| guide(&leaves[w[0] as usize..w[1] as usize])).collect();
+        Self { leaves, starts, integrals, guide, directions }
+    }
+
+    /// Puts trees together, each given by its leaves in Z-order and its integral.
+    pub(super) fn join(trees: &[(Vec<Grown>, f64)], knots: ThetaKnots) -> Self {
+        let (mut leaves, mut starts) = (Vec::new(), vec![0]);
+        for (grown, _) in trees {
+            let total: f64 = grown.iter().map(|g| g.weight).sum();
+            let mut sum = 0.0;
+            leaves.extend(grown.iter().enumerate().map(|(i, g)| {
+                sum += g.weight;
+                let last = i + 1 == grown.len();
+                let upper = if last { WHOLE } else { (sum / total * f64::from(WHOLE)) as u32 };
+                Leaf { upper, bound: g.bound, code: g.square.code() }
+            }));
+            starts.push(leaves.len() as u32);
+        }
+        Self::new(leaves, starts, trees.iter().map(|t| t.1 as f32).collect(), knots)
+    }
+
     /// Bytes held by the arrays.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.nodes.as_slice())
-            + size_of_val(self.roots.as_slice())
+        size_of_val(self.leaves.as_slice())
+            + size_of_val(self.starts.as_slice())
             + size_of_val(self.integrals.as_slice())
+            + size_of_val(self.guide.as_slice())
             + size_of_val(self.directions.as_slice())
     }
 
-    pub fn leaves(&self) -> usize {
-        self.nodes.iter().filter(|n| n.children == 0).count()
+    /// Leaves of tree `k`, in Z-order.
+    #[inline]
+    pub fn tree(&self, k: usize) -> &[Leaf] {
+        &self.leaves[self.starts[k] as usize..self.starts[k + 1] as usize]
     }
 
     /// ∫ f dx dy of tree `k`; 0 for a material without light.
@@ -56,71 +110,50 @@ impl Forest {
     }
 
     /// Sine and cosine of knot `k`.
+    #[inline]
     pub fn knot(&self, k: usize) -> (f64, f64) {
         let [sin, cos] = self.directions[k];
         (f64::from(sin), f64::from(cos))
     }
 
-    /// Arrays for the angles of `knots`.
-    pub fn new(nodes: Vec<Node>, roots: Vec<u32>, integrals: Vec<f32>, knots: ThetaKnots) -> Self {
-        let directions = (0..knots.count())
-            .map(|k| {
-                let (sin, cos) = knots.theta(k).sin_cos();
-                [sin as f32, cos as f32]
-            })
-            .collect();
-        Self { nodes, roots, integrals, directions }
-    }
-
-    /// Puts trees together whose positions count from their own starts, each with its integral.
-    pub fn join(trees: &[(Vec<Node>, f64)], knots: ThetaKnots) -> Self {
-        let (mut nodes, mut roots) = (Vec::new(), Vec::new());
-        for (tree, _) in trees {
-            let start = nodes.len() as u32;
-            roots.push(start);
-            let moved = |children: u32| if children == 0 { 0 } else { children + start };
-            nodes.extend(tree.iter().map(|n| Node { children: moved(n.children), ..*n }));
-        }
-        Self::new(nodes, roots, trees.iter().map(|t| t.1 as f32).collect(), knots)
-    }
-
-    /// Weights of the four children of a node.
+    /// The leaf of tree `k` at probability `u` in [0, 1). The tree must have leaves.
     #[inline]
-    pub fn child_weights(&self, node: &Node) -> [f64; 4] {
-        let first = node.children as usize;
-        std::array::from_fn(|i| f64::from(self.nodes[first + i].weight))
-    }
-
-    /// Draws a leaf of tree `k` by `point.x` and leaves in `point` a point that is uniform again.
-    ///
-    /// The tree must have a positive weight.
-    #[inline]
-    pub(super) fn descend(&self, k: usize, point: &mut DVec2) -> Leaf {
-        let mut node = self.nodes[self.roots[k] as usize];
-        let mut square = Square::ROOT;
-        let mut r = point.x * f64::from(node.weight);
-        while node.children != 0 {
-            let weights = self.child_weights(&node);
-            let below = [0.0, weights[0], weights[0] + weights[1], weights[0] + weights[1] + weights[2]];
-            let mut chosen =
-                usize::from(r >= below[1]) + usize::from(r >= below[2]) + usize::from(r >= below[3]);
-            // Weights are rounded, so `r` may run past the last child that has any; step back to it.
-            while weights[chosen] <= 0.0 && chosen > 0 {
-                chosen -= 1;
-            }
-            r = (r - below[chosen]).min(weights[chosen]);
-            square = square.child(chosen);
-            node = self.nodes[node.children as usize + chosen];
+    pub(super) fn draw(&self, k: usize, u: f64) -> Drawn {
+        let leaves = self.tree(k);
+        let r = u * f64::from(WHOLE);
+        let start = self.starts[k] as usize;
+        let mut i =
+            usize::from(self.guide[start + ((u * leaves.len() as f64) as usize).min(leaves.len() - 1)]);
+        while i + 1 < leaves.len() && f64::from(leaves[i].upper) <= r {
+            i += 1;
         }
-        point.x = (r / f64::from(node.weight)).clamp(0.0, 1.0f64.next_down());
-        Leaf::new(square, &node)
+        let below = if i == 0 { 0.0 } else { f64::from(leaves[i - 1].upper) };
+        let share = f64::from(leaves[i].upper) - below;
+        let rest = if share > 0.0 { ((r - below) / share).clamp(0.0, 1.0f64.next_down()) } else { 0.0 };
+        Drawn::new(&leaves[i], rest)
     }
 }
 
-impl Leaf {
-    pub fn new(square: Square, node: &Node) -> Self {
+/// The leaf that holds probability j/n, for each j of n leaves.
+fn guide(leaves: &[Leaf]) -> Vec<u16> {
+    let n = leaves.len();
+    let mut i = 0;
+    (0..n)
+        .map(|j| {
+            let r = j as f64 / n as f64 * f64::from(WHOLE);
+            while i + 1 < n && f64::from(leaves[i].upper) <= r {
+                i += 1;
+            }
+            i as u16
+        })
+        .collect()
+}
+
+impl Drawn {
+    pub fn new(leaf: &Leaf, rest: f64) -> Self {
+        let square = Square::of_code(leaf.code);
         let rect = square.inside_disc().unwrap_or(Rect { low: square.corner, high: square.corner });
-        Self { rect, bound: node.bound }
+        Self { rect, bound: leaf.bound, rest }
     }
 
     /// Direction at relative position `t` of the leaf, turned by the azimuth whose cosine and sine are `turn`; `None`

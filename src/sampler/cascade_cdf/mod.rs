@@ -18,7 +18,7 @@ use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
 use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance};
 use crate::dist::Curves;
-use crate::geom::{cosine_hemisphere, is_upper, reflect_about};
+use crate::geom::{approx, cosine_hemisphere, is_upper, reflect_about};
 use crate::{Error, Result};
 
 /// Settings of [`CascadeCdf::build`].
@@ -182,18 +182,20 @@ impl CascadeCdf {
         if piece.c1 <= piece.c0 {
             return 0.0;
         }
-        let conditional = self.tables.first[k] as usize + piece.index;
+        let within = self.tables.conditional.at(self.tables.first[k] as usize + piece.index, at.y);
         let cells = (self.settings.theta_h * self.settings.phi_h) as f64;
-        piece.density() * self.tables.conditional.at(conditional, at.y).density() * cells
+        // One division for both densities: it is what takes time here.
+        (piece.c1 - piece.c0) * (within.c1 - within.c0) * cells
+            / ((piece.x1 - piece.x0) * (within.x1 - within.x0))
     }
 
     fn density(&self, near: Neighbours, wo: DVec3, wi: DVec3) -> f32 {
         let sum = wo + wi;
         let rho = (sum.x * sum.x + sum.y * sum.y).sqrt();
-        let a = self.axis.coordinate(rho.atan2(sum.z));
+        let a = self.axis.coordinate(approx::atan2(rho, sum.z));
         let azimuth = match wo.truncate() {
-            DVec2::ZERO => sum.y.atan2(sum.x),
-            axis => (axis.x * sum.y - axis.y * sum.x).atan2(axis.x * sum.x + axis.y * sum.y),
+            DVec2::ZERO => approx::atan2(sum.y, sum.x),
+            axis => approx::atan2(axis.perp_dot(sum.truncate()), axis.dot(sum.truncate())),
         };
         let turn = azimuth * (1.0 / TAU);
         let b = if turn < 0.0 { turn + 1.0 } else { turn };
@@ -214,9 +216,9 @@ impl CascadeCdf {
     /// Half vector at grid coordinates `at`, in the frame of `wo`.
     #[inline]
     fn half_vector(&self, wo: Vec3, at: DVec2) -> DVec3 {
-        let sin = self.axis.theta(at.x / self.settings.theta_h as f64).sin();
-        let cos = ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
-        let (s, c) = (at.y / self.settings.phi_h as f64 * TAU).sin_cos();
+        let theta = self.axis.theta(at.x / self.settings.theta_h as f64);
+        let (sin, cos) = approx::sin_cos_turns(theta * (1.0 / TAU));
+        let (s, c) = approx::sin_cos_turns(at.y / self.settings.phi_h as f64);
         let turn = wo.truncate().as_dvec2().try_normalize().unwrap_or(DVec2::X);
         (turn.rotate(DVec2::new(c, s)) * sin).extend(cos)
     }

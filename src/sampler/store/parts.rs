@@ -6,16 +6,16 @@ use super::tensors::{Tensors, TensorsOut};
 use crate::Result;
 use crate::brdf::Measured;
 use crate::dist::Curves;
-use crate::sampler::adaptive_disc::{Forest, Node};
+use crate::sampler::adaptive_disc::{DEEPEST, Forest, Leaf, MOST_LEAVES, WHOLE};
 use crate::sampler::cascade_cdf::Tables;
 use crate::sampler::{AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings};
 
 pub(super) fn write_forest(forest: &Forest, out: &mut TensorsOut) {
-    out.add("node.weight", forest.nodes.iter().map(|n| n.weight));
-    out.add("node.bound", forest.nodes.iter().map(|n| n.bound));
-    out.add("node.children", forest.nodes.iter().map(|n| n.children));
-    out.add("root", forest.roots.iter().copied());
-    out.add("integral", forest.integrals.iter().copied());
+    out.add("leaf.upper", forest.leaves.iter().map(|l| l.upper));
+    out.add("leaf.bound", forest.leaves.iter().map(|l| l.bound));
+    out.add("leaf.code", forest.leaves.iter().map(|l| l.code));
+    out.add("tree.start", forest.starts.iter().copied());
+    out.add("tree.integral", forest.integrals.iter().copied());
 }
 
 pub(super) fn read_disc(
@@ -23,75 +23,59 @@ pub(super) fn read_disc(
     brdf: Arc<Measured>,
     settings: AdaptiveDiscSettings,
 ) -> Result<AdaptiveDisc> {
-    let (weight, bound) = (tensors.get::<f32>("node.weight")?, tensors.get::<f32>("node.bound")?);
-    let children = tensors.get::<u32>("node.children")?;
-    let roots = tensors.get::<u32>("root")?;
-    let integrals = tensors.get::<f32>("integral")?;
-    let lengths = [bound.len(), children.len()];
-    if lengths.iter().any(|&l| l != weight.len()) || roots.len() != integrals.len() {
-        return Err(
-            tensors.invalid("tensors of equal length for nodes, and for trees", format!("{lengths:?}"))
-        );
+    let (upper, bound) = (tensors.get::<u32>("leaf.upper")?, tensors.get::<f32>("leaf.bound")?);
+    let code = tensors.get::<u32>("leaf.code")?;
+    let starts = tensors.get::<u32>("tree.start")?;
+    let integrals = tensors.get::<f32>("tree.integral")?;
+    if bound.len() != upper.len() || code.len() != upper.len() {
+        let lengths = format!("{}, {} and {}", upper.len(), bound.len(), code.len());
+        return Err(tensors.invalid("leaf tensors of equal length", lengths));
     }
-    let nodes: Vec<Node> = weight
+    if starts.len() != settings.tables + 1 || integrals.len() != settings.tables {
+        let found = format!("{} starts and {} integrals", starts.len(), integrals.len());
+        return Err(tensors.invalid(format!("{} trees", settings.tables), found));
+    }
+    if starts[0] != 0 || !starts.is_sorted() || starts[settings.tables] as usize != upper.len() {
+        return Err(tensors.invalid(format!("starts that partition {} leaves", upper.len()), "others"));
+    }
+    let leaves: Vec<Leaf> = upper
         .iter()
         .zip(&bound)
-        .zip(&children)
-        .map(|((&weight, &bound), &children)| Node { weight, bound, children })
+        .zip(&code)
+        .map(|((&upper, &bound), &code)| Leaf { upper, bound, code })
         .collect();
-    check_forest(tensors, &nodes, &roots, &integrals, settings.tables)?;
-    AdaptiveDisc::from_parts(brdf, settings, nodes, &roots, &integrals)
+    for (k, (range, &integral)) in starts.windows(2).zip(&integrals).enumerate() {
+        check_tree(tensors, k, &leaves[range[0] as usize..range[1] as usize], integral)?;
+    }
+    AdaptiveDisc::from_parts(brdf, settings, leaves, starts, integrals)
 }
 
-/// A descent from any root ends, stays in its tree, and never meets a division by zero.
-fn check_forest(
-    tensors: &Tensors,
-    nodes: &[Node],
-    roots: &[u32],
-    integrals: &[f32],
-    trees: usize,
-) -> Result<()> {
-    if roots.len() != trees || roots.first() != Some(&0) || !roots.is_sorted_by(|a, b| a < b) {
-        return Err(
-            tensors.invalid(format!("{trees} trees, one after the other"), format!("{} roots", roots.len()))
-        );
+/// Leaves that can be drawn and whose draws can be accepted.
+fn check_tree(tensors: &Tensors, k: usize, leaves: &[Leaf], integral: f32) -> Result<()> {
+    if !integral.is_finite() || integral < 0.0 || (integral > 0.0) == leaves.is_empty() {
+        return Err(tensors.invalid(
+            format!("an integral of tree {k} that is finite, and > 0 if it has leaves"),
+            format!("{integral} with {} leaves", leaves.len()),
+        ));
     }
-    let ends = roots.iter().skip(1).map(|&r| r as usize).chain([nodes.len()]);
-    for (k, (root, end)) in roots.iter().map(|&r| r as usize).zip(ends).enumerate() {
-        let tree = nodes.get(root..end).filter(|t| !t.is_empty());
-        let Some(tree) = tree else {
-            return Err(
-                tensors.invalid(format!("tree {k} within {} nodes", nodes.len()), format!("{root}..{end}"))
-            );
-        };
-        let light = integrals[k];
-        if !light.is_finite() || light < 0.0 || (light > 0.0 && tree[0].weight <= 0.0) {
-            return Err(tensors.invalid(format!("a finite integral ≥ 0 for tree {k}"), format!("{light}")));
+    if leaves.len() > MOST_LEAVES || leaves.last().is_some_and(|l| l.upper != WHOLE) {
+        return Err(tensors.invalid(
+            format!("at most {MOST_LEAVES} leaves in tree {k}, whose probabilities sum to 1"),
+            format!("{} leaves", leaves.len()),
+        ));
+    }
+    let sound = |l: &Leaf| {
+        let (depth, places) = (l.code >> 28, [l.code >> 14 & 0x3fff, l.code & 0x3fff]);
+        let bound = l.bound.is_finite() && l.bound > 0.0;
+        bound && depth <= DEEPEST && places.iter().all(|&p| p >> depth == 0)
+    };
+    match leaves.iter().position(|l| !sound(l)) {
+        Some(i) => Err(tensors.invalid(format!("a sound leaf {i} of tree {k}"), format!("{:?}", leaves[i]))),
+        None if !leaves.is_sorted_by_key(|l| l.upper) => {
+            Err(tensors.invalid(format!("probabilities of tree {k} that rise"), "some that fall"))
         }
-        for (i, node) in tree.iter().enumerate() {
-            if !node_is_sound(node, root + i, nodes, end) {
-                return Err(tensors.invalid(
-                    format!("node {} to hold finite values ≥ 0 and four later nodes of its tree", root + i),
-                    format!("{node:?}"),
-                ));
-            }
-        }
+        None => Ok(()),
     }
-    Ok(())
-}
-
-fn node_is_sound(node: &Node, position: usize, nodes: &[Node], end: usize) -> bool {
-    let finite = |x: f32| x.is_finite() && x >= 0.0;
-    if !finite(node.weight) || !finite(node.bound) {
-        return false;
-    }
-    if node.children == 0 {
-        return node.weight == 0.0 || node.bound > 0.0;
-    }
-    let first = node.children as usize;
-    first > position
-        && first + 4 <= end
-        && (node.weight == 0.0 || nodes[first..first + 4].iter().any(|c| c.weight > 0.0))
 }
 
 pub(super) fn write_tables(tables: &Tables, out: &mut TensorsOut) {

@@ -3,9 +3,11 @@
 mod build;
 mod check;
 mod decode;
+mod demo;
 mod eval;
 mod info;
 mod list;
+mod render;
 mod report;
 mod sample;
 
@@ -14,6 +16,7 @@ use crate::failure::Outcome;
 /// The commands, in the order of `--help`.
 #[derive(clap::Subcommand)]
 pub enum Command {
+    Demo(demo::Args),
     List(list::Args),
     Info(info::Args),
     Eval(eval::Args),
@@ -22,12 +25,14 @@ pub enum Command {
     Sample(sample::Args),
     Report(report::Args),
     Check(check::Args),
+    Render(Box<render::Args>),
 }
 
 impl Command {
     /// Runs the command.
     pub fn run(self) -> Outcome {
         match self {
+            Self::Demo(args) => demo::run(&args),
             Self::List(args) => list::run(&args),
             Self::Info(args) => info::run(&args),
             Self::Eval(args) => eval::run(&args),
@@ -36,6 +41,7 @@ impl Command {
             Self::Sample(args) => sample::run(&args),
             Self::Report(args) => report::run(&args),
             Self::Check(args) => check::run(&args),
+            Self::Render(args) => render::run(&args),
         }
     }
 }

@@ -1,0 +1,130 @@
+//! OpenEXR: 32-bit linear RGB out, any RGB layer in.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use ::exr::error::Error as ExrError;
+use ::exr::image::Image as ExrImage;
+use ::exr::prelude::{ReadChannels, ReadLayers, SpecificChannels, Vec2, WritableImage};
+
+use super::{Image, MAX_PIXELS};
+use crate::color::Rgb;
+use crate::files::{Mapped, Overwrite, write_new};
+use crate::{Error, Result};
+
+/// Writes `image` as an OpenEXR file of three 32-bit channels; equal pictures give equal bytes.
+///
+/// # Errors
+/// [`Error::Argument`] if `path` exists and `overwrite` refuses; [`Error::Io`] if it can't be written.
+pub fn write_exr(path: &Path, image: &Image, overwrite: Overwrite) -> Result<()> {
+    write_new(path, overwrite, |out| {
+        let channels = SpecificChannels::rgb(|Vec2(x, y)| {
+            let c = image.at(x, y);
+            (c.x, c.y, c.z)
+        });
+        // Parallel compression writes its blocks in the order in which they finish.
+        ExrImage::from_channels((image.width, image.height), channels)
+            .write()
+            .non_parallel()
+            .to_buffered(out)
+            .map_err(|e| write_error(path, e))
+    })
+}
+
+/// Reads the first layer of an OpenEXR file that has channels R, G and B, at its largest resolution.
+///
+/// # Errors
+/// [`Error::Io`] if the file can't be read; [`Error::Invalid`] if it is not OpenEXR, is damaged, or holds pixels that are
+/// negative, NaN or infinite, which are counted; [`Error::Unsupported`] for files without RGB, of deep data or of more than
+/// [`MAX_PIXELS`] pixels.
+pub fn read_exr(path: &Path) -> Result<Image> {
+    let file = Mapped::open(path)?;
+    check_size(file.bytes(), path)?;
+    let read = ::exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size, _| (size.width(), vec![Rgb::ZERO; size.width() * size.height()]),
+            |(width, pixels): &mut (usize, Vec<Rgb>), at, (r, g, b): (f32, f32, f32)| {
+                pixels[at.y() * *width + at.x()] = Rgb::new(r, g, b);
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(file.bytes()))
+        .map_err(|e| read_error(path, e))?;
+    let size = read.layer_data.size;
+    let (_, pixels) = read.layer_data.channel_data.pixels;
+    check_pixels(path, size.width(), &pixels)?;
+    Image::new(size.width(), size.height(), pixels)
+}
+
+/// Reads the header alone, so that no picture's memory is taken on the word of a damaged file.
+fn check_size(bytes: &[u8], path: &Path) -> Result<()> {
+    let meta = ::exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|e| read_error(path, e))?;
+    for header in &meta.headers {
+        let Vec2(width, height) = header.layer_size;
+        if width.checked_mul(height).is_none_or(|n| n > MAX_PIXELS) {
+            return Err(Error::Unsupported {
+                path: path.to_owned(),
+                what: format!("a picture of {width} × {height}"),
+                fix: format!("scale it to at most {MAX_PIXELS} pixels"),
+            });
+        }
+    }
+    Ok(())
+}
+
+fn check_pixels(path: &Path, width: usize, pixels: &[Rgb]) -> Result<()> {
+    let usable = |c: &Rgb| c.is_finite() && c.min_element() >= 0.0;
+    let Some(first) = pixels.iter().position(|c| !usable(c)) else {
+        return Ok(());
+    };
+    let not_finite = pixels.iter().filter(|c| !c.is_finite()).count();
+    let negative = pixels.iter().filter(|c| c.is_finite() && c.min_element() < 0.0).count();
+    Err(Error::invalid(
+        path,
+        0,
+        "finite radiance ≥ 0 in every pixel",
+        format!(
+            "{negative} pixels with a negative channel and {not_finite} with NaN or infinity, the first in column {}, row {}",
+            first % width,
+            first / width
+        ),
+        "repair the picture, for example by setting those pixels to 0",
+    ))
+}
+
+fn read_error(path: &Path, error: ExrError) -> Error {
+    match error {
+        ExrError::Io(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
+            Error::io(path, "read", source)
+        }
+        ExrError::NotSupported(what) => Error::Unsupported {
+            path: path.to_owned(),
+            what: what.into_owned(),
+            fix: "save it as a flat OpenEXR file with channels R, G and B".into(),
+        },
+        ExrError::Invalid(what) if what.contains("layer") => Error::Unsupported {
+            path: path.to_owned(),
+            what: "an OpenEXR file without channels R, G and B".into(),
+            fix: "save it with channels named R, G and B".into(),
+        },
+        other => Error::invalid(
+            path,
+            0,
+            "an OpenEXR file",
+            format!("one that can't be decoded ({other})"),
+            "name an OpenEXR picture, or fetch the file again",
+        ),
+    }
+}
+
+fn write_error(path: &Path, error: ExrError) -> Error {
+    match error {
+        ExrError::Io(source) => Error::io(path, "write", source),
+        other => Error::io(path, "write", std::io::Error::other(other.to_string())),
+    }
+}

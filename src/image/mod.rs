@@ -1,0 +1,75 @@
+//! Pictures in memory, linear RGB in OpenEXR files, tone-mapped sRGB in PNG files.
+
+mod exr;
+mod png;
+
+pub use exr::{read_exr, write_exr};
+pub use png::{tone_map, write_png};
+
+use crate::color::Rgb;
+use crate::{Error, Result};
+
+/// The largest picture that is read or rendered, in pixels: 16,384 × 8,192.
+pub const MAX_PIXELS: usize = 1 << 27;
+
+/// Linear RGB pixels, row after row from the top left: `[y][x]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    width: usize,
+    height: usize,
+    pixels: Vec<Rgb>,
+}
+
+impl Image {
+    /// A picture of `width` × `height` pixels.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if a side is 0, the number of pixels is not `width · height`, or it exceeds [`MAX_PIXELS`].
+    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>) -> Result<Self> {
+        let count = width.checked_mul(height).filter(|&n| n > 0 && n <= MAX_PIXELS);
+        if count != Some(pixels.len()) {
+            return Err(Error::argument(
+                format!("{} pixels for a picture of {width} × {height}", pixels.len()),
+                format!("give one value a pixel, at most {MAX_PIXELS} pixels"),
+            ));
+        }
+        Ok(Self { width, height, pixels })
+    }
+
+    /// A picture whose pixel in column `x` and row `y` is `value(x, y)`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_fn(width: usize, height: usize, mut value: impl FnMut(usize, usize) -> Rgb) -> Result<Self> {
+        if width.checked_mul(height).is_none_or(|n| n > MAX_PIXELS) {
+            return Self::new(width, height, Vec::new());
+        }
+        let pixels = (0..width * height).map(|i| value(i % width, i / width)).collect();
+        Self::new(width, height, pixels)
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// All pixels, `[y][x]`.
+    pub fn pixels(&self) -> &[Rgb] {
+        &self.pixels
+    }
+
+    /// Gives the pixels away, `[y][x]`.
+    pub fn into_pixels(self) -> Vec<Rgb> {
+        self.pixels
+    }
+
+    /// The pixel in column `x` and row `y`; 0 outside.
+    pub fn at(&self, x: usize, y: usize) -> Rgb {
+        if x < self.width && y < self.height { self.pixels[y * self.width + x] } else { Rgb::ZERO }
+    }
+}

@@ -1,0 +1,91 @@
+//! PNG for the screen: exposure, tone curve, sRGB.
+
+use std::path::Path;
+
+use super::Image;
+use crate::color::Rgb;
+use crate::files::{Overwrite, write_new};
+use crate::{Error, Result};
+
+/// Where the tone curve leaves the straight line.
+const SHOULDER: f32 = 0.5;
+
+/// A linear channel on its way to the screen, in [0, 1), still linear.
+///
+/// The identity up to ½, so that mid-tones keep their ratios, then an exponential shoulder that approaches 1 and joins the
+/// line without a kink: ½ + ½(1 − exp(1 − 2x)). A negative or NaN channel is 0.
+pub fn tone_map(x: f32) -> f32 {
+    if x <= SHOULDER || x.is_nan() {
+        return x.max(0.0);
+    }
+    let room = 1.0 - SHOULDER;
+    SHOULDER + room * -((SHOULDER - x) / room).exp_m1()
+}
+
+/// Writes `image` as an 8-bit sRGB PNG: each channel is multiplied by 2^`exposure`, passes [`tone_map`] and is encoded by
+/// the sRGB transfer function (IEC 61966-2-1).
+///
+/// # Errors
+/// [`Error::Argument`] if `path` exists and `overwrite` refuses; [`Error::Io`] if it can't be written.
+pub fn write_png(path: &Path, image: &Image, exposure: f32, overwrite: Overwrite) -> Result<()> {
+    let bytes = encode(image, exposure);
+    let too_wide = |_| Error::argument("a PNG side exceeds 32 bits", "render a smaller picture");
+    let width = u32::try_from(image.width()).map_err(too_wide)?;
+    let height = u32::try_from(image.height()).map_err(too_wide)?;
+    write_new(path, overwrite, |out| {
+        let mut encoder = ::png::Encoder::new(out, width, height);
+        encoder.set_color(::png::ColorType::Rgb);
+        encoder.set_depth(::png::BitDepth::Eight);
+        encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+        let mut writer = encoder.write_header().map_err(|e| write_error(path, e))?;
+        writer.write_image_data(&bytes).map_err(|e| write_error(path, e))?;
+        writer.finish().map_err(|e| write_error(path, e))
+    })
+}
+
+fn encode(image: &Image, exposure: f32) -> Vec<u8> {
+    let gain = exposure.exp2();
+    let byte = |x: f32| (srgb(tone_map(x * gain)) * 255.0).round() as u8;
+    let pixel = |c: &Rgb| c.to_array().map(byte);
+    image.pixels().iter().flat_map(pixel).collect()
+}
+
+/// sRGB's transfer function, from linear [0, 1] to encoded [0, 1].
+fn srgb(x: f32) -> f32 {
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn write_error(path: &Path, error: ::png::EncodingError) -> Error {
+    match error {
+        ::png::EncodingError::IoError(source) => Error::io(path, "write", source),
+        other => Error::io(path, "write", std::io::Error::other(other)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tone_curve_starts_as_a_line_and_approaches_one() {
+        assert_eq!(tone_map(0.25), 0.25);
+        assert_eq!(tone_map(-1.0), 0.0);
+        assert_eq!(tone_map(f32::NAN), 0.0);
+        assert_eq!(tone_map(f32::INFINITY), 1.0);
+        let h = 1e-3;
+        let slope = (tone_map(SHOULDER + h) - tone_map(SHOULDER)) / h;
+        assert!((slope - 1.0).abs() < 5e-3, "kink at the shoulder: {slope}");
+        assert!((1..60).all(|i| tone_map(i as f32 * 0.1) > tone_map((i - 1) as f32 * 0.1)));
+    }
+
+    #[test]
+    fn bytes_are_srgb_of_the_exposed_value() {
+        let image = Image::new(2, 1, vec![Rgb::splat(0.214_041_14), Rgb::new(0.0, 0.5, 1e9)]).unwrap();
+        // sRGB 0.5 is linear 0.21404; 0.5 linear is byte 188.
+        assert_eq!(encode(&image, 0.0), [128, 128, 128, 0, 188, 255]);
+        assert_eq!(
+            encode(&image, 1.0)[..3],
+            encode(&Image::new(1, 1, vec![Rgb::splat(0.428_082_28)]).unwrap(), 0.0)
+        );
+    }
+}

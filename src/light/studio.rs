@@ -1,0 +1,93 @@
+//! The built-in environment: an overcast sky with two softboxes and a small sun.
+
+use glam::DVec3;
+
+use super::environment::{Environment, SkySampling};
+use crate::Result;
+use crate::color::Rgb;
+use crate::geom::spherical;
+
+/// Size of the map: fine enough for the sun's soft edge, small enough for a cache.
+const WIDTH: usize = 512;
+const HEIGHT: usize = 256;
+
+/// A lamp in the sky, seen from the scene as a rectangle with a soft edge.
+struct Softbox {
+    /// Towards its centre.
+    towards: DVec3,
+    /// Half its extent across and up, as tangents of angles.
+    half: [f64; 2],
+    /// Width of the edge, as a tangent.
+    edge: f64,
+    radiance: Rgb,
+}
+
+impl Softbox {
+    fn radiance(&self, direction: DVec3) -> Rgb {
+        let across = DVec3::Y.cross(self.towards).normalize_or(DVec3::X);
+        let up = self.towards.cross(across);
+        let depth = direction.dot(self.towards);
+        if depth <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let inside = |offset: f64, half: f64| {
+            let t = ((half - offset.abs() / depth) / self.edge + 0.5).clamp(0.0, 1.0);
+            t * t * (3.0 - 2.0 * t)
+        };
+        let share = inside(direction.dot(across), self.half[0]) * inside(direction.dot(up), self.half[1]);
+        self.radiance * share as f32
+    }
+}
+
+/// A procedural studio under an overcast sky, radiance around 1: a large key light to the left, in front, a tall strip to
+/// the right, and a small warm sun behind; it needs no file.
+///
+/// # Errors
+/// None in practice: every pixel is finite.
+pub fn studio(sampling: SkySampling) -> Result<Environment> {
+    let lamps = lamps();
+    let mut pixels = Vec::with_capacity(WIDTH * HEIGHT);
+    for y in 0..HEIGHT {
+        for x in 0..WIDTH {
+            let theta = (y as f64 + 0.5) / HEIGHT as f64 * std::f64::consts::PI;
+            let phi = ((x as f64 + 0.5) / WIDTH as f64 - 0.5) * std::f64::consts::TAU;
+            // `spherical` has its pole at z and its zero at x: here they are +y and −z.
+            let w = spherical(theta, phi);
+            let direction = DVec3::new(w.y, w.z, -w.x);
+            pixels.push(lamps.iter().fold(sky(direction), |sum, lamp| sum + lamp.radiance(direction)));
+        }
+    }
+    Environment::new(WIDTH, HEIGHT, pixels, sampling)
+}
+
+fn lamps() -> [Softbox; 3] {
+    let towards = |x: f64, y: f64, z: f64| DVec3::new(x, y, z).normalize();
+    [
+        Softbox {
+            towards: towards(-0.75, 0.75, 0.65),
+            half: [0.42, 0.32],
+            edge: 0.03,
+            radiance: Rgb::new(7.0, 6.9, 6.7),
+        },
+        Softbox {
+            towards: towards(1.0, 0.45, 0.25),
+            half: [0.12, 0.5],
+            edge: 0.03,
+            radiance: Rgb::new(4.6, 4.9, 5.3),
+        },
+        Softbox {
+            towards: towards(0.35, 0.8, -0.9),
+            half: [0.05, 0.05],
+            edge: 0.03,
+            radiance: Rgb::new(75.0, 62.0, 45.0),
+        },
+    ]
+}
+
+/// From a light horizon to a darker blue zenith; a dark floor below.
+fn sky(direction: DVec3) -> Rgb {
+    let (horizon, zenith) = (Rgb::new(0.62, 0.66, 0.72), Rgb::new(0.16, 0.24, 0.40));
+    let (near, nadir) = (Rgb::new(0.20, 0.19, 0.18), Rgb::new(0.07, 0.07, 0.07));
+    let up = direction.y as f32;
+    if up >= 0.0 { horizon.lerp(zenith, up.sqrt()) } else { near.lerp(nadir, (-up).sqrt()) }
+}

@@ -1,0 +1,50 @@
+//! A pinhole.
+
+use glam::{DVec2, DVec3};
+
+use super::Ray;
+
+/// A pinhole camera, `y` up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the eye is.
+    pub eye: DVec3,
+    /// The point in the middle of the picture.
+    pub target: DVec3,
+    /// Angle between the picture's lower and upper edges, radians, in (0, π).
+    pub vertical_angle: f64,
+}
+
+impl Camera {
+    /// The ray through a point of a picture of `aspect` = width over height, in [0, 1]² from its upper left corner.
+    pub fn ray(&self, p: DVec2, aspect: f64) -> Ray {
+        self.lens(aspect).ray(p)
+    }
+
+    /// The camera's axes, ready to make rays for a picture of the given width over height.
+    pub(super) fn lens(&self, aspect: f64) -> Lens {
+        let forward = (self.target - self.eye).normalize_or(-DVec3::Z);
+        // Looking straight up or down, −z is up in the picture.
+        let right = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
+        let half = (self.vertical_angle * 0.5).tan();
+        let up = right.cross(forward);
+        Lens { eye: self.eye, forward, across: right * half * aspect, up: up * half }
+    }
+}
+
+/// A camera with its axes worked out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lens {
+    eye: DVec3,
+    forward: DVec3,
+    across: DVec3,
+    up: DVec3,
+}
+
+impl Lens {
+    /// The ray through a point of the picture, in [0, 1]² from its upper left corner.
+    pub(super) fn ray(&self, p: DVec2) -> Ray {
+        let direction = self.forward + (2.0 * p.x - 1.0) * self.across + (1.0 - 2.0 * p.y) * self.up;
+        Ray { origin: self.eye, direction: direction.normalize_or(self.forward) }
+    }
+}

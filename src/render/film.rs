@@ -1,0 +1,104 @@
+//! Means and standard errors of pixels.
+
+use glam::DVec3;
+
+use crate::Result;
+use crate::color::Rgb;
+use crate::image::Image;
+
+/// A rendered picture: for each pixel the mean radiance and its standard error, linear RGB in f64.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: usize,
+    height: usize,
+    pixels: Vec<Pixel>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Pixel {
+    mean: DVec3,
+    error: DVec3,
+}
+
+impl Film {
+    pub(super) fn new(width: usize, height: usize, pixels: Vec<Pixel>) -> Self {
+        Self { width, height, pixels }
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Mean radiance of the pixel in column `x` and row `y`; 0 outside.
+    pub fn mean(&self, x: usize, y: usize) -> DVec3 {
+        self.pixel(x, y).map_or(DVec3::ZERO, |p| p.mean)
+    }
+
+    /// Standard error of that mean, computed as if samples were independent: too large for Sobol points, right for random
+    /// ones. 0 for a single sample and outside.
+    pub fn standard_error(&self, x: usize, y: usize) -> DVec3 {
+        self.pixel(x, y).map_or(DVec3::ZERO, |p| p.error)
+    }
+
+    /// The means as 32-bit pixels; what exceeds f32 becomes its largest value.
+    ///
+    /// # Errors
+    /// None for a film that [`super::render()`] returned.
+    pub fn to_image(&self) -> Result<Image> {
+        let pixel = |p: &Pixel| p.mean.as_vec3().min(Rgb::splat(f32::MAX));
+        Image::new(self.width, self.height, self.pixels.iter().map(pixel).collect())
+    }
+
+    fn pixel(&self, x: usize, y: usize) -> Option<&Pixel> {
+        (x < self.width).then(|| self.pixels.get(y * self.width + x)).flatten()
+    }
+}
+
+/// Sums of a pixel's samples, in f64 and in the samples' order.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tally {
+    count: f64,
+    mean: DVec3,
+    /// Sum of squared deviations from the mean (Welford 1962).
+    squares: DVec3,
+}
+
+impl Tally {
+    pub(super) fn add(&mut self, radiance: DVec3) {
+        self.count += 1.0;
+        let before = radiance - self.mean;
+        self.mean += before / self.count;
+        self.squares += before * (radiance - self.mean);
+    }
+
+    pub(super) fn pixel(&self) -> Pixel {
+        let error2 = self.squares / (self.count * (self.count - 1.0)).max(1.0);
+        Pixel { mean: self.mean, error: error2.max(DVec3::ZERO).map(f64::sqrt) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_and_standard_error_are_the_textbook_ones() {
+        let mut tally = Tally::default();
+        for x in [1.0, 2.0, 4.0, 9.0] {
+            tally.add(DVec3::new(x, 3.0, 0.0));
+        }
+        let p = tally.pixel();
+        assert!(p.mean.abs_diff_eq(DVec3::new(4.0, 3.0, 0.0), 1e-15));
+        // Variance 38/3, over four samples.
+        assert!(p.error.abs_diff_eq(DVec3::new((38.0f64 / 12.0).sqrt(), 0.0, 0.0), 1e-15));
+        let film = Film::new(1, 1, vec![p]);
+        assert_eq!(film.mean(1, 0), DVec3::ZERO);
+        assert_eq!(film.to_image().unwrap().at(0, 0), Rgb::new(4.0, 3.0, 0.0));
+    }
+}

@@ -1,0 +1,25 @@
+//! The floor's reflectance.
+
+use glam::Vec3;
+use std::f32::consts::FRAC_1_PI;
+
+use crate::brdf::Brdf;
+use crate::color::Rgb;
+use crate::geom::is_upper;
+
+/// Equal radiance in all directions: f_r = reflectance/π.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lambert {
+    /// Share of the light that is reflected, in [0, 1] per channel.
+    pub reflectance: Rgb,
+}
+
+impl Brdf for Lambert {
+    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        if is_upper(wo) && is_upper(wi) { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
+    }
+
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,28 @@
+//! Pictures of spheres: what a scene shows, which effects it calls for, and the path tracer.
+//!
+//! ```text
+//! SceneSpec → EffectPlan → Scene → render → Film → image
+//! ```
+//!
+//! A [`SceneSpec`] describes; nothing is loaded for it. The [`EffectPlan`] says, with reasons, which effects it calls for
+//! and which materials and lights are used. [`Scene::build`] loads those and no others, and [`render()`] computes those
+//! and no others. Materials come in as the traits [`crate::brdf::Brdf`] and [`crate::sampler::DirectionSampler`]; reading
+//! their files is their caller's business.
+
+mod camera;
+mod film;
+mod lambert;
+mod path;
+mod plan;
+mod scene;
+mod shape;
+mod spec;
+
+pub use camera::Camera;
+pub use film::Film;
+pub use lambert::Lambert;
+pub use path::{Settings, render};
+pub use plan::{Decision, Effect, EffectPlan};
+pub use scene::{Scene, Surface};
+pub use shape::{Ray, Sphere};
+pub use spec::{EnvironmentSource, LightSpec, SceneSpec, SphereSpec, Strategy};

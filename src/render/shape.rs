@@ -1,0 +1,83 @@
+//! The two shapes, intersected analytically in f64.
+
+use glam::DVec3;
+
+/// A half line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: DVec3,
+    /// Unit direction.
+    pub direction: DVec3,
+}
+
+impl Ray {
+    /// The point at `distance`.
+    pub fn at(&self, distance: f64) -> DVec3 {
+        self.origin + distance * self.direction
+    }
+}
+
+/// An opaque sphere, seen from outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Centre, world space.
+    pub centre: DVec3,
+    /// Radius, > 0.
+    pub radius: f64,
+}
+
+impl Sphere {
+    /// Distance along `ray` to where it enters the sphere; `None` if it misses or starts inside.
+    ///
+    /// The discriminant is r² minus the squared distance of the centre from the line, which does not cancel when the ray
+    /// starts far away (Haines et al. 2019).
+    pub fn enter(&self, ray: &Ray) -> Option<f64> {
+        let to_centre = self.centre - ray.origin;
+        let along = to_centre.dot(ray.direction);
+        let beside = to_centre - along * ray.direction;
+        let half_chord2 = self.radius * self.radius - beside.length_squared();
+        if half_chord2 < 0.0 {
+            return None;
+        }
+        let distance = along - half_chord2.sqrt();
+        (distance > 0.0).then_some(distance)
+    }
+
+    /// Outward unit normal at a point of the surface.
+    pub fn normal(&self, at: DVec3) -> DVec3 {
+        (at - self.centre).normalize_or(DVec3::Y)
+    }
+}
+
+/// Distance along `ray` to where it goes below the plane y = 0; `None` if it never does.
+pub(super) fn enter_floor(ray: &Ray) -> Option<f64> {
+    let distance = ray.origin.y / -ray.direction.y;
+    (distance > 0.0 && ray.direction.y < 0.0 && distance.is_finite()).then_some(distance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_enter_spheres_from_outside_only() {
+        let ball = Sphere { centre: DVec3::new(0.0, 0.0, -5.0), radius: 2.0 };
+        let ray = |origin, direction| Ray { origin, direction };
+        assert_eq!(ball.enter(&ray(DVec3::ZERO, -DVec3::Z)), Some(3.0));
+        assert_eq!(ball.enter(&ray(DVec3::ZERO, DVec3::Z)), None);
+        assert_eq!(ball.enter(&ray(ball.centre, DVec3::Z)), None);
+        assert_eq!(ball.enter(&ray(DVec3::new(2.1, 0.0, 0.0), -DVec3::Z)), None);
+        let far = ball.enter(&ray(DVec3::new(1.0, 0.0, 1e7), -DVec3::Z)).unwrap();
+        assert!((far - (1e7 + 5.0 - 3.0f64.sqrt())).abs() < 1e-8);
+    }
+
+    #[test]
+    fn the_floor_is_entered_from_above_only() {
+        let down = DVec3::new(0.6, -0.8, 0.0);
+        assert_eq!(enter_floor(&Ray { origin: DVec3::Y * 2.0, direction: down }), Some(2.5));
+        assert_eq!(enter_floor(&Ray { origin: -DVec3::Y, direction: down }), None);
+        assert_eq!(enter_floor(&Ray { origin: -DVec3::Y, direction: DVec3::Y }), None);
+        assert_eq!(enter_floor(&Ray { origin: DVec3::Y, direction: DVec3::X }), None);
+    }
+}

@@ -1,0 +1,144 @@
+//! `merlkit demo`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use merlkit::Error;
+use merlkit::brdf::LookupRule;
+use merlkit::files::{Overwrite, check_writable};
+use merlkit::measure::profile::{ProfileSettings, profile};
+use merlkit::merl::{Material, write};
+use merlkit::points::PointSet;
+use merlkit::render::{EffectPlan, EnvironmentSource, LightSpec, SceneSpec, Settings};
+use merlkit::report::{SamplerReport, thesis_legend};
+use merlkit::sampler::SamplerSpec;
+
+use super::render::GREY;
+use crate::failure::{Failure, Outcome};
+use crate::output;
+use crate::picture::{Files, Picture};
+use crate::progress::Progress;
+use crate::sampler_args::SamplerArgs;
+use crate::table;
+
+/// Show everything on three embedded materials: files, samplers, report and pictures, in less than a minute
+///
+/// Writes nickel, red-plastic and blue-metallic-paint as MERL binaries, loads them back, builds each sampler, prints memory,
+/// time and accuracy, and renders the three spheres once with each sampler, at equal samples, as EXR and PNG.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Folder for the files; made if missing
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    output: PathBuf,
+    /// Paths a pixel
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
+    spp: u64,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    /// Replace existing files [default: refuse]
+    #[arg(long)]
+    force: bool,
+}
+
+const NAMES: [&str; 3] = ["nickel", "red-plastic", "blue-metallic-paint"];
+const LOOKUP: LookupRule = LookupRule::Floor;
+
+pub fn run(args: &Args) -> Outcome {
+    let start = Instant::now();
+    std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
+    let overwrite = output::overwrite(args.force);
+    let samplers = samplers(&args.output)?;
+    let binaries = NAMES.map(|name| args.output.join(format!("{name}.binary")));
+    for path in &binaries {
+        check_writable(path, overwrite)?;
+    }
+    for (_, files) in &samplers {
+        files.check(overwrite)?;
+    }
+    let materials = materials(&binaries, overwrite)?;
+    report(&materials, &samplers, args.seed)?;
+    pictures(args, &materials, &samplers, overwrite)?;
+    let seconds = start.elapsed().as_secs_f64();
+    output::stdout(|out| {
+        writeln!(out, "Done in {seconds:.1} s; everything is in {}.", args.output.display())
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Each sampler and the files of its picture.
+fn samplers(folder: &Path) -> Result<Vec<(SamplerSpec, Files)>, Error> {
+    let names = ["cosine", "adaptive-disc", "cascade-cdf-whole", "cascade-cdf-compressed"];
+    let specs = SamplerArgs::default().specs(&[])?;
+    Ok(specs
+        .into_iter()
+        .zip(names)
+        .map(|(spec, name)| (spec, Files::named(&folder.join(format!("spheres-{name}")))))
+        .collect())
+}
+
+/// Writes the binaries and resolves them as a user's files would be.
+fn materials(binaries: &[PathBuf; 3], overwrite: Overwrite) -> Result<Vec<Material>, Failure> {
+    let mut materials = Vec::new();
+    for (name, path) in NAMES.iter().zip(binaries) {
+        write(&Material::resolve(name)?.load()?, path, overwrite)?;
+        output::stdout(|out| writeln!(out, "wrote {}", path.display()))?;
+        materials.push(Material::resolve(&path.to_string_lossy())?);
+    }
+    Ok(materials)
+}
+
+fn report(materials: &[Material], samplers: &[(SamplerSpec, Files)], seed: u64) -> Result<(), Failure> {
+    let specs: Vec<SamplerSpec> = samplers.iter().map(|s| s.0).collect();
+    let settings = ProfileSettings { draws: 50_000, timed_calls: 50_000, seed, ..ProfileSettings::default() };
+    let progress = Progress::new("measuring", materials.len() * specs.len());
+    for material in materials {
+        let figures = profile(material, LOOKUP, &specs, &settings, &|| progress.advance())?;
+        let report = SamplerReport::new(figures);
+        progress.aside(|| {
+            output::stdout(|out| writeln!(out, "\n{}\n{}", report.legend(), table::render(&report.sheet())))
+        })?;
+    }
+    drop(progress);
+    output::stdout(|out| writeln!(out, "{}\n", thesis_legend()))
+}
+
+fn pictures(
+    args: &Args,
+    materials: &[Material],
+    samplers: &[(SamplerSpec, Files)],
+    overwrite: Overwrite,
+) -> Result<(), Failure> {
+    let settings =
+        Settings { width: 600, height: 240, samples: args.spp, seed: args.seed, points: PointSet::Sobol };
+    let names: Vec<String> = NAMES.map(String::from).to_vec();
+    let mut scene = SceneSpec::row(&names, settings.width as f64 / settings.height as f64);
+    scene.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
+    scene.floor = Some(GREY);
+    let plan = EffectPlan::of(&scene);
+    for (sampler, files) in samplers {
+        let started = Instant::now();
+        let picture = Picture {
+            scene: &scene,
+            plan: &plan,
+            materials,
+            lookup: LOOKUP,
+            sampler: *sampler,
+            settings,
+            exposure: 0.0,
+        };
+        picture.render(files, overwrite)?;
+        let seconds = started.elapsed().as_secs_f64();
+        output::stdout(|out| {
+            writeln!(
+                out,
+                "{}: {}, {} paths a pixel, {seconds:.1} s",
+                files.png.display(),
+                sampler.label(),
+                args.spp
+            )
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,88 @@
+//! Rendering a scene to files: what `render` and `demo` share.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use merlkit::Error;
+use merlkit::brdf::{LookupRule, Measured};
+use merlkit::files::{Overwrite, check_writable};
+use merlkit::image::{write_exr, write_png};
+use merlkit::merl::Material;
+use merlkit::render::{EffectPlan, Scene, SceneSpec, Settings, Surface, render};
+use merlkit::sampler::{DirectionSampler, SamplerSpec};
+
+use crate::progress::Progress;
+
+/// A scene and everything its picture depends on.
+pub struct Picture<'a> {
+    /// The scene; nothing is loaded.
+    pub scene: &'a SceneSpec,
+    /// What will be computed.
+    pub plan: &'a EffectPlan,
+    /// Materials in the order of the scene's.
+    pub materials: &'a [Material],
+    /// What tables say between their samples.
+    pub lookup: LookupRule,
+    /// How directions are drawn, where any are.
+    pub sampler: SamplerSpec,
+    /// Size, samples and seed.
+    pub settings: Settings,
+    /// Exposure of the PNG, stops.
+    pub exposure: f32,
+}
+
+impl Picture<'_> {
+    /// Loads what the plan calls for, renders, and writes both files.
+    ///
+    /// # Errors
+    /// Those of loading, building, rendering and writing.
+    pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<(), Error> {
+        let scene = Scene::build(self.scene, self.plan, |i, directions| self.surface(i, directions))?;
+        let progress = Progress::new("rendering", self.settings.width * self.settings.height);
+        let film = render(&scene, self.plan, &self.settings, &|pixels| progress.advance_by(pixels))?;
+        drop(progress);
+        let image = film.to_image()?;
+        write_exr(&files.exr, &image, overwrite)?;
+        write_png(&files.png, &image, self.exposure, overwrite)
+    }
+
+    fn surface(&self, material: usize, directions: bool) -> Result<Surface, Error> {
+        let brdf = Arc::new(Measured::new(Arc::new(self.materials[material].load()?), self.lookup));
+        let sampler = match directions {
+            true => Some(Arc::new(self.sampler.build(&brdf)?) as Arc<dyn DirectionSampler>),
+            false => None,
+        };
+        Ok(Surface { brdf, sampler })
+    }
+}
+
+/// The two files of a picture.
+pub struct Files {
+    /// Linear RGB.
+    pub exr: PathBuf,
+    /// Tone-mapped sRGB.
+    pub png: PathBuf,
+}
+
+impl Files {
+    /// NAME.exr and NAME.png; an extension of either kind in `name` is left out first.
+    pub fn named(name: &Path) -> Self {
+        let is_picture = name.extension().is_some_and(|e| e == "exr" || e == "png");
+        let stem = if is_picture { name.with_extension("") } else { name.to_owned() };
+        let with = |extension: &str| {
+            let mut path = stem.clone().into_os_string();
+            path.push(extension);
+            PathBuf::from(path)
+        };
+        Self { exr: with(".exr"), png: with(".png") }
+    }
+
+    /// Tells of files that can't be written before the work, not after it.
+    ///
+    /// # Errors
+    /// As [`check_writable`].
+    pub fn check(&self, overwrite: Overwrite) -> Result<(), Error> {
+        check_writable(&self.exr, overwrite)?;
+        check_writable(&self.png, overwrite)
+    }
+}
