@@ -16,9 +16,13 @@ fn run_in(folder: &Path, arguments: &[&str], input: &str) -> Output {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // A command that stops early closes its input, which is no concern of these tests.
-    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
-    child.wait_with_output().unwrap()
+    let mut stdin = child.stdin.take().unwrap();
+    // Beside reading the output: a command that has filled its pipe reads no further.
+    std::thread::scope(|scope| {
+        // A command that stops early closes its input, which is no concern of these tests.
+        scope.spawn(move || stdin.write_all(input.as_bytes()).ok());
+        child.wait_with_output().unwrap()
+    })
 }
 
 fn run(arguments: &[&str], input: &str) -> Output {
@@ -255,4 +259,253 @@ fn a_reader_that_leaves_is_no_error() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
+}
+
+/// Few tables, so that a sampler is built in no time.
+const QUICK: [&str; 4] = ["--sampler", "cascade-cdf", "--tables", "3"];
+
+#[test]
+fn a_built_file_draws_what_the_material_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| run_in(folder.path(), arguments, "");
+    let draws = ["--theta", "33", "--phi", "-70", "--count", "500", "--seed", "9"];
+    let cases: [&[&str]; 3] = [
+        &QUICK,
+        &["--sampler", "cascade-cdf", "--tables", "2", "--uncompressed", "--lookup", "centred"],
+        &["--sampler", "adaptive-disc", "--tables", "5", "--choice", "nearest", "--importance", "luminance"],
+    ];
+    for settings in cases {
+        let file = ["build", "nickel", "-o", "s.safetensors", "--force"];
+        let told = succeeds(run(&[&file, settings].concat()));
+        let bytes = folder.path().join("s.safetensors").metadata().unwrap().len();
+        assert!(told.starts_with("s.safetensors: ") && told.contains(&format!("{bytes} bytes")), "{told}");
+        for points in ["random", "sobol"] {
+            let points = ["--points", points];
+            let stored = succeeds(run(&[&["sample", "s.safetensors"][..], &draws, &points].concat()));
+            let direct = succeeds(run(&[&["sample", "nickel"][..], &draws, &points, settings].concat()));
+            assert_eq!(stored, direct, "{settings:?}");
+            assert_eq!(stored.lines().count(), 501);
+        }
+    }
+}
+
+#[test]
+fn sampled_lines_are_directions_with_density_and_value() {
+    let arguments = ["sample", "nickel", "--theta", "85", "--phi", "20", "--count", "4000"];
+    let text = succeeds(run(&[&arguments[..], &QUICK].concat(), ""));
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b"));
+    let (mut failed, mut pairs) = (0, String::new());
+    let (wo, mut values) = ((85f64.to_radians().sin_cos(), 20f64.to_radians().sin_cos()), Vec::new());
+    for line in lines {
+        let x: Vec<f32> = line.split(',').map(|x| x.parse().unwrap()).collect();
+        assert_eq!(x.len(), 7);
+        if line == "0,0,0,0,0,0,0" {
+            failed += 1;
+            continue;
+        }
+        let length = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+        assert!((length - 1.0).abs() < 1e-5 && x[2] > 0.0 && x[3] > 0.0 && x[3].is_finite(), "{line}");
+        let ((sin, cos), (sin_phi, cos_phi)) = wo;
+        pairs += &format!("{:?},{:?},{:?},", (sin * cos_phi) as f32, (sin * sin_phi) as f32, cos as f32);
+        pairs += &format!("{:?},{:?},{:?}\n", x[0], x[1], x[2]);
+        values.push(line.splitn(5, ',').nth(4).unwrap().to_owned());
+    }
+    // Half vectors that reflect below the horizon: some at grazing, but not many.
+    assert!((1..400).contains(&failed), "{failed} draws failed");
+    let evaluated = succeeds(run(&["eval", "nickel"], &pairs));
+    assert_eq!(values, evaluated.lines().skip(1).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_fit_cloud_has_the_shape_of_the_thesis() {
+    let arguments = ["sample", "teflon", "--theta", "60", "--phi", "45", "--count", "50", "--fit"];
+    let text = succeeds(run(&[&arguments[..], &QUICK].concat(), ""));
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!(lines[..3], ["measured \"teflon\"", "viewer (60, 45)", "begin"]);
+    assert_eq!(lines[lines.len() - 1], "end");
+    let points = &lines[3..lines.len() - 1];
+    assert!((40..=50).contains(&points.len()), "{text}");
+    for point in points {
+        let (direction, value) = point.strip_prefix("  (").unwrap().split_once(") ").unwrap();
+        let w: Vec<f32> = direction.split(',').map(|x| x.parse().unwrap()).collect();
+        assert!(w.len() == 3 && w[2] > 0.0 && value.parse::<f32>().unwrap() > 0.0, "{point}");
+    }
+}
+
+#[test]
+fn bad_settings_name_the_option() {
+    let sample = ["sample", "nickel", "--count", "1", "--theta", "10"];
+    let cases: [(&[&str], &str); 12] = [
+        (&["--sampler", "cosine", "--tables", "4"], "--tables is no setting of cosine"),
+        (&["--sampler", "adaptive-disc", "--uncompressed"], "--uncompressed is no setting of adaptive-disc"),
+        (&["--sampler", "cascade-cdf", "--depth", "4"], "--depth is no setting of cascade-cdf"),
+        (&["--tables", "0"], "0 tables"),
+        (&["--tables", "few"], "--tables <N>"),
+        (&["--floor", "2"], "floor is 2"),
+        (&["--n-max", "1"], "n_max is 1"),
+        (&["--depth", "40"], "depth is 40"),
+        (&["--grid", "4"], "4 pixels"),
+        (&["--sampler", "cascade-cdf", "--resolution", "1024"], "--resolution <THETAxPHI>"),
+        (&["--sampler", "cascade-cdf", "--tolerance", "nan"], "tolerance"),
+        (&["--sampler", "magic"], "[possible values: adaptive-disc, cascade-cdf, cosine]"),
+    ];
+    for (settings, expected) in cases {
+        let output = run(&[&sample, settings].concat(), "");
+        assert!(output.stdout.is_empty(), "{settings:?}");
+        let text = fails(output);
+        assert!(text.contains(expected), "{settings:?}: {text}");
+    }
+    for theta in ["90", "-1", "nan"] {
+        let text = fails(run(&["sample", "nickel", "--count", "1", "--theta", theta], ""));
+        assert!(text.contains("--theta"), "{text}");
+    }
+    let text = fails(run(&["check", "nickel", "--significance", "0"], ""));
+    assert!(text.contains("significance 0"), "{text}");
+}
+
+#[test]
+fn a_sampler_file_brings_its_own_settings() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| run_in(folder.path(), arguments, "");
+    succeeds(run(&[&["build", "nickel", "-o", "s"][..], &QUICK].concat()));
+    let sample = ["sample", "s", "--theta", "5", "--count", "3"];
+    for (extra, expected) in [
+        (&["--tables", "3"][..], "--tables has no effect on s"),
+        (&["--sampler", "cosine"], "leave --sampler out"),
+        (&["--lookup", "linear"], "leave --lookup out"),
+        (&["--material", "teflon"], "the sampler was built from"),
+    ] {
+        let text = fails(run(&[&sample, extra].concat()));
+        assert!(text.contains(expected), "{extra:?}: {text}");
+    }
+    let alone = succeeds(run(&sample));
+    assert_eq!(alone, succeeds(run(&[&sample[..], &["--material", "nickel"]].concat())));
+    assert!(
+        fails(run(&["sample", "nickel", "--material", "nickel", "--theta", "5", "--count", "3"]))
+            .contains("--material")
+    );
+}
+
+#[test]
+fn built_files_are_replaced_only_with_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| run_in(folder.path(), &[arguments, &QUICK].concat(), "");
+    std::fs::write(folder.path().join("s"), "mine").unwrap();
+    let text = fails(run(&["build", "nickel", "-o", "s"]));
+    assert!(text.contains("s exists; pass --force"), "{text}");
+    assert_eq!(std::fs::read_to_string(folder.path().join("s")).unwrap(), "mine");
+    succeeds(run(&["build", "nickel", "-o", "s", "--force"]));
+    succeeds(run(&["build", "nickel", "teflon", "-o", "several"]));
+    let names = ["nickel.cascade-cdf.safetensors", "teflon.cascade-cdf.safetensors"];
+    for name in names {
+        assert!(folder.path().join("several").join(name).exists(), "{name}");
+    }
+    // One that exists stops all of them before the work.
+    std::fs::remove_file(folder.path().join("several").join(names[1])).unwrap();
+    assert!(fails(run(&["build", "teflon", "nickel", "-o", "several"])).contains(names[0]));
+    assert!(!folder.path().join("several").join(names[1]).exists());
+    std::fs::write(folder.path().join("r.json"), "mine").unwrap();
+    for command in ["report", "check"] {
+        let output = run(&[command, "nickel", "--draws", "1000", "--json", "r.json"]);
+        assert!(output.stdout.is_empty(), "refused before the work");
+        assert!(fails(output).contains("r.json exists"));
+    }
+}
+
+#[test]
+fn files_and_draws_do_not_depend_on_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| succeeds(run_in(folder.path(), arguments, ""));
+    for sampler in ["adaptive-disc", "cascade-cdf"] {
+        let settings = ["--sampler", sampler, "--tables", "5"];
+        let results = ["1", "2"].map(|threads| {
+            let common = [&settings[..], &["--threads", threads]].concat();
+            run(&[&["build", "chrome", "-o", "s", "--force"][..], &common].concat());
+            let draws =
+                run(&[&["sample", "chrome", "--theta", "50", "--count", "300"][..], &common].concat());
+            (std::fs::read(folder.path().join("s")).unwrap(), draws)
+        });
+        assert!(results[0] == results[1], "{sampler}");
+    }
+}
+
+#[test]
+fn report_puts_the_thesis_beside_the_measured_figures() {
+    let arguments = ["report", "nickel", "--draws", "1000", "--json", "-"];
+    let document = json(&succeeds(run(&[&arguments[..], &QUICK].concat(), "")));
+    assert_eq!((&document["schema"], &document["kind"]), (&1.into(), &"report".into()));
+    let nickel = &document["results"][0];
+    assert_eq!((&nickel["material"], &nickel["lookup"]), (&"nickel".into(), &"floor".into()));
+    assert_eq!(nickel["material_bytes"], 23_328_000);
+    let samplers = nickel["samplers"].as_array().unwrap();
+    assert_eq!(samplers.len(), 1);
+    assert_eq!(samplers[0]["spec"]["tables"], 3);
+    let table = samplers[0]["table_bytes"].as_u64().unwrap();
+    assert!((1..samplers[0]["file_bytes"].as_u64().unwrap()).contains(&table));
+    assert!(samplers[0]["build"]["wall"].as_f64().unwrap() > 0.0);
+    assert_eq!(samplers[0]["angles"].as_array().unwrap().len(), 7);
+    for angle in samplers[0]["angles"].as_array().unwrap() {
+        let relstd = angle["spread"]["relstd"].as_f64().unwrap();
+        assert!(relstd > 0.0 && relstd < 20.0, "{angle}");
+    }
+    let thesis = nickel["thesis"].as_array().unwrap();
+    assert_eq!(thesis.len(), 4);
+    assert!(thesis.iter().all(|t| t["method"].as_str().unwrap().starts_with("thesis (")), "{thesis:?}");
+    assert_eq!((&thesis[0]["memory_kb"], &thesis[0]["precompute_s"]), (&846.15.into(), &71.36.into()));
+}
+
+#[test]
+fn report_in_csv_has_a_line_for_each_sampler_and_angle() {
+    let arguments =
+        ["report", "nickel", "chrome", "--draws", "500", "--sampler", "adaptive-disc", "--csv", "-"];
+    let text = succeeds(run(&[&arguments[..], &QUICK].concat(), ""));
+    let lines: Vec<_> = text.lines().collect();
+    assert!(lines[0].starts_with("material,lookup,source,sampler,table_bytes,file_bytes,"), "{text}");
+    for (material, thesis) in [("nickel", 4), ("chrome", 0)] {
+        let count = |sampler: &str| {
+            let start = format!("{material},floor,measured,{sampler}");
+            lines.iter().filter(|l| l.starts_with(&start)).count()
+        };
+        assert_eq!(
+            (count("\"adaptive-disc, 3 trees\""), count("cascade-cdf 3×1024×512 ±0.001")),
+            (7, 7),
+            "{text}"
+        );
+        let printed = lines.iter().filter(|l| l.starts_with(&format!("{material},,thesis,"))).count();
+        assert_eq!(printed, thesis, "{text}");
+    }
+    assert_eq!(lines.len(), 1 + 2 * 2 * 7 + 4);
+}
+
+#[test]
+fn report_words_its_tables() {
+    let arguments = ["report", "nickel", "--draws", "1000"];
+    let text = succeeds(run(&[&arguments[..], &QUICK].concat(), ""));
+    for word in
+        ["floor lookup", "cascade-cdf 3×1024×512 ±0.001", "thesis (6.23, 6.24)", "none was measured here"]
+    {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+}
+
+#[test]
+fn check_tells_right_from_wrong_by_its_status() {
+    let check = ["check", "teflon", "--sampler", "cascade-cdf", "--draws", "2000"];
+    let text = succeeds(run(&check, ""));
+    assert_eq!(text.matches("13 ok").count(), 7, "{text}");
+    assert!(!text.contains("FAILED"), "{text}");
+    let published = run(&[&check[..], &["--as-published"]].concat(), "");
+    assert_eq!(published.status.code(), Some(1));
+    let text = String::from_utf8(published.stdout).unwrap();
+    assert!(text.contains("2 of 13 FAILED"), "two angles have holes:\n{text}");
+    assert_eq!(text.matches("positivity").count(), 3, "a column, and a row for each failure:\n{text}");
+    let document = run(&[&check[..], &["--as-published", "--json", "-"]].concat(), "");
+    assert_eq!(document.status.code(), Some(1));
+    let document = json(&String::from_utf8(document.stdout).unwrap());
+    assert_eq!((&document["schema"], &document["kind"]), (&1.into(), &"check".into()));
+    let outcomes = document["results"][0]["outcomes"].as_array().unwrap();
+    assert_eq!(outcomes.len(), 13 * 7);
+    let failed: Vec<_> = outcomes.iter().filter(|o| o["pass"] == false).map(|o| &o["check"]).collect();
+    assert_eq!(failed, ["positivity", "positivity"]);
 }

@@ -1,5 +1,6 @@
-//! Sampler files: the same bits after a round trip, and damage is noticed.
+//! Sampler files: the same bits after a round trip, and damage is noticed, even where the checksum fits.
 
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -11,6 +12,9 @@ use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, Sampler, SamplerSpec};
+use safetensors::tensor::TensorView;
+use safetensors::{Dtype, SafeTensors};
+use sha2::{Digest, Sha256};
 
 fn specs() -> [SamplerSpec; 3] {
     [
@@ -95,4 +99,253 @@ fn another_material_or_lookup_is_refused() {
     let linear = Arc::new(Measured::new(brdf.table().clone(), LookupRule::Linear));
     let message = SamplerFile::open(&path).unwrap().into_sampler(&linear).unwrap_err().to_string();
     assert!(message.contains("--lookup floor"), "{message}");
+}
+
+/// A sampler file taken apart, to be changed and written again with a checksum that fits.
+struct Forged {
+    tensors: BTreeMap<String, (Dtype, Vec<u8>)>,
+    record: serde_json::Value,
+}
+
+impl Forged {
+    fn read(bytes: &[u8]) -> Self {
+        let (_, header) = SafeTensors::read_metadata(bytes).unwrap();
+        let file = SafeTensors::deserialize(bytes).unwrap();
+        Self {
+            tensors: file.iter().map(|(n, v)| (n.to_owned(), (v.dtype(), v.data().to_vec()))).collect(),
+            record: serde_json::from_str(&header.metadata().as_ref().unwrap()["merlkit"]).unwrap(),
+        }
+    }
+
+    fn write(&mut self) -> Vec<u8> {
+        let mut hash = Sha256::new();
+        for (name, (dtype, bytes)) in &self.tensors {
+            hash.update(format!("{name}:{dtype:?}:{}:", bytes.len()));
+            hash.update(bytes);
+        }
+        let hex: String = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+        self.record["payload_sha256"] = hex.into();
+        let metadata = HashMap::from([("merlkit".to_owned(), self.record.to_string())]);
+        let views = self.tensors.iter().map(|(name, (dtype, bytes))| {
+            (name, TensorView::new(*dtype, vec![bytes.len() * 8 / dtype.bitsize()], bytes).unwrap())
+        });
+        safetensors::serialize(views, Some(metadata)).unwrap()
+    }
+
+    fn bytes(&mut self, name: &str) -> &mut Vec<u8> {
+        &mut self.tensors.get_mut(name).unwrap().1
+    }
+
+    fn set_f32(&mut self, name: &str, at: usize, value: f32) {
+        self.bytes(name)[4 * at..4 * at + 4].copy_from_slice(&value.to_le_bytes());
+    }
+
+    fn u32(&mut self, name: &str, at: usize) -> u32 {
+        u32::from_le_bytes(self.bytes(name)[4 * at..4 * at + 4].try_into().unwrap())
+    }
+
+    fn set_u32(&mut self, name: &str, at: usize, value: u32) {
+        self.bytes(name)[4 * at..4 * at + 4].copy_from_slice(&value.to_le_bytes());
+    }
+
+    fn set_u16(&mut self, name: &str, at: usize, value: u16) {
+        self.bytes(name)[2 * at..2 * at + 2].copy_from_slice(&value.to_le_bytes());
+    }
+
+    fn cut(&mut self, name: &str, bytes: usize) {
+        let length = self.bytes(name).len();
+        self.bytes(name).truncate(length - bytes);
+    }
+
+    fn settings(&mut self, key: &str, value: serde_json::Value) {
+        self.record["spec"][key] = value;
+    }
+}
+
+/// What is done to a file, and a word of the answer.
+type Forgery = (&'static str, fn(&mut Forged), &'static str);
+
+fn assert_each_is_refused(spec: SamplerSpec, forgeries: &[Forgery]) {
+    let folder = tempfile::tempdir().unwrap();
+    let (fresh, brdf, path) = built(spec, folder.path());
+    let good = std::fs::read(&path).unwrap();
+    let forged = folder.path().join("forged.safetensors");
+    let load = |bytes: Vec<u8>| {
+        std::fs::write(&forged, bytes).unwrap();
+        SamplerFile::open(&forged).and_then(|f| f.into_sampler(&brdf))
+    };
+    let untouched = load(Forged::read(&good).write()).unwrap();
+    assert_eq!(untouched.bytes(), fresh.bytes(), "taking apart and writing is no damage");
+    for (what, change, word) in forgeries {
+        let mut file = Forged::read(&good);
+        change(&mut file);
+        match load(file.write()) {
+            Ok(_) => panic!("{what}: accepted"),
+            Err(error) => {
+                let message = error.to_string();
+                assert!(!message.contains("SHA-256"), "{what}: only the checksum was noticed: {message}");
+                assert!(message.contains(word) && !message.contains('\n'), "{what}: {message}");
+            }
+        }
+    }
+}
+
+/// Faults that a file of any sampler can have.
+const COMMON: [Forgery; 5] = [
+    ("another version", |f| f.record["version"] = 2.into(), "layout version 1, found version 2"),
+    (
+        "no version",
+        |f| drop(f.record.as_object_mut().unwrap().remove("version")),
+        "metadata of a merlkit sampler",
+    ),
+    ("an unknown sampler", |f| f.settings("sampler", "magic".into()), "metadata of a merlkit sampler"),
+    ("a sampler without tables", |f| f.record["spec"] = serde_json::json!({"sampler": "cosine"}), "cosine"),
+    ("a floor above 1", |f| f.settings("floor", 1.5.into()), "floor is 1.5"),
+];
+
+#[test]
+fn forged_trees_are_refused() {
+    let mut forgeries: Vec<Forgery> = vec![
+        ("NaN for a bound", |f| f.set_f32("leaf.bound", 2, f32::NAN), "leaf 2 of tree 0"),
+        ("infinity for a bound", |f| f.set_f32("leaf.bound", 0, f32::INFINITY), "leaf 0 of tree 0"),
+        ("a bound of 0", |f| f.set_f32("leaf.bound", 1, 0.0), "leaf 1 of tree 0"),
+        ("a bound below 0", |f| f.set_f32("leaf.bound", 1, -1.0), "leaf 1 of tree 0"),
+        ("a leaf too deep", |f| f.set_u32("leaf.code", 3, 15 << 28), "leaf 3 of tree 0"),
+        ("a leaf beside the disc's square", |f| f.set_u32("leaf.code", 3, 1 << 28 | 2), "leaf 3 of tree 0"),
+        ("probabilities that fall", |f| f.set_u32("leaf.upper", 5, 0), "probabilities of tree 0"),
+        (
+            "probabilities below 1",
+            |f| {
+                let last = f.u32("tree.start", 1) as usize - 1;
+                f.set_u32("leaf.upper", last, u32::MAX - 1);
+            },
+            "sum to 1",
+        ),
+        ("starts past the end", |f| f.set_u32("tree.start", 6, u32::MAX), "starts that partition"),
+        ("starts that fall", |f| f.set_u32("tree.start", 3, 1), "starts that partition"),
+        ("a first start other than 0", |f| f.set_u32("tree.start", 0, 1), "starts that partition"),
+        ("a tree without leaves", |f| f.set_u32("tree.start", 1, 0), "0 leaves"),
+        ("NaN for an integral", |f| f.set_f32("tree.integral", 4, f32::NAN), "tree 4"),
+        ("an integral below 0", |f| f.set_f32("tree.integral", 4, -0.5), "tree 4"),
+        ("a dark tree with leaves", |f| f.set_f32("tree.integral", 4, 0.0), "tree 4"),
+        ("a short tensor", |f| f.cut("leaf.bound", 4), "equal length"),
+        (
+            "a missing tree",
+            |f| {
+                f.cut("tree.start", 4);
+                f.cut("tree.integral", 4);
+            },
+            "7 trees",
+        ),
+        ("another number of trees", |f| f.settings("tables", 8.into()), "8 trees"),
+        ("no trees at all", |f| f.settings("tables", 0.into()), "0 trees"),
+        ("more trees than can be counted", |f| f.settings("tables", u64::MAX.into()), "trees"),
+        (
+            "a missing tensor",
+            |f| {
+                f.tensors.remove("leaf.code");
+            },
+            "a tensor \"leaf.code\", found none",
+        ),
+        ("another type", |f| f.tensors.get_mut("leaf.code").unwrap().0 = Dtype::I32, "U32, found I32"),
+        ("a depth past its domain", |f| f.settings("depth", 99.into()), "depth is 99"),
+    ];
+    forgeries.extend(COMMON);
+    assert_each_is_refused(specs()[0], &forgeries);
+}
+
+#[test]
+fn forged_curves_are_refused() {
+    let mut forgeries: Vec<Forgery> = vec![
+        ("a CDF that falls", |f| f.set_f32("marginal.cdf", 2, 0.0), "marginal curves"),
+        ("a conditional that falls", |f| f.set_f32("conditional.cdf", 1, 1.5), "conditional curves"),
+        ("NaN in a CDF", |f| f.set_f32("marginal.cdf", 3, f32::NAN), "curve 0"),
+        ("a CDF that starts above 0", |f| f.set_f32("marginal.cdf", 0, 0.001), "curve 0"),
+        (
+            "a CDF that ends below 1",
+            |f| {
+                let last = f.u32("marginal.start", 1) as usize - 1;
+                f.set_f32("marginal.cdf", last, 0.9999);
+            },
+            "curve 0",
+        ),
+        ("starts past the end", |f| f.set_u32("marginal.start", 1, u32::MAX), "starts"),
+        (
+            "starts that fall",
+            |f| {
+                let third = f.u32("conditional.start", 3);
+                f.set_u32("conditional.start", 2, third + 1);
+            },
+            "starts",
+        ),
+        ("a first start other than 0", |f| f.set_u32("marginal.start", 0, 1), "starts"),
+        ("an empty curve", |f| f.set_u32("marginal.start", 1, 0), "curve 0"),
+        (
+            "a knot past the grid",
+            |f| {
+                let last = f.u32("marginal.start", 1) as usize - 1;
+                f.set_u16("marginal.position", last, 9000);
+            },
+            "curve 0",
+        ),
+        ("knots that fall", |f| f.set_u16("marginal.position", 1, 0), "curve 0"),
+        ("fewer knots than values", |f| f.cut("conditional.position", 2), "positions"),
+        (
+            "a missing conditional",
+            |f| {
+                let knots = f.bytes("conditional.start").len() / 4;
+                let last = f.u32("conditional.start", knots - 1) - f.u32("conditional.start", knots - 2);
+                f.cut("conditional.start", 4);
+                f.cut("conditional.position", 2 * last as usize);
+                f.cut("conditional.cdf", 4 * last as usize);
+            },
+            "a conditional for each",
+        ),
+        (
+            "a conditional without mass",
+            |f| {
+                // The second piece of the first marginal has mass; its conditional is made void.
+                for knot in f.u32("conditional.start", 1)..f.u32("conditional.start", 2) {
+                    f.set_f32("conditional.cdf", knot as usize, 0.0);
+                }
+            },
+            "piece 1 of marginal 0",
+        ),
+        ("another number of tables", |f| f.settings("tables", 4.into()), "4 marginals"),
+        ("another grid", |f| f.settings("theta_h", 512.into()), "marginal curves over 512 cells"),
+        ("another grid of φh", |f| f.settings("phi_h", 256.into()), "conditional curves over 256 cells"),
+        ("a grid past its domain", |f| f.settings("phi_h", 100_000.into()), "100000 cells"),
+        (
+            "a missing tensor",
+            |f| {
+                f.tensors.remove("conditional.cdf");
+            },
+            "a tensor \"conditional.cdf\", found none",
+        ),
+        (
+            "another type",
+            |f| f.tensors.get_mut("marginal.position").unwrap().0 = Dtype::I16,
+            "U16, found I16",
+        ),
+        ("no tensors", |f| f.tensors.clear(), "found none"),
+    ];
+    forgeries.extend(COMMON);
+    assert_each_is_refused(specs()[1], &forgeries);
+}
+
+#[test]
+fn forged_curves_with_every_knot_are_refused() {
+    let forgeries: [Forgery; 3] = [
+        (
+            "a curve of another length",
+            |f| {
+                let start = f.u32("conditional.start", 1);
+                f.set_u32("conditional.start", 1, start - 1);
+            },
+            "curve 0",
+        ),
+        ("another grid", |f| f.settings("theta_h", 255.into()), "marginal curves over 255 cells"),
+        ("a tolerance that is negative", |f| f.settings("tolerance", (-1.0).into()), "tolerance"),
+    ];
+    assert_each_is_refused(specs()[2], &forgeries);
 }

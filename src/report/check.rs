@@ -31,7 +31,7 @@ impl CheckResult {
         "furnace",
     ];
 
-    /// One line: how many directions passed each check, of how many.
+    /// One line: for each check, how many directions passed it, or how many of all failed.
     pub fn line(&self) -> Vec<String> {
         let checks = [
             Check::Validity,
@@ -45,7 +45,7 @@ impl CheckResult {
         let count = |check: Check| {
             let outcomes = self.report.outcomes.iter().filter(|o| o.check == check);
             let (passed, all) = outcomes.fold((0, 0), |(p, n), o| (p + u32::from(o.pass), n + 1));
-            if passed == all { format!("{passed} ok") } else { format!("{passed} of {all} FAILED") }
+            if passed == all { format!("{passed} ok") } else { format!("{} of {all} FAILED", all - passed) }
         };
         [self.material.clone(), self.sampler.clone()].into_iter().chain(checks.map(count)).collect()
     }

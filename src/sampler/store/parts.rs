@@ -31,7 +31,7 @@ pub(super) fn read_disc(
         let lengths = format!("{}, {} and {}", upper.len(), bound.len(), code.len());
         return Err(tensors.invalid("leaf tensors of equal length", lengths));
     }
-    if starts.len() != settings.tables + 1 || integrals.len() != settings.tables {
+    if integrals.len() != settings.tables || starts.len() != integrals.len() + 1 {
         let found = format!("{} starts and {} integrals", starts.len(), integrals.len());
         return Err(tensors.invalid(format!("{} trees", settings.tables), found));
     }

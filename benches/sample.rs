@@ -1,0 +1,79 @@
+//! One draw and one density of each sampler for nickel, at angles of `wo` from normal to grazing.
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Duration;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use glam::{Vec2, Vec3};
+use merlkit::brdf::{Brdf, Importance, LookupRule, Measured};
+use merlkit::color;
+use merlkit::geom::{POINTS_PER_BIN, Quadrature, spherical};
+use merlkit::measure::accuracy::weight_spread;
+use merlkit::merl::decode_embedded;
+use merlkit::points::PointSet;
+use merlkit::sampler::{
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, Sampler, SamplerSpec, TableChoice,
+};
+
+const DRAWS: u64 = 2048;
+const ANGLES: [f64; 4] = [0.76, 29.75, 60.25, 84.7];
+
+fn specs() -> [(&'static str, SamplerSpec); 6] {
+    let disc = |choice| SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { choice, ..Default::default() });
+    let cascade = |choice| SamplerSpec::CascadeCdf(CascadeCdfSettings { choice, ..Default::default() });
+    [
+        ("cosine", SamplerSpec::Cosine),
+        ("disc mixture", disc(TableChoice::Mixture)),
+        ("disc nearest", disc(TableChoice::Nearest)),
+        ("cdf mixture", cascade(TableChoice::Mixture)),
+        ("cdf nearest", cascade(TableChoice::Nearest)),
+        ("cdf whole", SamplerSpec::CascadeCdf(CascadeCdfSettings::uniform())),
+    ]
+}
+
+/// The draws estimate the albedo, within six standard errors by quadrature.
+fn assert_albedo(sampler: &Sampler, brdf: &Measured, wo: Vec3, points: &[Vec2]) {
+    let spread = weight_spread(sampler, brdf, &Quadrature::new(wo, POINTS_PER_BIN), Importance::Mean);
+    let weight = |&u: &Vec2| {
+        let weight = sampler.sample(wo, u).map(|s| color::mean(brdf.eval_cos(wo, s.wi)) / s.pdf);
+        f64::from(weight.unwrap_or(0.0))
+    };
+    let ratio = points.iter().map(weight).sum::<f64>() / points.len() as f64 / spread.mean;
+    let allowed = 1e-3 + 6.0 * spread.relstd / (points.len() as f64).sqrt();
+    assert!((ratio - 1.0).abs() < allowed, "{:?} {wo}: {ratio}, {spread:?}", sampler.spec());
+}
+
+fn benches(c: &mut Criterion) {
+    let brdf = Arc::new(Measured::new(Arc::new(decode_embedded("nickel").unwrap()), LookupRule::Floor));
+    let points: Vec<Vec2> = (0..DRAWS).map(|i| PointSet::Random.point(1, i, 0)).collect();
+    let samplers = specs().map(|(name, spec)| (name, spec.build(&brdf).unwrap()));
+    for call in ["sample", "pdf"] {
+        let mut group = c.benchmark_group(call);
+        group.throughput(Throughput::Elements(DRAWS)).sample_size(15);
+        group.warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_secs(1));
+        for (name, sampler) in &samplers {
+            for degrees in ANGLES {
+                let wo = spherical(degrees.to_radians(), 0.4).as_vec3();
+                assert_albedo(sampler, &brdf, wo, &points);
+                let id = BenchmarkId::new(*name, degrees);
+                if call == "sample" {
+                    group.bench_with_input(id, &wo, |b, &wo| {
+                        b.iter(|| points.iter().filter_map(|&u| sampler.sample(black_box(wo), u)).count())
+                    });
+                } else {
+                    let drawn: Vec<Vec3> =
+                        points.iter().filter_map(|&u| sampler.sample(wo, u)).map(|s| s.wi).collect();
+                    group.throughput(Throughput::Elements(drawn.len() as u64));
+                    group.bench_with_input(id, &wo, |b, &wo| {
+                        b.iter(|| drawn.iter().map(|&wi| sampler.pdf(black_box(wo), wi)).sum::<f32>())
+                    });
+                }
+            }
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(sample_benches, benches);
+criterion_main!(sample_benches);
