@@ -14,7 +14,7 @@ use merlkit::points::PointSet;
 const PAIRS: u64 = 4096;
 
 fn anywhere() -> Vec<(Vec3, Vec3)> {
-    let direction = |i, pair| cosine_hemisphere(PointSet::Random.point(1, i, pair)).as_vec3();
+    let direction = |i, pair| cosine_hemisphere(PointSet::Random.point(1, i, pair).as_dvec2()).as_vec3();
     (0..PAIRS).map(|i| (direction(i, 0), direction(i, 1))).collect()
 }
 

@@ -92,7 +92,9 @@ impl Curves {
     pub fn find(&self, curve: usize, u: f64) -> Segment {
         let range = self.starts[curve] as usize..self.starts[curve + 1] as usize;
         let cdf = &self.cdf[range.clone()];
-        let index = cdf.partition_point(|&c| f64::from(c) <= u).clamp(1, cdf.len() - 1) - 1;
+        // Floats that are not negative rise with their bits, which compare in half the time.
+        let bits = round_down(u).to_bits();
+        let index = cdf.partition_point(|&c| c.to_bits() <= bits).clamp(1, cdf.len() - 1) - 1;
         self.piece(range.start, index)
     }
 
@@ -125,6 +127,13 @@ impl Curves {
         };
         Segment { index, x0, x1, c0: f64::from(self.cdf[i]), c1: f64::from(self.cdf[i + 1]) }
     }
+}
+
+/// The largest `f32` not above `u`, which is in [0, 1).
+#[inline]
+fn round_down(u: f64) -> f32 {
+    let near = u as f32;
+    if f64::from(near) > u { near.next_down() } else { near }
 }
 
 #[cfg(test)]

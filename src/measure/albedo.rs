@@ -86,7 +86,7 @@ mod tests {
             let count = 200_000u64;
             let (mut sum, mut squares) = (0.0, 0.0);
             for i in 0..count {
-                let wi = cosine_hemisphere(PointSet::Random.point(1, i, 0)).as_vec3();
+                let wi = cosine_hemisphere(PointSet::Random.point(1, i, 0).as_dvec2()).as_vec3();
                 let weight = f64::from(brdf.eval(wo, wi).x) * PI;
                 sum += weight;
                 squares += weight * weight;

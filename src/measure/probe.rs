@@ -1,6 +1,6 @@
 //! Checks of single draws and single values: what one counterexample refutes.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
 use super::chi_square::is_direction;
@@ -129,7 +129,7 @@ fn directions(wo: Vec3, seed: u64) -> impl Iterator<Item = Vec3> {
     let direction = move |i: usize| {
         let (s, t) = (stream.next_f64(), stream.next_f64());
         match i % 3 {
-            0 => cosine_hemisphere(Vec2::new(s as f32, t as f32)).as_vec3(),
+            0 => cosine_hemisphere(DVec2::new(s, t)).as_vec3(),
             1 => spherical((1.0 - s * s).clamp(-1.0, 1.0).acos(), t * TAU).as_vec3(),
             _ => near_mirror(s, t),
         }

@@ -72,6 +72,11 @@ impl SamplerFigures {
         self.angles.iter().map(|a| a.spread.relstd).fold(0.0, f64::max)
     }
 
+    /// Largest share of the albedo, over the angles, where the density is 0.
+    pub fn worst_holes(&self) -> f64 {
+        self.angles.iter().map(|a| a.spread.holes).fold(0.0, f64::max)
+    }
+
     /// The bias that is farthest from 0 in standard errors.
     pub fn worst_bias(&self) -> Bias {
         let errors = |b: &Bias| b.relative.abs() / b.standard_error.max(f64::MIN_POSITIVE);

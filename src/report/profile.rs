@@ -35,6 +35,7 @@ impl SamplerReport {
             "pdf ns",
             "relstd",
             "worst",
+            "holes %",
             "bias %",
             "± %",
             "lost %",
@@ -53,9 +54,10 @@ impl SamplerReport {
         let m = &self.measured;
         let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
-            "{}: {} lookup; loaded in {:.1} ms, {:.1} MB. Builds on {threads} threads. relstd: standard deviation of a \
-             weight over its mean, by quadrature, mean and worst over 7 angles; bias: of the albedo from {} draws, seed {}, \
-             at the angle where it is most standard errors (±) from 0.",
+            "{}: {} lookup; loaded in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one (median of five runs over \
+             7 angles). relstd: standard deviation of the weight of mean RGB over its mean, by quadrature, mean and worst \
+             angle; holes: share of the albedo where the density is 0, worst angle; bias: of the albedo from {} draws, seed {}, \
+             at the angle where it is most standard errors (±) from 0; lost: failed draws.",
             m.material,
             m.lookup.name(),
             1e3 * m.load.wall,
@@ -65,7 +67,8 @@ impl SamplerReport {
         )
     }
 
-    /// The same figures as one wide table for machines: full precision, SI units, one row a sampler.
+    /// The same figures as one wide table for machines: full precision, SI units, one row a sampler and angle, then the
+    /// thesis's (1 KB = 1024 bytes).
     pub fn csv(reports: &[Self]) -> Sheet {
         let mut sheet = Sheet::new(&[
             "material",
@@ -164,6 +167,7 @@ fn measured_line(s: &SamplerFigures) -> Vec<String> {
         format!("{:.0}", s.calls.pdf_ns),
         figure(s.relstd()),
         figure(s.worst_relstd()),
+        format!("{:.3}", 100.0 * s.worst_holes()),
         format!("{:+.3}", 100.0 * bias.relative),
         format!("{:.3}", 100.0 * bias.standard_error),
         format!("{:.2}", 100.0 * s.calls.failed),
@@ -172,7 +176,7 @@ fn measured_line(s: &SamplerFigures) -> Vec<String> {
 
 fn thesis_line(t: &ThesisFigures) -> Vec<String> {
     let number = |x: Option<f64>, unit: &str| x.map_or_else(|| "–".into(), |x| format!("{x}{unit}"));
-    let mut line = vec!["–".to_owned(); 12];
+    let mut line = vec!["–".to_owned(); 13];
     line[0] = t.method.clone();
     line[1] = number(t.memory_kb, "");
     line[3] = number(t.precompute_s, "");

@@ -12,7 +12,7 @@ pub struct Cosine;
 
 impl DirectionSampler for Cosine {
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        let wi = cosine_hemisphere(u).as_vec3();
+        let wi = cosine_hemisphere(u.as_dvec2()).as_vec3();
         let pdf = self.pdf(wo, wi);
         (pdf > 0.0).then_some(DirectionSample { wi, pdf })
     }

@@ -67,18 +67,32 @@ impl SamplerArgs {
     /// # Errors
     /// [`Error::Argument`] for a setting that the sampler does not have.
     pub fn spec(&self, name: &str) -> Result<SamplerSpec, Error> {
-        let (disc, cdf) = (self.disc_only(), self.cdf_only());
-        let (spec, foreign) = match name {
-            "adaptive-disc" => (SamplerSpec::AdaptiveDisc(self.disc()), cdf),
-            "cascade-cdf" => (SamplerSpec::CascadeCdf(self.cascade()), disc),
-            _ => (SamplerSpec::Cosine, self.first_given()),
-        };
+        self.refuse_foreign(&[name])?;
+        Ok(self.lenient(name))
+    }
+
+    /// The sampler called `name` with those of these settings that it has.
+    fn lenient(&self, name: &str) -> SamplerSpec {
+        match name {
+            "adaptive-disc" => SamplerSpec::AdaptiveDisc(self.disc()),
+            "cascade-cdf" => SamplerSpec::CascadeCdf(self.cascade()),
+            _ => SamplerSpec::Cosine,
+        }
+    }
+
+    /// Every setting given must belong to one of the samplers called `names`.
+    fn refuse_foreign(&self, names: &[&str]) -> Result<(), Error> {
+        let unless = |names_it: bool, option: Option<&'static str>| option.filter(|_| !names_it);
+        let (disc, cdf) = (names.contains(&"adaptive-disc"), names.contains(&"cascade-cdf"));
+        let foreign = unless(disc, self.disc_only())
+            .or(unless(cdf, self.cdf_only()))
+            .or(unless(disc || cdf, self.tables_only()));
         match foreign {
             Some(option) => Err(Error::argument(
-                format!("{option} is no setting of {name}"),
+                format!("{option} is no setting of {}", names.join(" or ")),
                 "leave it out, or choose another --sampler",
             )),
-            None => Ok(spec),
+            None => Ok(()),
         }
     }
 
@@ -88,12 +102,15 @@ impl SamplerArgs {
     /// As [`Self::spec`].
     pub fn specs(&self, names: &[String]) -> Result<Vec<SamplerSpec>, Error> {
         if !names.is_empty() {
-            return names.iter().map(|n| self.spec(n)).collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            self.refuse_foreign(&names)?;
+            return Ok(names.iter().map(|n| self.lenient(n)).collect());
         }
         let whole = Self { uncompressed: true, ..self.clone() };
-        let mut specs = vec![SamplerSpec::Cosine, self.spec("adaptive-disc")?, whole.spec("cascade-cdf")?];
+        let mut specs =
+            vec![SamplerSpec::Cosine, self.lenient("adaptive-disc"), whole.lenient("cascade-cdf")];
         if !self.uncompressed {
-            specs.push(self.spec("cascade-cdf")?);
+            specs.push(self.lenient("cascade-cdf"));
         }
         Ok(specs)
     }

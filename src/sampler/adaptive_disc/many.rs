@@ -55,7 +55,7 @@ struct Batch<'a> {
 impl Batch<'_> {
     fn cosine(&mut self, count: usize, seed: u64) {
         for i in 0..count as u64 {
-            let wi = cosine_hemisphere(PointSet::Sobol.point(seed, i, 0)).as_vec3();
+            let wi = cosine_hemisphere(PointSet::Sobol.point(seed, i, 0).as_dvec2()).as_vec3();
             self.out.push(self.disc.finish(&self.view, wi, None));
         }
     }

@@ -233,7 +233,7 @@ impl AdaptiveDisc {
     /// A draw from the tree at knot `k`: a direction and its value there.
     fn draw(&self, k: usize, turn: DVec2, mut point: DVec2, random: &mut Stream) -> Option<(Vec3, f64)> {
         if self.forest.integral(k) <= 0.0 {
-            return Some((cosine_hemisphere(point.as_vec2()).as_vec3(), 0.0));
+            return Some((cosine_hemisphere(point).as_vec3(), 0.0));
         }
         let mut leaf = self.forest.draw(k, point.x);
         point.x = leaf.rest;
@@ -266,7 +266,7 @@ impl DirectionSampler for AdaptiveDisc {
         let (ignore_brdf, x) = split_unit(u.x, self.settings.floor);
         let view = self.view(wo);
         let (wi, known) = if ignore_brdf {
-            (cosine_hemisphere(Vec2::new(x as f32, u.y as f32)).as_vec3(), None)
+            (cosine_hemisphere(DVec2::new(x, u.y)).as_vec3(), None)
         } else {
             let (first, y) = split_unit(u.y, 1.0 - view.near.share);
             let k = if first { view.near.first } else { view.near.second };

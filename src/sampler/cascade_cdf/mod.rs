@@ -234,9 +234,9 @@ impl DirectionSampler for CascadeCdf {
         let (first, y) = split_unit(f64::from(u.y), 1.0 - near.share);
         let k = if first { near.first } else { near.second };
         let wi = if ignore_tables {
-            cosine_hemisphere(Vec2::new(x as f32, u.y)).as_vec3()
+            cosine_hemisphere(DVec2::new(x, f64::from(u.y))).as_vec3()
         } else if self.tables.marginal.is_void(k) {
-            cosine_hemisphere(Vec2::new(x as f32, y as f32)).as_vec3()
+            cosine_hemisphere(DVec2::new(x, y)).as_vec3()
         } else {
             let h = self.half_vector(wo, self.draw(k, DVec2::new(x, y)));
             reflect_about(wo.as_dvec3(), h).as_vec3()
