@@ -152,3 +152,25 @@ fn tables_of_360_tell_phi_d_from_its_opposite() {
         }
     }
 }
+
+#[test]
+fn pairs_in_one_plane_with_the_normal_have_the_bins_of_arctangents() {
+    for k in 0..360 {
+        let (a, b) = (f64::from(k) * 0.247, f64::from(k) * 0.5 - 90.0);
+        let flat = |t: f64| Vec3::new(t.to_radians().sin() as f32, 0.0, t.to_radians().cos() as f32);
+        let (wo, wi) = (flat(a), flat(b));
+        for bins in [180, 360] {
+            let (fast, slow) = (BinIndex::of(wo, wi, bins), naive::bins(wo, wi, bins));
+            assert!(
+                fast == slow || naive::near_an_edge_of_theta(wo, wi, 1e-9),
+                "{wo} {wi}: {fast:?} {slow:?}"
+            );
+        }
+    }
+    for azimuth in [0.3f32, 1.9, 3.5, 5.8] {
+        let wi = Vec3::new(0.6 * azimuth.cos(), 0.6 * azimuth.sin(), 0.8);
+        let wo = Vec3::new(-wi.x, -wi.y, wi.z);
+        let bins = BinIndex::of(wo, wi, 360).unwrap();
+        assert_eq!((bins.theta_h, bins.phi_d), (0, azimuth.to_degrees() as usize));
+    }
+}

@@ -10,8 +10,8 @@ use std::sync::LazyLock;
 
 use glam::{DVec3, Vec3};
 
-use crate::geom::{HalfDiff, is_upper};
-use crate::merl::{THETA_D_BINS, THETA_H_BINS};
+use crate::geom::is_upper;
+use crate::merl::THETA_H_BINS;
 
 /// Bin indices of a pair of directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,19 +34,24 @@ impl BinIndex {
         let (o, i) = (wo.as_dvec3(), wi.as_dvec3());
         let (sum, difference) = (o + i, o - i);
         let across = o.x * i.y - o.y * i.x;
-        if across == 0.0 {
-            return Self::by_angles(o, i, phi_d_bins);
-        }
         let length2 = sum.length_squared();
         let rho2 = sum.x * sum.x + sum.y * sum.y;
-        let tan2_phi = 4.0 * across * across / (length2 * difference.z * difference.z);
-        let quarter = DEGREES.bin(tan2_phi);
-        // φd and φd + π share a bin of 180; across and along the plane agree in sign in the first half of it.
-        let half = if across * difference.z > 0.0 { quarter } else { 179 - quarter };
+        let phi_d = if across != 0.0 {
+            let tan2 = 4.0 * across * across / (length2 * difference.z * difference.z);
+            let quarter = DEGREES.bin(tan2);
+            // φd and φd + π share a bin of 180; across and along the plane agree in sign in the first half of it.
+            let half = if across * difference.z > 0.0 { quarter } else { 179 - quarter };
+            if across < 0.0 && phi_d_bins == 360 { half + 180 } else { half }
+        } else if rho2 == 0.0 {
+            azimuth_bin(i, phi_d_bins)
+        } else {
+            // In one plane with the normal: φd is 0, or π, which is 0 in a table of 180.
+            if phi_d_bins == 360 && difference.z < 0.0 { 180 } else { 0 }
+        };
         Some(Self {
             theta_h: THETA_H.bin(rho2 / (sum.z * sum.z)),
             theta_d: DEGREES.bin(difference.length_squared() / length2),
-            phi_d: if across < 0.0 && phi_d_bins == 360 { half + 180 } else { half },
+            phi_d,
         })
     }
 
@@ -61,19 +66,12 @@ impl BinIndex {
     pub fn theta_d_of_tan2(tan2: f64) -> usize {
         DEGREES.bin(tan2)
     }
+}
 
-    /// The same by arctangents: for pairs in one plane with the normal, where φd is exactly 0 or π, or undefined.
-    #[cold]
-    fn by_angles(wo: DVec3, wi: DVec3, phi_d_bins: usize) -> Option<Self> {
-        let angles = HalfDiff::of(wo, wi)?;
-        let theta_h = (angles.theta_h / FRAC_PI_2).sqrt() * THETA_H_BINS as f64;
-        let theta_d = angles.theta_d / FRAC_PI_2 * THETA_D_BINS as f64;
-        Some(Self {
-            theta_h: (theta_h as usize).min(THETA_H_BINS - 1),
-            theta_d: (theta_d as usize).min(THETA_D_BINS - 1),
-            phi_d: (fold_phi_d(angles.phi_d, phi_d_bins) as usize).min(phi_d_bins - 1),
-        })
-    }
+/// Bin of φd where the half vector is the normal: it is the azimuth of `wi`.
+#[cold]
+fn azimuth_bin(wi: DVec3, phi_d_bins: usize) -> usize {
+    (fold_phi_d(wi.y.atan2(wi.x), phi_d_bins) as usize).min(phi_d_bins - 1)
 }
 
 /// φd in (−π, π] as a coordinate in [0, `phi_d_bins`] in units of bins; ±π is 0 for a table of 180.

@@ -56,8 +56,14 @@ pub fn eval(table: &MerlTable, rule: LookupRule, wo: Vec3, wi: Vec3) -> (DVec3, 
 
 /// Whether an angle is within `slack` bins of an edge.
 pub fn near_an_edge(wo: Vec3, wi: Vec3, slack: f64) -> bool {
-    let (h, d, p) = coordinates(wo, wi, 360);
-    [h, d, p].iter().any(|x| (x - x.round()).abs() < slack)
+    let p = coordinates(wo, wi, 360).2;
+    near_an_edge_of_theta(wo, wi, slack) || (p - p.round()).abs() < slack
+}
+
+/// Whether θh or θd is within `slack` bins of an edge.
+pub fn near_an_edge_of_theta(wo: Vec3, wi: Vec3, slack: f64) -> bool {
+    let (h, d, _) = coordinates(wo, wi, 360);
+    [h, d].iter().any(|x| (x - x.round()).abs() < slack)
 }
 
 fn coordinates(wo: Vec3, wi: Vec3, phi_d_bins: usize) -> (f64, f64, f64) {
