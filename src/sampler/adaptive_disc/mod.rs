@@ -176,16 +176,6 @@ impl AdaptiveDisc {
         &self.settings
     }
 
-    /// The BRDF it samples.
-    pub fn brdf(&self) -> &Arc<Measured> {
-        &self.brdf
-    }
-
-    /// Leaves of all trees together.
-    pub fn leaves(&self) -> usize {
-        self.forest.leaves.len()
-    }
-
     pub(super) fn forest(&self) -> &Forest {
         &self.forest
     }

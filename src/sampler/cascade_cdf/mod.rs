@@ -166,11 +166,6 @@ impl CascadeCdf {
         &self.tables
     }
 
-    /// Knots stored in all curves together.
-    pub fn stored_knots(&self) -> usize {
-        self.tables.marginal.cdf.len() + self.tables.conditional.cdf.len()
-    }
-
     /// Grid coordinates (θh, φh) drawn from table `k`, which must not be void.
     #[inline]
     fn draw(&self, k: usize, u: DVec2) -> DVec2 {
