@@ -87,6 +87,56 @@ fn wrong_usage_is_status_two() {
         assert!(fails(run(arguments, "")).contains("Usage") || arguments.contains(&"0"), "{arguments:?}");
     }
     assert!(fails(run(&["eval", "nickel", "--lookup", "cubic"], "")).contains("[possible values: floor"));
+    assert!(fails(run(&["list", "--threads", "60000"], "")).contains("1..=1024"));
+}
+
+#[test]
+fn arguments_without_meaning_are_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, expected) in [
+        (&["render", "nickel", "--exposure", "nan"][..], "finite number of stops"),
+        (&["render", "nickel", "--light", "point", "-o", "no/such/x"], "there is no folder no/such"),
+        (&["info", "nickel", "--json", ".", "--force"], ". is a folder"),
+        (&["report", "nickel", "--draws", "0"], "0 draws"),
+        (&["report", "nickel", "--json", "-", "--csv", "-"], "the same output"),
+        (
+            &[
+                "sample",
+                "nickel",
+                "--theta",
+                "1",
+                "--count",
+                "1",
+                "--sampler",
+                "cascade-cdf",
+                "--uncompressed",
+            ]
+            .into_iter()
+            .chain(["--resolution", "8192x8192", "--tables", "64"])
+            .collect::<Vec<_>>(),
+            "64 tables of 8192 × 8192 cells",
+        ),
+    ] {
+        let output = run_in(folder.path(), arguments, "");
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+        let text = fails(output);
+        assert!(text.contains(expected), "{arguments:?}: {text}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_sampler_file_tells_when_its_material_is_elsewhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| run_in(folder.path(), arguments, "");
+    succeeds(run(&["decode", "nickel", "-o", "there"]));
+    succeeds(run(&[&["build", "there/nickel.binary", "-o", "s"][..], &QUICK].concat()));
+    let sample = ["sample", "s", "--theta", "5", "--count", "3"];
+    let before = succeeds(run(&sample));
+    std::fs::rename(folder.path().join("there/nickel.binary"), folder.path().join("moved.binary")).unwrap();
+    let text = fails(run(&sample));
+    assert!(text.contains("there/nickel.binary") && text.contains("--material"), "{text}");
+    assert_eq!(before, succeeds(run(&[&sample[..], &["--material", "moved.binary"]].concat())));
 }
 
 #[test]

@@ -259,6 +259,7 @@ fn forged_curves_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
         ("a CDF that falls", |f| f.set_f32("marginal.cdf", 2, 0.0), "marginal curves"),
         ("a conditional that falls", |f| f.set_f32("conditional.cdf", 1, 1.5), "conditional curves"),
+        ("a CDF that starts at −0", |f| f.set_f32("marginal.cdf", 0, -0.0), "curve 0"),
         ("NaN in a CDF", |f| f.set_f32("marginal.cdf", 3, f32::NAN), "curve 0"),
         ("a CDF that starts above 0", |f| f.set_f32("marginal.cdf", 0, 0.001), "curve 0"),
         (

@@ -391,3 +391,14 @@ fn builds_do_not_depend_on_threads() {
         assert!(bytes[0] == bytes[1] && bytes[0] == bytes[2], "{spec:?}");
     }
 }
+
+/// A tree of four leaves needs thousands of trials a draw; giving up would contradict the pdf.
+#[test]
+fn shallow_trees_lose_no_draws() {
+    let settings = AdaptiveDiscSettings { tables: 1, depth: 1, ..Default::default() };
+    let disc = SamplerSpec::AdaptiveDisc(settings).build(&measured("nickel", LookupRule::Floor)).unwrap();
+    for i in 0..200 {
+        assert!(disc.sample(Vec3::Z, PointSet::Random.point(1, i, 0)).is_some(), "draw {i}");
+    }
+    assert!(disc.sample_many(Vec3::Z, 200, 1).iter().all(Option::is_some));
+}

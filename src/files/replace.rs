@@ -17,7 +17,7 @@ pub enum Overwrite {
 /// Writes `path` through `fill`: all of it appears, or nothing does.
 ///
 /// # Errors
-/// [`Error::Argument`] if `path` exists and `overwrite` refuses; [`Error::Io`] if its folder is missing or the disk is full;
+/// As [`check_writable`]; [`Error::Io`] if the disk is full, for example;
 /// whatever `fill` returns.
 pub fn write_new(
     path: &Path,
@@ -25,15 +25,12 @@ pub fn write_new(
     fill: impl FnOnce(&mut dyn WriteSeek) -> Result<()>,
 ) -> Result<()> {
     check_writable(path, overwrite)?;
-    let folder = match path.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".merlkit-").suffix(".tmp");
     open_to_all(&mut builder);
-    let mut temporary =
-        builder.tempfile_in(folder).map_err(|e| Error::io(path, "create a temporary file beside", e))?;
+    let mut temporary = builder
+        .tempfile_in(folder_of(path))
+        .map_err(|e| Error::io(path, "create a temporary file beside", e))?;
     {
         let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file_mut());
         fill(&mut out)?;
@@ -52,12 +49,23 @@ pub fn write_new(
     Ok(())
 }
 
-/// Refuses early what [`write_new`] would refuse after the work is done: an existing file.
+/// Refuses early what [`write_new`] would refuse after the work is done: a missing folder, or an existing file.
 ///
 /// # Errors
-/// [`Error::Argument`] if `path` exists and `overwrite` refuses.
+/// [`Error::Argument`] if `path` is a folder, its folder is missing, or it exists and `overwrite` refuses.
 pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<()> {
+    if path.is_dir() {
+        return Err(Error::argument(format!("{} is a folder", path.display()), "name a file"));
+    }
+    if !folder_of(path).is_dir() {
+        let what = format!("{}: there is no folder {}", path.display(), folder_of(path).display());
+        return Err(Error::argument(what, "make it first, or name another output"));
+    }
     if overwrite == Overwrite::Refuse && path.exists() { Err(exists(path)) } else { Ok(()) }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// A sink that image writers can seek in.

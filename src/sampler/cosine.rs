@@ -24,8 +24,4 @@ impl DirectionSampler for Cosine {
     fn bytes(&self) -> usize {
         0
     }
-
-    fn keeps_stratification(&self) -> bool {
-        true
-    }
 }

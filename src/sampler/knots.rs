@@ -70,7 +70,9 @@ impl ThetaKnots {
         let step = FRAC_PI_2 / (self.count - 1) as f64;
         let first = ((theta / step) as usize).min(self.count - 2);
         let low = first as f64 * step;
-        let share = ((theta - low) / (self.theta(first + 1) - low)).clamp(0.0, 1.0);
+        // Several knots stand at the last angle if the step is small: between those there is nothing to share.
+        let width = self.theta(first + 1) - low;
+        let share = if width > 0.0 { ((theta - low) / width).clamp(0.0, 1.0) } else { 0.0 };
         match self.choice {
             TableChoice::Mixture => Neighbours { first, second: first + 1, share },
             TableChoice::Nearest => {
@@ -106,6 +108,18 @@ mod tests {
             let theta = knots.theta(n.first) * (1.0 - n.share) + knots.theta(n.second) * n.share;
             // z rounded to f32 leaves angles near 0 uncertain by 10⁻⁴ rad.
             assert!((theta.to_degrees() - degrees.min(89.5)).abs() < 2e-2, "{degrees}: {n:?}");
+        }
+    }
+
+    #[test]
+    fn every_count_serves_every_angle() {
+        for count in 1..=4096 {
+            let knots = ThetaKnots::new(count, TableChoice::Mixture).unwrap();
+            for degrees in [0.0, 45.0, 89.25, 89.5, 89.75, 89.999] {
+                let n = knots.neighbours(spherical(f64::to_radians(degrees), 1.0).as_vec3());
+                assert!((0.0..=1.0).contains(&n.share), "{count} tables, {degrees}°: {n:?}");
+                assert!(n.second < count);
+            }
         }
     }
 

@@ -40,11 +40,6 @@ pub trait DirectionSampler: Send + Sync {
     /// Bytes of memory held by the sampler's own tables, counted; a BRDF it refers to is not included.
     fn bytes(&self) -> usize;
 
-    /// Whether `sample` maps the unit square continuously and invertibly, so that well-spread points stay well spread.
-    fn keeps_stratification(&self) -> bool {
-        false
-    }
-
     /// Draws `count` directions that are stratified together, as well as the method can; each alone has density `pdf`.
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
         (0..count as u64).map(|i| self.sample(wo, PointSet::Sobol.point(seed, i, 0))).collect()

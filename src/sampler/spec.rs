@@ -109,10 +109,6 @@ impl DirectionSampler for Sampler {
         self.as_dyn().bytes()
     }
 
-    fn keeps_stratification(&self) -> bool {
-        self.as_dyn().keeps_stratification()
-    }
-
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
         self.as_dyn().sample_many(wo, count, seed)
     }

@@ -24,8 +24,8 @@ use failure::{Failure, Outcome};
                   Exit status: 0 done, 1 a check failed, 2 wrong usage or input."
 )]
 struct Cli {
-    /// Worker threads; results don't depend on it [default: all cores]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Worker threads, at most 1024; results don't depend on it [default: all cores]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(subcommand)]
     command: Command,

@@ -68,7 +68,14 @@ impl Batch<'_> {
         match self.disc.settings.leaves {
             LeafChoice::Integral => self.shares(k, count, MAX_TRIALS),
             // As many proposals as were rejected are shared again, until all are accepted.
-            LeafChoice::Envelope => (0..MAX_TRIALS).for_each(|_| self.shares(k, goal - self.out.len(), 1)),
+            LeafChoice::Envelope => {
+                for _ in 0..MAX_TRIALS {
+                    if self.out.len() == goal {
+                        break;
+                    }
+                    self.shares(k, goal - self.out.len(), 1);
+                }
+            }
         }
         self.out.resize(goal, None);
     }

@@ -134,9 +134,9 @@ pub struct AdaptiveDisc {
     forest: Forest,
 }
 
-/// Trials after which a draw is given up. The mean is near `n_max`; this many happen with probability below 10⁻³⁰ when
-/// bounds are sound.
-const MAX_TRIALS: u32 = 1000;
+/// Trials after which a draw is given up, which `pdf` does not know of: never in practice. The mean is near `n_max`, but
+/// trees that are not allowed to be deep need as many as the peak of f exceeds its mean, 10⁵ for the worst metals.
+const MAX_TRIALS: u32 = 2_000_000;
 
 /// `wo` as the trees see it: turned into the plane of φ = 0, with its neighbours among the knots.
 struct View {
@@ -174,16 +174,6 @@ impl AdaptiveDisc {
     /// The settings it was built with.
     pub fn settings(&self) -> &AdaptiveDiscSettings {
         &self.settings
-    }
-
-    /// The BRDF it samples.
-    pub fn brdf(&self) -> &Arc<Measured> {
-        &self.brdf
-    }
-
-    /// Leaves of all trees together.
-    pub fn leaves(&self) -> usize {
-        self.forest.leaves.len()
     }
 
     pub(super) fn forest(&self) -> &Forest {

@@ -82,6 +82,14 @@ impl CascadeCdfSettings {
                 return refuse(format!("{cells} cells over {name}"), "choose 1 to 8192");
             }
         }
+        // Knots are numbered in 32 bits, and without compression there is one at every edge of a cell.
+        let knots = self.tables.saturating_mul((self.theta_h + 1) * (self.phi_h + 2));
+        if u32::try_from(knots).is_err() {
+            return refuse(
+                format!("{} tables of {} × {} cells", self.tables, self.theta_h, self.phi_h),
+                "choose fewer: at most 4·10⁹ cells in all",
+            );
+        }
         if !(0.0..=1.0).contains(&self.floor) {
             return refuse(format!("floor is {}", self.floor), "choose a share between 0 and 1");
         }
@@ -156,11 +164,6 @@ impl CascadeCdf {
 
     pub(super) fn tables(&self) -> &Tables {
         &self.tables
-    }
-
-    /// Knots stored in all curves together.
-    pub fn stored_knots(&self) -> usize {
-        self.tables.marginal.cdf.len() + self.tables.conditional.cdf.len()
     }
 
     /// Grid coordinates (θh, φh) drawn from table `k`, which must not be void.

@@ -33,7 +33,7 @@ pub struct Record {
     pub spec: SamplerSpec,
     /// Name of the material.
     pub material: String,
-    /// Path of the MERL binary, or `None` for an embedded material.
+    /// Path of the MERL binary as it was named when building, or `None` for an embedded material.
     pub path: Option<String>,
     /// SHA-256 of the material's defining bytes.
     pub source_sha256: String,
@@ -162,12 +162,23 @@ impl SamplerFile {
         })
     }
 
+    /// The recorded material; a relative path starts from the current folder, which may have changed since.
+    fn recorded_material(&self) -> Result<Material> {
+        self.record.material().map_err(|e| {
+            Error::argument(
+                format!("{} needs the material it was built from: {e}", self.tensors.path().display()),
+                "name that material with --material, or run in the folder where the file was built",
+            )
+        })
+    }
+
     /// Loads the recorded material, or `instead`, and puts the sampler together with it.
     ///
     /// # Errors
-    /// As [`Self::into_sampler`], and [`Error::Argument`] if the material's bytes are not those the sampler was built from.
+    /// As [`Self::into_sampler`], and [`Error::Argument`] if the material is not where the record says, or its bytes are not
+    /// those the sampler was built from.
     pub fn load(self, instead: Option<Material>) -> Result<(Sampler, Arc<Measured>)> {
-        let material = instead.map_or_else(|| self.record.material(), Ok)?;
+        let material = instead.map_or_else(|| self.recorded_material(), Ok)?;
         let found = material.sha256()?;
         if found != self.record.source_sha256 {
             return Err(Error::argument(

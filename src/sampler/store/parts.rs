@@ -148,11 +148,13 @@ fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
             [first, .., last] => *first == 0.0 && (*last == 1.0 || cdf.iter().all(|&c| c == 0.0)),
             _ => false,
         };
-        if !ends || !cdf.iter().all(|c| c.is_finite()) || !cdf.is_sorted() {
+        // −0 would pass as 0, but curves are searched by their bits.
+        let sound = |c: &f32| c.is_finite() && c.is_sign_positive();
+        if !ends || !cdf.iter().all(sound) || !cdf.is_sorted() {
             return fail(format!("curve {k} that does not rise from 0 to 1"));
         }
         let fits = if every {
-            cdf.len() == cells + 1
+            cdf.len() - 1 == cells
         } else {
             let p = &curves.positions[range];
             p[0] == 0 && usize::from(p[p.len() - 1]) == cells && p.is_sorted_by(|a, b| a < b)

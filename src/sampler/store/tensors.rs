@@ -88,6 +88,11 @@ impl Tensors {
         Ok((Self { path: path.to_owned(), map }, metadata))
     }
 
+    /// The file they were read from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     pub fn sha256(&self) -> String {
         sha256(&self.map)
     }

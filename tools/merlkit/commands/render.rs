@@ -55,7 +55,7 @@ pub struct Args {
     #[arg(long, value_name = "HOW", default_value = "mis", value_parser = args::named(&STRATEGIES))]
     strategy: Strategy,
     /// Exposure of the PNG, stops
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
     /// Print each effect, on or off, and why
     #[arg(long)]
@@ -107,6 +107,14 @@ pub fn run(args: &Args) -> Outcome {
         writeln!(out, "{w} × {h} pixels, {} paths a pixel, {seconds:.2} s in all", args.spp)
     })?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn stops(argument: &str) -> Result<f32, String> {
+    argument
+        .parse()
+        .ok()
+        .filter(|ev: &f32| ev.is_finite())
+        .ok_or_else(|| "expected a finite number of stops".into())
 }
 
 fn settings(args: &Args) -> Settings {

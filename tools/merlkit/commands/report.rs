@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use merlkit::Error;
 use merlkit::brdf::LookupRule;
 use merlkit::measure::profile::{ProfileSettings, profile};
 use merlkit::merl::embedded_names;
@@ -51,11 +52,23 @@ pub struct Args {
     settings: SamplerArgs,
 }
 
+/// No bias can be told from no draws, and JSON and CSV in one file are neither.
+fn refuse_meaningless(args: &Args) -> Result<(), Error> {
+    if args.draws == 0 {
+        return Err(Error::argument("a bias from 0 draws", "choose --draws of at least 1"));
+    }
+    if args.json.is_some() && args.json == args.csv {
+        return Err(Error::argument("--json and --csv name the same output", "name another for one of them"));
+    }
+    Ok(())
+}
+
 pub fn run(args: &Args) -> Outcome {
     let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
     let specs = args.settings.specs(&args.samplers)?;
     let overwrite = output::overwrite(args.force);
     let destinations = [&args.json, &args.csv];
+    refuse_meaningless(args)?;
     for destination in destinations.into_iter().flatten() {
         destination.check(overwrite)?;
     }
