@@ -6,10 +6,10 @@ use glam::{Vec2, Vec3};
 
 use super::{
     AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Construction, Cosine,
-    DirectionSample, DirectionSampler,
+    DirectionSample, DirectionSampler, TableChoice, ThetaSpacing,
 };
 use crate::Result;
-use crate::brdf::Measured;
+use crate::brdf::{Importance, Measured};
 
 /// A sampler that can be built for any measured material.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -33,21 +33,23 @@ impl SamplerSpec {
         }
     }
 
-    /// The name with the settings that tell variants apart, for tables: "cascade-cdf 1024×512 ±0.001".
+    /// The name with the settings that tell variants apart, for tables: "cascade-cdf 16×1024×512 ±0.001, nearest".
     pub fn label(&self) -> String {
-        match self {
-            Self::Cosine => self.name().into(),
-            Self::AdaptiveDisc(s) => match s.construction {
-                Construction::Refined => format!("{}, {} trees", self.name(), s.tables),
-                Construction::Grid(side) => {
-                    format!("{}, {} trees from {side}² pixels", self.name(), s.tables)
-                }
-            },
-            Self::CascadeCdf(s) => {
-                let cells = format!("{} {}×{}×{}", self.name(), s.tables, s.theta_h, s.phi_h);
-                s.tolerance.map_or_else(|| format!("{cells} whole"), |t| format!("{cells} ±{t}"))
+        let (mut label, published, notes) = match self {
+            Self::Cosine => return self.name().into(),
+            Self::AdaptiveDisc(s) => {
+                (disc_label(s), *s == AdaptiveDiscSettings::as_published(), disc_notes(s))
             }
+            Self::CascadeCdf(s) => {
+                let published = [true, false].map(CascadeCdfSettings::as_published).contains(s);
+                (cascade_label(s), published, cascade_notes(s))
+            }
+        };
+        let notes = if published { vec!["as published".into()] } else { notes };
+        for note in notes {
+            label = format!("{label}, {note}");
         }
+        label
     }
 
     /// Builds the sampler on the threads of the current pool.
@@ -63,6 +65,43 @@ impl SamplerSpec {
             Self::CascadeCdf(settings) => Sampler::CascadeCdf(CascadeCdf::build(&**brdf, *settings)?),
         })
     }
+}
+
+fn disc_label(s: &AdaptiveDiscSettings) -> String {
+    match s.construction {
+        Construction::Refined => format!("adaptive-disc, {} trees", s.tables),
+        Construction::Grid(side) => format!("adaptive-disc, {} trees from {side}² pixels", s.tables),
+    }
+}
+
+fn cascade_label(s: &CascadeCdfSettings) -> String {
+    let cells = format!("cascade-cdf {}×{}×{}", s.tables, s.theta_h, s.phi_h);
+    s.tolerance.map_or_else(|| format!("{cells} whole"), |t| format!("{cells} ±{t}"))
+}
+
+/// The settings that differ from the default and do not stand in the label.
+fn disc_notes(s: &AdaptiveDiscSettings) -> Vec<String> {
+    let d = AdaptiveDiscSettings::default();
+    let mut notes = common_notes(s.choice, s.floor, s.importance);
+    notes.extend((s.leaves != d.leaves).then(|| "leaves by integral".to_owned()));
+    notes.extend((s.n_max != d.n_max).then(|| format!("n_max {}", s.n_max)));
+    notes.extend((s.depth != d.depth).then(|| format!("depth {}", s.depth)));
+    notes.extend((s.waste != d.waste).then(|| format!("waste {}", s.waste)));
+    notes
+}
+
+fn cascade_notes(s: &CascadeCdfSettings) -> Vec<String> {
+    let mut notes = common_notes(s.choice, s.floor, s.importance);
+    notes.extend((s.spacing != ThetaSpacing::default()).then(|| "uniform θh".to_owned()));
+    notes
+}
+
+fn common_notes(choice: TableChoice, floor: f64, importance: Importance) -> Vec<String> {
+    let mut notes = Vec::new();
+    notes.extend((choice != TableChoice::default()).then(|| "nearest".to_owned()));
+    notes.extend((floor != AdaptiveDiscSettings::default().floor).then(|| format!("floor {floor}")));
+    notes.extend((importance != Importance::default()).then(|| "luminance".to_owned()));
+    notes
 }
 
 /// A sampler of any of the kinds here.

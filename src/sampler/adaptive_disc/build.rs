@@ -19,12 +19,12 @@ fn points_a_side(leaves: LeafChoice) -> usize {
     }
 }
 
-/// Points a bin of θh for ∫ f, which every density is divided by. At grazing a table jumps more between fewer bins. Either
-/// way the integral is within 5·10⁻⁴ of one with 6765 points on the materials of `docs/performance.md`.
-fn normaliser_points(theta_o: f64) -> usize {
-    if theta_o < 75f64.to_radians() { 144 } else { 610 }
-}
-
+/// Points a bin of θh for ∫ f, which every density is divided by: more are taken until two integrals in a row agree to
+/// [`NORMALISER_STEP`]; the second is then within a few 10⁻⁴. Grazing and noisy tables need the most.
+const NORMALISER_POINTS: [usize; 6] = [55, 144, 377, 987, 2584, 6765];
+const NORMALISER_STEP: f64 = 2e-3;
+/// Where grazing begins: tables jump more between fewer bins, and the first attempt is left out.
+const GRAZING: f64 = 75.0 / 180.0 * std::f64::consts::PI;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
 const SPARE: usize = 20;
 /// Nodes above this depth are split unseen.
@@ -38,8 +38,7 @@ pub(super) fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: Th
         .into_par_iter()
         .map(|k| {
             let slice = Slice::new(brdf, settings, knots.theta(k));
-            let integral = Quadrature::new(slice.wo, normaliser_points(knots.theta(k)))
-                .integrate(|wi| slice.value(wi) * f64::from(wi.z));
+            let integral = slice.integral(knots.theta(k));
             let leaves = match (&settings.construction, &bounds) {
                 _ if integral <= 0.0 => Vec::new(),
                 (Construction::Grid(side), _) => Grower::new(settings, Image::new(&slice, *side)).grow(),
@@ -71,6 +70,21 @@ impl<'a> Slice<'a> {
 
     fn value(&self, wi: Vec3) -> f64 {
         f64::from(self.settings.importance.of(self.brdf.eval(self.wo, wi)))
+    }
+
+    /// ∫ f over the disc.
+    fn integral(&self, theta_o: f64) -> f64 {
+        let attempts = &NORMALISER_POINTS[if theta_o < GRAZING { 0 } else { 1 }..];
+        let of = |points| Quadrature::new(self.wo, points).integrate(|wi| self.value(wi) * f64::from(wi.z));
+        let mut before = of(attempts[0]);
+        for &points in &attempts[1..] {
+            let integral = of(points);
+            if (integral - before).abs() <= NORMALISER_STEP * integral {
+                return integral;
+            }
+            before = integral;
+        }
+        before
     }
 
     fn value_on_disc(&self, p: DVec2) -> f64 {

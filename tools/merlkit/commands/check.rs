@@ -34,7 +34,7 @@ pub struct Args {
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    /// Draws of each statistical check
+    /// Draws of each statistical check, 1000 to 10000000
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     draws: usize,
     /// Seed of the draws
@@ -53,12 +53,14 @@ pub struct Args {
     settings: SamplerArgs,
 }
 
+/// With fewer draws nothing would fail; with more, nobody would wait.
+const DRAWS: std::ops::RangeInclusive<usize> = 1000..=10_000_000;
+
 pub fn run(args: &Args) -> Outcome {
-    if !(args.significance > 0.0 && args.significance < 1.0) || args.draws == 0 {
+    if !(args.significance > 0.0 && args.significance < 1.0) || !DRAWS.contains(&args.draws) {
         let what = format!("significance {}, {} draws", args.significance, args.draws);
-        return Err(
-            merlkit::Error::argument(what, "choose a probability between 0 and 1 and some draws").into()
-        );
+        let fix = "choose a probability between 0 and 1, and a thousand to ten million draws";
+        return Err(merlkit::Error::argument(what, fix).into());
     }
     let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
     let specs = args.settings.specs(&args.samplers)?;
