@@ -57,7 +57,8 @@ pub struct Args {
 const DRAWS: std::ops::RangeInclusive<usize> = 1000..=10_000_000;
 
 pub fn run(args: &Args) -> Outcome {
-    if !(args.significance > 0.0 && args.significance < 1.0) || !DRAWS.contains(&args.draws) {
+    let probability = args.significance > 0.0 && args.significance < 1.0;
+    if !probability || !DRAWS.contains(&args.draws) {
         let what = format!("significance {}, {} draws", args.significance, args.draws);
         let fix = "choose a probability between 0 and 1, and a thousand to ten million draws";
         return Err(merlkit::Error::argument(what, fix).into());
