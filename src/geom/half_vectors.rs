@@ -3,11 +3,11 @@
 //! Coordinates: `theta_h` in [0, (π/2 + θo)/2], and `b` in [−1, 1], the azimuth of h against that of `wo` as a share of
 //! the largest one, φmax(θh), that still reflects above the horizon. No point of the rectangle is lost.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec3, Vec3};
 
-use super::{is_upper, reflect_about, spherical, to_spherical};
+use super::{approx, is_upper, reflect_about, to_spherical};
 
 /// The rectangle of half vectors about one direction.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +44,9 @@ impl HalfVectors {
     ///
     /// cos φmax = −cot θo·cot 2θh, in the form tan²(φmax/2) = −cos(2θh−θo)/cos(2θh+θo), which keeps its digits at both ends.
     pub fn phi_max(&self, theta_h: f64) -> f64 {
+        if theta_h <= self.theta_full() {
+            return PI;
+        }
         let far = (2.0 * theta_h + self.theta_o).cos();
         let near = (2.0 * theta_h - self.theta_o).cos();
         if far >= 0.0 { PI } else { 2.0 * near.max(0.0).sqrt().atan2((-far).sqrt()) }
@@ -53,9 +56,12 @@ impl HalfVectors {
     #[inline]
     pub fn direction(&self, theta_h: f64, b: f64) -> (Vec3, f64) {
         let phi_max = self.phi_max(theta_h);
-        let h = self.turn(spherical(theta_h, b * phi_max), 1.0);
+        let (sin_h, cos_h) = approx::sin_cos_turns(theta_h * (1.0 / TAU));
+        let turn = b * phi_max * (1.0 / TAU);
+        let (sin, cos) = approx::sin_cos_turns(if turn < 0.0 { turn + 1.0 } else { turn });
+        let h = self.turn(DVec3::new(sin_h * cos, sin_h * sin, cos_h), 1.0);
         let wi = reflect_about(self.wo, h);
-        (wi.as_vec3(), 4.0 * self.wo.dot(h) * theta_h.sin() * phi_max)
+        (wi.as_vec3(), 4.0 * self.wo.dot(h) * sin_h * phi_max)
     }
 
     /// (θh, b) of a direction: inverse of [`Self::direction`], clamped to the rectangle where rounding leaves it.
@@ -110,6 +116,7 @@ impl Lattice {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::spherical;
 
     #[test]
     fn coordinates_invert_directions_and_all_are_above_the_horizon() {
