@@ -21,9 +21,10 @@ fn points_a_side(leaves: LeafChoice) -> usize {
 
 /// Points a bin of θh for ∫ f, which every density is divided by: more are taken until two integrals in a row agree to
 /// [`NORMALISER_STEP`]; the second is then within a few 10⁻⁴. Grazing and noisy tables need the most.
-const NORMALISER_POINTS: [usize; 6] = [55, 144, 377, 987, 2584, 6765];
+const NORMALISER_POINTS: [usize; 5] = [55, 144, 377, 987, 2584];
+const NORMALISER_POINTS_GRAZING: [usize; 5] = [233, 610, 1597, 4181, 10_946];
 const NORMALISER_STEP: f64 = 2e-3;
-/// Where grazing begins: tables jump more between fewer bins, and the first two attempts are left out.
+/// Where grazing begins: tables jump more between fewer bins.
 const GRAZING: f64 = 75.0 / 180.0 * std::f64::consts::PI;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
 const SPARE: usize = 20;
@@ -74,7 +75,7 @@ impl<'a> Slice<'a> {
 
     /// ∫ f over the disc.
     fn integral(&self, theta_o: f64) -> f64 {
-        let attempts = &NORMALISER_POINTS[if theta_o < GRAZING { 0 } else { 2 }..];
+        let attempts = if theta_o < GRAZING { NORMALISER_POINTS } else { NORMALISER_POINTS_GRAZING };
         let of = |points| Quadrature::new(self.wo, points).integrate(|wi| self.value(wi) * f64::from(wi.z));
         let mut before = of(attempts[0]);
         for &points in &attempts[1..] {
