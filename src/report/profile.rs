@@ -54,7 +54,7 @@ impl SamplerReport {
         let m = &self.measured;
         let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
-            "{}: {} lookup; loaded in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one (median of five runs over \
+            "{}: {} lookup; loaded (or decoded) in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one (median of five runs over \
              7 angles). relstd: standard deviation of the weight of mean RGB over its mean, by quadrature, mean and worst \
              angle; holes: share of the albedo where the density is 0, worst angle; bias: of the albedo from {} draws, seed {}, \
              at the angle where it is most standard errors (±) from 0; lost: failed draws.",

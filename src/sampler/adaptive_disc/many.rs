@@ -62,7 +62,7 @@ impl Batch<'_> {
 
     fn tree(&mut self, k: usize, count: usize, seed: u64) {
         if self.disc.forest.integral(k) <= 0.0 {
-            return self.cosine(count, seed.wrapping_add(1));
+            return self.cosine(count, seed.wrapping_add(1 + k as u64));
         }
         let goal = self.out.len() + count;
         match self.disc.settings.leaves {
