@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use merlkit::Error;
 use merlkit::brdf::LookupRule;
-use merlkit::merl::Material;
+use merlkit::merl::{Material, embedded_names};
 
 /// Parses a lookup rule by its name.
 pub fn lookup_rule() -> impl TypedValueParser<Value = LookupRule> {
@@ -28,6 +28,24 @@ fn sin_cos_degrees(angle: f64) -> (f64, f64) {
         1 => (cos, -sin),
         2 => (-sin, -cos),
         _ => (-cos, sin),
+    }
+}
+
+/// The materials of a command that takes any number of them.
+#[derive(clap::Args)]
+pub struct Materials {
+    /// Paths to MERL binaries or names of embedded materials
+    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
+    materials: Vec<String>,
+    /// Take every embedded material
+    #[arg(long, conflicts_with = "materials")]
+    all: bool,
+}
+
+impl Materials {
+    /// Resolves all of them before any work begins.
+    pub fn resolve(&self) -> Result<Vec<Material>, Error> {
+        resolve(if self.all { embedded_names() } else { &self.materials })
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use merlkit::Error;
 use merlkit::brdf::{LookupRule, Measured};
 use merlkit::files::{Overwrite, check_writable};
-use merlkit::merl::{Material, embedded_names};
+use merlkit::merl::Material;
 use merlkit::sampler::{SamplerSpec, store};
 use rayon::prelude::*;
 
@@ -22,12 +22,8 @@ use crate::{args, output};
 /// SHA-256 of the material. `merlkit sample` and the library load it without building again.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or names of embedded materials
-    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
-    materials: Vec<String>,
-    /// Build for every embedded material
-    #[arg(long, conflicts_with = "materials")]
-    all: bool,
+    #[command(flatten)]
+    materials: args::Materials,
     /// Sampler to build
     #[arg(long, value_name = "NAME", value_parser = ["adaptive-disc", "cascade-cdf"])]
     sampler: String,
@@ -46,7 +42,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Outcome {
     let spec = args.settings.spec(&args.sampler)?;
-    let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
+    let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
     let overwrite = output::overwrite(args.force);
     let jobs = destinations(args, materials)?;

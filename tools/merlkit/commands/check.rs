@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use merlkit::brdf::{LookupRule, Measured};
 use merlkit::measure::check::{CheckSettings, check_directions, check_sampler};
-use merlkit::merl::embedded_names;
 use merlkit::report::{CheckResult, Sheet, write_json};
 
 use crate::failure::Outcome;
@@ -22,12 +21,8 @@ use crate::{args, table};
 /// significance a run over right samplers fails by chance once in a hundred.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or names of embedded materials
-    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
-    materials: Vec<String>,
-    /// Check for every embedded material
-    #[arg(long, conflicts_with = "materials")]
-    all: bool,
+    #[command(flatten)]
+    materials: args::Materials,
     /// Sampler to check; may be repeated [default: all, the cascade CDF both whole and compressed]
     #[arg(long = "sampler", value_name = "NAME", value_parser = SAMPLERS)]
     samplers: Vec<String>,
@@ -63,7 +58,7 @@ pub fn run(args: &Args) -> Outcome {
         let fix = "choose a probability between 0 and 1, and a thousand to ten million draws";
         return Err(merlkit::Error::argument(what, fix).into());
     }
-    let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
+    let materials = args.materials.resolve()?;
     let specs = args.settings.specs(&args.samplers)?;
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {

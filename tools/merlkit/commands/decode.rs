@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable};
-use merlkit::merl::{Material, embedded_names, write};
+use merlkit::merl::{Material, write};
 use rayon::prelude::*;
 
 use crate::failure::Outcome;
@@ -15,12 +15,8 @@ use crate::{args, output};
 /// Write materials as MERL binaries, 35 MB each
 #[derive(clap::Args)]
 pub struct Args {
-    /// Names of embedded materials, or paths to MERL binaries
-    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
-    materials: Vec<String>,
-    /// Write every embedded material: 3.5 GB
-    #[arg(long, conflicts_with = "materials")]
-    all: bool,
+    #[command(flatten)]
+    materials: args::Materials,
     /// Folder for the files, which are called NAME.binary; made if missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -30,7 +26,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
+    let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     let overwrite = output::overwrite(args.force);

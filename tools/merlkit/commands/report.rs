@@ -5,7 +5,6 @@ use std::process::ExitCode;
 use merlkit::Error;
 use merlkit::brdf::LookupRule;
 use merlkit::measure::profile::{ProfileSettings, profile};
-use merlkit::merl::embedded_names;
 use merlkit::report::{SamplerReport, thesis_legend, write_json};
 
 use crate::failure::Outcome;
@@ -21,12 +20,8 @@ use crate::{args, table};
 /// draws. Every figure but the thesis's is measured in this run.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or names of embedded materials
-    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
-    materials: Vec<String>,
-    /// Report on every embedded material
-    #[arg(long, conflicts_with = "materials")]
-    all: bool,
+    #[command(flatten)]
+    materials: args::Materials,
     /// Sampler to measure; may be repeated [default: all, the cascade CDF both whole and compressed]
     #[arg(long = "sampler", value_name = "NAME", value_parser = SAMPLERS)]
     samplers: Vec<String>,
@@ -64,7 +59,7 @@ fn refuse_meaningless(args: &Args) -> Result<(), Error> {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let materials = args::resolve(if args.all { embedded_names() } else { &args.materials })?;
+    let materials = args.materials.resolve()?;
     let specs = args.settings.specs(&args.samplers)?;
     let overwrite = output::overwrite(args.force);
     let destinations = [&args.json, &args.csv];
