@@ -80,12 +80,12 @@ mod tests {
 
     #[test]
     fn bytes_are_srgb_of_the_exposed_value() {
-        let image = Image::new(2, 1, vec![Rgb::splat(0.214_041_1), Rgb::new(0.0, 0.5, 1e9)]).unwrap();
+        let image = Image::new(2, 1, vec![Rgb::splat(0.214_041_14), Rgb::new(0.0, 0.5, 1e9)]).unwrap();
         // sRGB 0.5 is linear 0.21404; 0.5 linear is byte 188.
         assert_eq!(encode(&image, 0.0), [128, 128, 128, 0, 188, 255]);
         assert_eq!(
             encode(&image, 1.0)[..3],
-            encode(&Image::new(1, 1, vec![Rgb::splat(0.428_082_3)]).unwrap(), 0.0)
+            encode(&Image::new(1, 1, vec![Rgb::splat(2.0 * 0.214_041_14)]).unwrap(), 0.0)
         );
     }
 }
