@@ -134,9 +134,10 @@ pub struct AdaptiveDisc {
     forest: Forest,
 }
 
-/// Trials after which a draw is given up, which `pdf` does not know of: never in practice. The mean is near `n_max`, but
-/// trees that are not allowed to be deep need as many as the peak of f exceeds its mean, 10⁵ for the worst metals.
-const MAX_TRIALS: u32 = 2_000_000;
+/// Trials after which a draw is given up, half a millisecond, which `pdf` does not know of. The mean is near `n_max`; only
+/// trees that are not allowed to be deep need as many as the peak of f exceeds its mean, and lose draws when that is
+/// thousands.
+const MAX_TRIALS: u32 = 20_000;
 
 /// `wo` as the trees see it: turned into the plane of φ = 0, with its neighbours among the knots.
 struct View {
