@@ -20,7 +20,8 @@ fn points_a_side(leaves: LeafChoice) -> usize {
 }
 
 /// Points a bin of θh for ∫ f, which every density is divided by: more are taken until two integrals in a row agree to
-/// [`NORMALISER_STEP`]; the second is then within a few 10⁻⁴. Grazing and noisy tables need the most.
+/// [`NORMALISER_STEP`]; the second is then within a few 10⁻⁴ on the embedded
+/// materials; on white noise two can agree by chance.
 const NORMALISER_POINTS: [usize; 5] = [55, 144, 377, 987, 2584];
 const NORMALISER_POINTS_GRAZING: [usize; 5] = [233, 610, 1597, 4181, 10_946];
 const NORMALISER_STEP: f64 = 2e-3;
