@@ -3,6 +3,7 @@
 mod adaptive_disc;
 mod cascade_cdf;
 mod cosine;
+mod half_vector_table;
 mod knots;
 mod spec;
 pub mod store;
@@ -10,6 +11,7 @@ pub mod store;
 pub use adaptive_disc::{AdaptiveDisc, AdaptiveDiscSettings, Construction, LeafChoice};
 pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ThetaSpacing};
 pub use cosine::Cosine;
+pub use half_vector_table::{HalfVectorSettings, HalfVectorTable};
 pub use knots::TableChoice;
 pub use spec::{Sampler, SamplerSpec};
 
@@ -40,8 +42,14 @@ pub trait DirectionSampler: Send + Sync {
     /// Bytes of memory held by the sampler's own tables, counted; a BRDF it refers to is not included.
     fn bytes(&self) -> usize;
 
+    /// [`Self::sample`] for each of `points`, with what depends on `wo` alone done once where that saves time.
+    fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
+        points.iter().map(|&u| self.sample(wo, u)).collect()
+    }
+
     /// Draws `count` directions that are stratified together, as well as the method can; each alone has density `pdf`.
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
-        (0..count as u64).map(|i| self.sample(wo, PointSet::Sobol.point(seed, i, 0))).collect()
+        let points: Vec<Vec2> = (0..count as u64).map(|i| PointSet::Sobol.point(seed, i, 0)).collect();
+        self.sample_batch(wo, &points)
     }
 }

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::{
     AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Construction, Cosine,
-    DirectionSample, DirectionSampler, TableChoice, ThetaSpacing,
+    DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable, TableChoice, ThetaSpacing,
 };
 use crate::Result;
 use crate::brdf::{Importance, Measured};
@@ -21,6 +21,8 @@ pub enum SamplerSpec {
     AdaptiveDisc(AdaptiveDiscSettings),
     /// CDFs of the half vector.
     CascadeCdf(CascadeCdfSettings),
+    /// Tables over the half-vector square: the default.
+    HalfVector(HalfVectorSettings),
 }
 
 impl SamplerSpec {
@@ -30,6 +32,7 @@ impl SamplerSpec {
             Self::Cosine => "cosine",
             Self::AdaptiveDisc(_) => "adaptive-disc",
             Self::CascadeCdf(_) => "cascade-cdf",
+            Self::HalfVector(_) => "half-vector",
         }
     }
 
@@ -44,6 +47,7 @@ impl SamplerSpec {
                 let published = [true, false].map(CascadeCdfSettings::as_published).contains(s);
                 (cascade_label(s), published, cascade_notes(s))
             }
+            Self::HalfVector(s) => (half_vector_label(s), false, half_vector_notes(s)),
         };
         let notes = if published { vec!["as published".into()] } else { notes };
         for note in notes {
@@ -63,6 +67,7 @@ impl SamplerSpec {
                 Sampler::AdaptiveDisc(AdaptiveDisc::build(brdf.clone(), *settings)?)
             }
             Self::CascadeCdf(settings) => Sampler::CascadeCdf(CascadeCdf::build(&**brdf, *settings)?),
+            Self::HalfVector(settings) => Sampler::HalfVector(HalfVectorTable::build(&**brdf, *settings)?),
         })
     }
 }
@@ -77,6 +82,15 @@ fn disc_label(s: &AdaptiveDiscSettings) -> String {
 fn cascade_label(s: &CascadeCdfSettings) -> String {
     let cells = format!("cascade-cdf {}×{}×{}", s.tables, s.theta_h, s.phi_h);
     s.tolerance.map_or_else(|| format!("{cells} whole"), |t| format!("{cells} ±{t}"))
+}
+
+fn half_vector_label(s: &HalfVectorSettings) -> String {
+    let folded = if s.fold { " folded" } else { "" };
+    format!("half-vector {}×{}×{}{folded}", s.tables, s.rows, s.segments)
+}
+
+fn half_vector_notes(s: &HalfVectorSettings) -> Vec<String> {
+    (s.importance != Importance::default()).then(|| "luminance".to_owned()).into_iter().collect()
 }
 
 /// The settings that differ from the default and do not stand in the label.
@@ -113,6 +127,8 @@ pub enum Sampler {
     AdaptiveDisc(AdaptiveDisc),
     /// CDFs of the half vector.
     CascadeCdf(CascadeCdf),
+    /// Tables over the half-vector square.
+    HalfVector(HalfVectorTable),
 }
 
 impl Sampler {
@@ -122,6 +138,7 @@ impl Sampler {
             Self::Cosine(_) => SamplerSpec::Cosine,
             Self::AdaptiveDisc(s) => SamplerSpec::AdaptiveDisc(*s.settings()),
             Self::CascadeCdf(s) => SamplerSpec::CascadeCdf(*s.settings()),
+            Self::HalfVector(s) => SamplerSpec::HalfVector(*s.settings()),
         }
     }
 
@@ -131,6 +148,7 @@ impl Sampler {
             Self::Cosine(s) => s,
             Self::AdaptiveDisc(s) => s,
             Self::CascadeCdf(s) => s,
+            Self::HalfVector(s) => s,
         }
     }
 }
@@ -146,6 +164,10 @@ impl DirectionSampler for Sampler {
 
     fn bytes(&self) -> usize {
         self.as_dyn().bytes()
+    }
+
+    fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
+        self.as_dyn().sample_batch(wo, points)
     }
 
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {

@@ -91,6 +91,7 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
         }
         Sampler::AdaptiveDisc(s) => parts::write_forest(s.forest(), &mut out),
         Sampler::CascadeCdf(s) => parts::write_tables(s.tables(), &mut out),
+        Sampler::HalfVector(s) => parts::write_half_vector(s.tables(), &mut out),
     }
     let record = Record {
         version: VERSION,
@@ -158,6 +159,9 @@ impl SamplerFile {
             }
             SamplerSpec::CascadeCdf(settings) => {
                 Sampler::CascadeCdf(parts::read_cascade(&self.tensors, settings)?)
+            }
+            SamplerSpec::HalfVector(settings) => {
+                Sampler::HalfVector(parts::read_half_vector(&self.tensors, settings)?)
             }
         })
     }

@@ -8,7 +8,8 @@ use crate::brdf::Measured;
 use crate::dist::Curves;
 use crate::sampler::adaptive_disc::{DEEPEST, Forest, Leaf, MOST_LEAVES, WHOLE};
 use crate::sampler::cascade_cdf::Tables;
-use crate::sampler::{AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings};
+use crate::sampler::half_vector_table::{self as square, MERL_PARTS, NODE_SUM, ONE, SQUARE_PARTS, STEEPEST};
+use crate::sampler::{AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, HalfVectorSettings, HalfVectorTable};
 
 pub(super) fn write_forest(forest: &Forest, out: &mut TensorsOut) {
     out.add("leaf.upper", forest.leaves.iter().map(|l| l.upper));
@@ -164,4 +165,62 @@ fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
         }
     }
     Ok(curves)
+}
+
+pub(super) fn write_half_vector(tables: &square::Tables, out: &mut TensorsOut) {
+    out.add("knot.cosine", tables.cosines.iter().copied());
+    out.add("row.edge", tables.edges.iter().copied());
+    out.add("row.cdf", tables.rows.iter().copied());
+    out.add("row.slope", tables.slopes.iter().copied());
+    out.add("row.density", tables.nodes.iter().copied());
+}
+
+pub(super) fn read_half_vector(tensors: &Tensors, settings: HalfVectorSettings) -> Result<HalfVectorTable> {
+    settings.check()?;
+    let tables = square::Tables {
+        cosines: tensors.get("knot.cosine")?,
+        edges: tensors.get("row.edge")?,
+        rows: tensors.get("row.cdf")?,
+        slopes: tensors.get("row.slope")?,
+        nodes: tensors.get("row.density")?,
+        width: settings.segments + 1,
+    };
+    let rows = settings.tables * settings.rows;
+    for (name, expected, found) in [
+        ("knot.cosine", settings.tables, tables.cosines.len()),
+        ("row.edge", settings.rows + 1, tables.edges.len()),
+        ("row.cdf", rows, tables.rows.len()),
+        ("row.slope", rows, tables.slopes.len()),
+        ("row.density", rows * tables.width, tables.nodes.len()),
+    ] {
+        if expected != found {
+            return Err(tensors.invalid(format!("{expected} values in {name}"), format!("{found}")));
+        }
+    }
+    match broken_rule(&tables) {
+        Some(rule) => Err(tensors.invalid(rule, "others")),
+        None => Ok(HalfVectorTable::from_parts(settings, tables)),
+    }
+}
+
+/// What the values of a half-vector table must be and are not.
+fn broken_rule(tables: &square::Tables) -> Option<&'static str> {
+    let c = &tables.cosines;
+    let cosines = c[0] == 1.0 && c[c.len() - 1] > 0.0 && c.is_sorted_by(|a, b| a > b);
+    let ends = [tables.edges[0], tables.edges[tables.row_count()]].map(usize::from) == [0, SQUARE_PARTS];
+    let hinge = tables.edges.contains(&(MERL_PARTS as u16));
+    let edges = ends && hinge && tables.edges.is_sorted_by(|a, b| a < b);
+    let rise = |t: &[u16]| t[0] > 0 && t[t.len() - 1] == ONE && t.is_sorted_by(|a, b| a < b);
+    let sum = |row: &[u16]| row.windows(2).map(|p| u32::from(p[0]) + u32::from(p[1])).sum::<u32>();
+    let whole = |row: &[u16]| row.iter().all(|&n| n > 0) && sum(row) == NODE_SUM;
+    [
+        (cosines, "knot.cosine to fall from 1 and stay above 0"),
+        (edges, "row.edge to rise from 0 to 79 by way of 63"),
+        (tables.rows.chunks(tables.row_count()).all(rise), "row.cdf of each table to rise from above 0 to 65535"),
+        (tables.slopes.iter().all(|s| s.unsigned_abs() <= STEEPEST as u8), "row.slope within ±122"),
+        (tables.nodes.chunks(tables.width).all(whole), "row.density above 0 and each row normalised"),
+    ]
+    .into_iter()
+    .find(|rule| !rule.0)
+    .map(|rule| rule.1)
 }

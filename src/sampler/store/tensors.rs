@@ -45,6 +45,7 @@ macro_rules! element {
 element!(f32, Dtype::F32);
 element!(u32, Dtype::U32);
 element!(u16, Dtype::U16);
+element!(i8, Dtype::I8);
 
 impl TensorsOut {
     pub fn add<T: Element>(&mut self, name: &str, values: impl IntoIterator<Item = T>) {

@@ -1,0 +1,234 @@
+//! Tabulating a BRDF over the half-vector square and fitting the tables to it.
+
+use ndarray::{Array2, ArrayView1, Axis};
+use rayon::prelude::*;
+
+use super::rows;
+use super::square::{PARTS, Square};
+use super::tables::{STEEPEST, SLOPE_UNIT, Tables, quantise_nodes, quantise_rows};
+use super::{HalfVectorSettings, knot_cosines, unit_azimuth};
+use crate::brdf::Brdf;
+use crate::geom::spherical;
+
+/// Points a part over its cap. Each is turned by its share of a column, so that together they resolve the azimuth finer.
+const CAP_POINTS: usize = 4;
+/// Least number of columns that the azimuth is tabulated in; some to a segment of the tables.
+const COLUMNS: usize = 64;
+/// Share of every table that follows the cosine: what a table sees nothing of, its neighbours in angle may still show.
+const COSINE_SHARE: f64 = 1e-4;
+
+/// ∫ f·cosθi dσ(wi) over the square about one `wo`, as shares of the whole.
+pub(super) struct Tabulated {
+    /// `[part, column]`; > 0.
+    pub mass: Array2<f64>,
+    /// Mean position of each part's mass on its cap, 0 to 1.
+    pub centre: Vec<f64>,
+    /// Widths of the parts in caps.
+    pub width: Vec<f64>,
+}
+
+/// Tables of all knots, in parallel over knots.
+pub(super) fn tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Tables {
+    let cosines = knot_cosines(settings.tables);
+    let tabulated: Vec<Tabulated> =
+        cosines.par_iter().map(|&c| tabulate(brdf, settings, f64::from(c).acos())).collect();
+    let edges = rows::choose(&tabulated, settings.rows);
+    let fit = Fit::new(columns(settings), settings.segments);
+    let each: Vec<Vec<Row>> = tabulated
+        .par_iter()
+        .map(|t| edges.windows(2).map(|pair| Row::of(t, pair[0]..pair[1], &fit)).collect())
+        .collect();
+    Tables {
+        rows: each
+            .iter()
+            .flat_map(|table| quantise_rows(&table.iter().map(|r| r.mass).collect::<Vec<_>>()))
+            .collect(),
+        slopes: each.iter().flatten().map(|r| r.slope).collect(),
+        nodes: each.iter().flatten().flat_map(|r| quantise_nodes(&r.density)).collect(),
+        edges: edges.into_iter().map(|e| e as u16).collect(),
+        cosines,
+        width: settings.segments + 1,
+    }
+}
+
+/// Columns of a tabulation, the same number to each segment.
+fn columns(settings: &HalfVectorSettings) -> usize {
+    settings.segments * COLUMNS.div_ceil(settings.segments).max(2)
+}
+
+fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tabulated {
+    let wo = spherical(theta_o, 0.0).as_vec3();
+    let square = Square::about(wo);
+    let columns = columns(settings);
+    let mut of = [(); 2].map(|()| (Array2::<f64>::zeros((PARTS, columns)), vec![0.0; PARTS]));
+    let width: Vec<f64> = (0..PARTS).map(|p| square.edge(p + 1) - square.edge(p)).collect();
+    for part in 0..PARTS {
+        for point in 0..CAP_POINTS {
+            let x = (point as f64 + 0.5) / CAP_POINTS as f64;
+            let cap = square.edge(part) + width[part] * x;
+            let azimuths = azimuths(columns, settings.fold, x);
+            let mut next = azimuths.clone();
+            square.along(cap, azimuths, |wi, jacobian| {
+                let Some(b) = next.next() else { return };
+                let column = (unit_azimuth(b, settings.fold) * columns as f64) as usize;
+                let cosine = wi.z.max(0.0) * jacobian * width[part];
+                let wi = wi.as_vec3();
+                let f = f64::from(settings.importance.of(brdf.eval(wo, wi)));
+                for ((mass, first), value) in of.iter_mut().zip([f * cosine, cosine]) {
+                    mass[[part, column.min(columns - 1)]] += value;
+                    first[part] += value * x;
+                }
+            });
+        }
+    }
+    let [f, cosine] = of;
+    blend(f, cosine, width)
+}
+
+/// Azimuth shares in [−1, 1] at the middles of columns, shifted within them by `x`, on both sides where folded.
+fn azimuths(columns: usize, fold: bool, x: f64) -> impl Iterator<Item = f64> + Clone {
+    let sides = if fold { 2 } else { 1 };
+    (0..columns * sides).map(move |i| {
+        let y = ((i % columns) as f64 + x) / columns as f64;
+        match (fold, i < columns) {
+            (false, _) => 2.0 * y - 1.0,
+            (true, true) => y,
+            (true, false) => -y,
+        }
+    })
+}
+
+/// The BRDF's masses and a little of the cosine's; the cosine's alone where the BRDF has none.
+fn blend((f, f_first): (Array2<f64>, Vec<f64>), (c, c_first): (Array2<f64>, Vec<f64>), width: Vec<f64>) -> Tabulated {
+    let (total, cosine) = (f.sum(), c.sum());
+    let (of_f, of_c) = if total > 0.0 && total.is_finite() {
+        ((1.0 - COSINE_SHARE) / total, COSINE_SHARE / cosine)
+    } else {
+        (0.0, 1.0 / cosine)
+    };
+    let centre = f_first.iter().zip(&c_first).map(|(f, c)| f * of_f + c * of_c);
+    let mass = f * of_f + c * of_c;
+    let centre = centre.zip(mass.axis_iter(Axis(0))).map(|(first, row)| first / row.sum()).collect();
+    Tabulated { mass, centre, width }
+}
+
+/// A row before it is quantised.
+struct Row {
+    mass: f64,
+    slope: i8,
+    density: Vec<f64>,
+}
+
+impl Row {
+    fn of(tabulated: &Tabulated, parts: std::ops::Range<usize>, fit: &Fit) -> Self {
+        let span = tabulated.mass.slice(ndarray::s![parts.clone(), ..]);
+        let columns = span.sum_axis(Axis(0));
+        let mass = columns.sum();
+        let slope = slope_of(tabulated, parts) / SLOPE_UNIT;
+        let steepest = f64::from(STEEPEST);
+        Self { mass, slope: slope.round().clamp(-steepest, steepest) as i8, density: fit.nodes(columns.view()) }
+    }
+}
+
+/// The slope of the density 1 + slope·(2x − 1) whose mean position is that of the parts' mass: mean = ½ + slope/6.
+pub(super) fn slope_of(tabulated: &Tabulated, parts: std::ops::Range<usize>) -> f64 {
+    let (mut mass, mut first, mut start) = (0.0, 0.0, 0.0);
+    for part in parts {
+        let m = tabulated.mass.row(part).sum();
+        first += m * (start + tabulated.centre[part] * tabulated.width[part]);
+        start += tabulated.width[part];
+        mass += m;
+    }
+    // Midpoints see 1 − 1/n² of a part's own slope, which is little of a row of many parts.
+    if mass > 0.0 { 6.0 * (first / (mass * start) - 0.5) } else { 0.0 }
+}
+
+/// Least-squares fit of a function that is linear between equidistant nodes to sums over columns.
+struct Fit {
+    columns: usize,
+    segments: usize,
+    /// Thomas's elimination of the normal equations: diagonal and factors.
+    diagonal: Vec<f64>,
+    factor: Vec<f64>,
+}
+
+/// Nodes are at least this share of the mean.
+const LOWEST_NODE: f64 = 2e-3;
+
+impl Fit {
+    fn new(columns: usize, segments: usize) -> Self {
+        let mut fit = Self { columns, segments, diagonal: vec![0.0; segments + 1], factor: vec![0.0; segments] };
+        for column in 0..columns {
+            let (i, x) = fit.hat(column);
+            fit.diagonal[i] += (1.0 - x) * (1.0 - x);
+            fit.diagonal[i + 1] += x * x;
+            fit.factor[i] += x * (1.0 - x);
+        }
+        for i in 0..segments {
+            let off = fit.factor[i];
+            fit.factor[i] = off / fit.diagonal[i];
+            fit.diagonal[i + 1] -= fit.factor[i] * off;
+        }
+        fit
+    }
+
+    /// The node before a column's middle, and the share of the node after it.
+    fn hat(&self, column: usize) -> (usize, f64) {
+        let at = (column as f64 + 0.5) * self.segments as f64 / self.columns as f64;
+        (at as usize, at.fract())
+    }
+
+    fn nodes(&self, masses: ArrayView1<'_, f64>) -> Vec<f64> {
+        let mut nodes = vec![0.0; self.segments + 1];
+        for (column, mass) in masses.iter().enumerate() {
+            let (i, x) = self.hat(column);
+            nodes[i] += (1.0 - x) * mass;
+            nodes[i + 1] += x * mass;
+        }
+        for i in 0..self.segments {
+            nodes[i + 1] -= self.factor[i] * nodes[i];
+        }
+        nodes[self.segments] /= self.diagonal[self.segments];
+        for i in (0..self.segments).rev() {
+            nodes[i] = nodes[i] / self.diagonal[i] - self.factor[i] * nodes[i + 1];
+        }
+        let lowest = LOWEST_NODE * masses.sum() / self.columns as f64;
+        nodes.into_iter().map(|n| n.max(lowest)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array1;
+
+    #[test]
+    fn fits_recover_functions_that_are_linear_between_nodes() {
+        for segments in [1, 2, 5, 16] {
+            let fit = Fit::new(columns_of(segments), segments);
+            let truth: Vec<f64> = (0..=segments).map(|i| 1.0 + (i * 7 % 4) as f64).collect();
+            let masses: Array1<f64> = (0..fit.columns)
+                .map(|c| {
+                    let (i, x) = fit.hat(c);
+                    truth[i] * (1.0 - x) + truth[i + 1] * x
+                })
+                .collect();
+            for (a, b) in fit.nodes(masses.view()).iter().zip(&truth) {
+                assert!((a - b).abs() < 1e-9, "{segments}: {a} {b}");
+            }
+        }
+    }
+
+    fn columns_of(segments: usize) -> usize {
+        columns(&HalfVectorSettings { segments, ..HalfVectorSettings::default() })
+    }
+
+    #[test]
+    fn azimuths_cover_both_sides() {
+        for fold in [false, true] {
+            let all: Vec<f64> = azimuths(8, fold, 0.25).collect();
+            assert!(all.iter().any(|b| *b < -0.8) && all.iter().any(|b| *b > 0.75));
+            assert!(all.iter().all(|b| (-1.0..=1.0).contains(b)));
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! The half-vector square about one `wo`: which half vector stands where, exactly up to the horizon, without trigonometry
+//! but for the azimuth.
+//!
+//! The first axis is the *cap* of θh: sin²(θh/2), the share of the sphere within θh of the normal, so that equal steps are
+//! equal solid angles of h. It ends where no azimuth reflects above the horizon any more, θmax = (π/2 + θo)/2. It is cut into
+//! [`PARTS`]: MERL's own bins of θh while they lie within that range for every `wo`, then equal steps to the end. Measured
+//! tables jump at MERL's bins, and a highlight stays in its bins when `wo` moves.
+//!
+//! The second axis is the azimuth of h against that of `wo`, as a share in [−1, 1] of the largest one that reflects above
+//! the horizon. Every point of the square is a direction above the horizon.
+
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
+use std::sync::LazyLock;
+
+use glam::{DVec3, Vec3};
+
+use crate::brdf::BinIndex;
+use crate::geom::approx;
+
+/// MERL's bins of θh that end below 45°, which half vectors reach for every `wo`.
+pub const MERL_PARTS: usize = 63;
+/// Equal steps of the cap beyond them.
+pub const UPPER_PARTS: usize = 16;
+/// Parts of the first axis.
+pub const PARTS: usize = MERL_PARTS + UPPER_PARTS;
+
+/// Caps at the edges of MERL's bins, 0 to [`MERL_PARTS`].
+static MERL_CAPS: LazyLock<[f64; MERL_PARTS + 1]> =
+    LazyLock::new(|| std::array::from_fn(|i| (FRAC_PI_4 * (i as f64 / 90.0).powi(2)).sin().powi(2)));
+
+/// Azimuths narrower than this are less than f32 directions resolve.
+const NARROWEST: f64 = 1e-6;
+
+/// The square about one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Square {
+    /// `wo` turned to azimuth 0.
+    sin_o: f64,
+    cos_o: f64,
+    /// Cosine and sine of the azimuth of `wo`; (1, 0) along the normal.
+    azimuth: (f64, f64),
+    /// Cap of θmax.
+    top: f64,
+}
+
+/// Where a direction lies in the square.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Part of the first axis.
+    pub part: usize,
+    /// Coordinate on the first axis.
+    pub cap: f64,
+    /// Coordinate on the second axis, in [−1, 1].
+    pub b: f64,
+    /// dσ(wi) per dcap db, sr.
+    pub jacobian: f64,
+}
+
+impl Square {
+    /// The square about `wo`, which must be above the horizon. Its length may differ from 1: it is normalised.
+    #[inline]
+    pub fn about(wo: Vec3) -> Self {
+        let wo = wo.as_dvec3();
+        let rho2 = wo.x * wo.x + wo.y * wo.y;
+        let scale = 1.0 / (rho2 + wo.z * wo.z).sqrt();
+        let rho = rho2.sqrt();
+        let azimuth = if rho > 0.0 { (wo.x / rho, wo.y / rho) } else { (1.0, 0.0) };
+        let (sin_o, cos_o) = (rho * scale, wo.z * scale);
+        // cos θmax = cos(π/4 + θo/2).
+        let cos_max = cos_o / (2.0 * (1.0 + sin_o)).sqrt();
+        Self { sin_o, cos_o, azimuth, top: 0.5 * (1.0 - cos_max) }
+    }
+
+    /// Cosine of the polar angle of `wo`.
+    #[inline]
+    pub fn cos_o(&self) -> f64 {
+        self.cos_o
+    }
+
+    /// The cap at edge `edge` of the parts, 0 to [`PARTS`].
+    #[inline]
+    pub fn edge(&self, edge: usize) -> f64 {
+        if edge <= MERL_PARTS {
+            return MERL_CAPS[edge];
+        }
+        let low = MERL_CAPS[MERL_PARTS];
+        low + (self.top - low) * ((edge - MERL_PARTS) as f64 / UPPER_PARTS as f64)
+    }
+
+    /// The largest azimuth at a θh, in [`NARROWEST`] to π: tan²(φmax/2) = −cos(2θh−θo)/cos(2θh+θo).
+    #[inline]
+    fn phi_max(&self, sin_h: f64, cos_h: f64) -> f64 {
+        let (sin_2h, cos_2h) = (2.0 * sin_h * cos_h, (cos_h - sin_h) * (cos_h + sin_h));
+        let far = sin_2h * self.sin_o - cos_2h * self.cos_o;
+        if far <= 0.0 {
+            return PI;
+        }
+        let near = (cos_2h * self.cos_o + sin_2h * self.sin_o).max(0.0);
+        (2.0 * approx::atan2(near.sqrt(), far.sqrt())).max(NARROWEST)
+    }
+
+    /// The reflected direction at (`cap`, `b`); on or above the horizon up to rounding.
+    #[inline]
+    pub fn direction(&self, cap: f64, b: f64) -> DVec3 {
+        let (sin_h, cos_h) = sin_cos(cap);
+        let (sin, cos) = sin_cos_signed(b * self.phi_max(sin_h, cos_h));
+        self.reflect(sin_h, cos_h, sin, cos)
+    }
+
+    /// The reflection of `wo` about the half vector of a polar angle and an azimuth against `wo`.
+    #[inline]
+    fn reflect(&self, sin_h: f64, cos_h: f64, sin: f64, cos: f64) -> DVec3 {
+        let h = DVec3::new(sin_h * cos, sin_h * sin, cos_h);
+        let twice = 2.0 * (self.sin_o * h.x + self.cos_o * h.z);
+        let (x, y) = (twice * h.x - self.sin_o, twice * h.y);
+        let (c, s) = self.azimuth;
+        DVec3::new(c * x - s * y, s * x + c * y, twice * h.z - self.cos_o)
+    }
+
+    /// Directions and weights at one cap and many azimuths, for tabulating: `visit(wi, jacobian)` for each `b`.
+    pub fn along(&self, cap: f64, azimuths: impl Iterator<Item = f64>, mut visit: impl FnMut(DVec3, f64)) {
+        let (sin_h, cos_h) = sin_cos(cap);
+        let phi_max = self.phi_max(sin_h, cos_h);
+        for b in azimuths {
+            let (sin, cos) = sin_cos_signed(b * phi_max);
+            let cos_d = self.sin_o * sin_h * cos + self.cos_o * cos_h;
+            visit(self.reflect(sin_h, cos_h, sin, cos), 8.0 * phi_max * cos_d);
+        }
+    }
+
+    /// Where `wi`, above the horizon, lies; coordinates are held inside the square where rounding leaves it.
+    #[inline]
+    pub fn place(&self, wi: Vec3) -> Place {
+        let wi = wi.as_dvec3();
+        let (c, s) = self.azimuth;
+        let x = self.sin_o + c * wi.x + s * wi.y;
+        let y = c * wi.y - s * wi.x;
+        let z = self.cos_o + wi.z;
+        let rho2 = x * x + y * y;
+        let length = (rho2 + z * z).sqrt();
+        let scale = 1.0 / length;
+        let cap = 0.5 * rho2 * scale / (length + z);
+        let phi_max = self.phi_max(rho2.sqrt() * scale, z * scale);
+        let b = (approx::atan2(y, x) / phi_max).clamp(-1.0, 1.0);
+        // dσ(wi) = 4 (wo·h) dσ(h), dσ(h) = 2 dcap dφ, and wo·h is half the length of wo + wi.
+        Place { part: self.part(rho2 / (z * z), cap), cap, b, jacobian: 4.0 * length * phi_max }
+    }
+
+    /// The part that holds a half vector, by its squared tangent below the last of MERL's bins, as lookups do.
+    #[inline]
+    fn part(&self, tan2: f64, cap: f64) -> usize {
+        let bin = BinIndex::theta_h_of_tan2(tan2);
+        if bin < MERL_PARTS {
+            return bin;
+        }
+        let low = MERL_CAPS[MERL_PARTS];
+        let steps = (cap - low) / (self.top - low) * UPPER_PARTS as f64;
+        MERL_PARTS + (steps.max(0.0) as usize).min(UPPER_PARTS - 1)
+    }
+}
+
+/// Sine and cosine of θh from its cap.
+#[inline]
+fn sin_cos(cap: f64) -> (f64, f64) {
+    (2.0 * (cap * (1.0 - cap)).sqrt(), 1.0 - 2.0 * cap)
+}
+
+/// Sine and cosine of an angle in [−π, π].
+#[inline]
+fn sin_cos_signed(angle: f64) -> (f64, f64) {
+    let (sin, cos) = approx::sin_cos_turns(angle.abs() * (1.0 / TAU));
+    (sin.copysign(angle), cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{HalfVectors, Lattice, spherical};
+
+    #[test]
+    fn places_invert_directions() {
+        for theta_o in [0.0, 0.3, 30.0, 60.25, 85.0, 89.9_f64] {
+            let wo = spherical(theta_o.to_radians(), 2.0).as_vec3();
+            let square = Square::about(wo);
+            for (s, t) in Lattice::at_least(500).points() {
+                let (cap, b) = (s * square.edge(PARTS), 2.0 * t - 1.0);
+                let wi = square.direction(cap, b);
+                assert!(wi.z > -1e-7 && (wi.length() - 1.0).abs() < 1e-7, "θo {theta_o}, {s} {t}: {wi}");
+                let place = square.place(wi.as_vec3());
+                assert!((place.cap - cap).abs() < 1e-6, "{theta_o}: {cap} {place:?}");
+                let edges = [place.part, place.part + 1].map(|e| square.edge(e));
+                assert!(edges[0] - 1e-6 < cap && cap < edges[1] + 1e-6, "{cap} {place:?}");
+                let slack = 1e-5 / (s * (1.0 - s)).max(1e-3);
+                assert!((place.b - b).abs() < slack, "{theta_o}, {s}: {b} {place:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn agrees_with_the_rectangle_of_the_quadrature() {
+        for theta_o in [0.0, 14.5, 60.0, 88.0_f64] {
+            let wo = spherical(theta_o.to_radians(), -1.0).as_vec3();
+            let (square, rectangle) = (Square::about(wo), HalfVectors::about(wo).unwrap());
+            let theta_max = 2.0 * square.edge(PARTS).sqrt().asin();
+            assert!((theta_max - rectangle.theta_max()).abs() < 1e-7);
+            for (s, t) in Lattice::at_least(300).points() {
+                let (cap, b) = (s * square.edge(PARTS), 2.0 * t - 1.0);
+                let theta_h = 2.0 * cap.sqrt().asin();
+                let (expected, per_theta) = rectangle.direction(theta_h, b);
+                assert!(square.direction(cap, b).as_vec3().abs_diff_eq(expected, 2e-6), "{theta_o} {s} {t}");
+                square.along(cap, std::iter::once(b), |wi, jacobian| {
+                    assert!(wi.as_vec3().abs_diff_eq(expected, 2e-6));
+                    // dcap/dθh = sin θh/2.
+                    let ratio = jacobian * 0.5 * theta_h.sin() / per_theta;
+                    assert!((ratio - 1.0).abs() < 1e-4 / (1.0 - s), "{theta_o} {s} {t}: {ratio}");
+                });
+                let place = square.place(expected);
+                let ratio = place.jacobian * 0.5 * theta_h.sin() / per_theta;
+                assert!((ratio - 1.0).abs() < 1e-4 / (1.0 - s), "{theta_o} {s} {t}: {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn merl_parts_lie_below_the_end_for_every_wo() {
+        let square = Square::about(Vec3::Z);
+        assert!(square.edge(MERL_PARTS) < square.edge(PARTS));
+        assert!((0..PARTS).all(|i| square.edge(i) < square.edge(i + 1)));
+    }
+}
