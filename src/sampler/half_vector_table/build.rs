@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::rows;
 use super::square::{PARTS, Square};
-use super::tables::{STEEPEST, SLOPE_UNIT, Tables, quantise_nodes, quantise_rows};
+use super::tables::{SLOPE_UNIT, STEEPEST, Tables, quantise_nodes, quantise_rows};
 use super::{HalfVectorSettings, knot_cosines, unit_azimuth};
 use crate::brdf::Brdf;
 use crate::geom::spherical;
@@ -99,7 +99,11 @@ fn azimuths(columns: usize, fold: bool, x: f64) -> impl Iterator<Item = f64> + C
 }
 
 /// The BRDF's masses and a little of the cosine's; the cosine's alone where the BRDF has none.
-fn blend((f, f_first): (Array2<f64>, Vec<f64>), (c, c_first): (Array2<f64>, Vec<f64>), width: Vec<f64>) -> Tabulated {
+fn blend(
+    (f, f_first): (Array2<f64>, Vec<f64>),
+    (c, c_first): (Array2<f64>, Vec<f64>),
+    width: Vec<f64>,
+) -> Tabulated {
     let (total, cosine) = (f.sum(), c.sum());
     let (of_f, of_c) = if total > 0.0 && total.is_finite() {
         ((1.0 - COSINE_SHARE) / total, COSINE_SHARE / cosine)
@@ -126,7 +130,11 @@ impl Row {
         let mass = columns.sum();
         let slope = slope_of(tabulated, parts) / SLOPE_UNIT;
         let steepest = f64::from(STEEPEST);
-        Self { mass, slope: slope.round().clamp(-steepest, steepest) as i8, density: fit.nodes(columns.view()) }
+        Self {
+            mass,
+            slope: slope.round().clamp(-steepest, steepest) as i8,
+            density: fit.nodes(columns.view()),
+        }
     }
 }
 
@@ -157,7 +165,8 @@ const LOWEST_NODE: f64 = 2e-3;
 
 impl Fit {
     fn new(columns: usize, segments: usize) -> Self {
-        let mut fit = Self { columns, segments, diagonal: vec![0.0; segments + 1], factor: vec![0.0; segments] };
+        let mut fit =
+            Self { columns, segments, diagonal: vec![0.0; segments + 1], factor: vec![0.0; segments] };
         for column in 0..columns {
             let (i, x) = fit.hat(column);
             fit.diagonal[i] += (1.0 - x) * (1.0 - x);

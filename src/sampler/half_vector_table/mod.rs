@@ -96,7 +96,7 @@ const LAST_KNOT: f64 = 89.0 / 180.0 * PI;
 /// Cosines of the angles that have a table: 0° to 89°, denser towards the horizon, and the more so the fewer there are.
 pub(super) fn knot_cosines(tables: usize) -> Vec<f32> {
     let steps = tables.saturating_sub(1).max(1) as f64;
-    let power = 1.4 + 3.6 / tables as f64;
+    let power = if tables < 8 { 2.0 } else { 1.5 };
     (0..tables).map(|k| (LAST_KNOT * (1.0 - (1.0 - k as f64 / steps).powf(power))).cos() as f32).collect()
 }
 

@@ -71,8 +71,12 @@ impl<'a> Coarse<'a> {
             let step = self.tabulated.width[part] / width;
             let p = step * (1.0 + slope * (2.0 * x + step - 1.0));
             x += step;
-            let shape: f64 =
-                columns.iter().zip(self.mass.row(part)).filter(|(c, _)| **c > 0.0).map(|(c, m)| m * m / c).sum();
+            let shape: f64 = columns
+                .iter()
+                .zip(self.mass.row(part))
+                .filter(|(c, _)| **c > 0.0)
+                .map(|(c, m)| m * m / c)
+                .sum();
             cost += shape / p;
         }
         cost

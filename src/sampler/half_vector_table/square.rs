@@ -1,21 +1,21 @@
-//! The half-vector square about one `wo`: which half vector stands where, exactly up to the horizon, without trigonometry
-//! but for the azimuth.
+//! The half-vector square about one `wo`: which half vector stands where, exactly up to the horizon, without trigonometry.
 //!
 //! The first axis is the *cap* of θh: sin²(θh/2), the share of the sphere within θh of the normal, so that equal steps are
 //! equal solid angles of h. It ends where no azimuth reflects above the horizon any more, θmax = (π/2 + θo)/2. It is cut into
 //! [`PARTS`]: MERL's own bins of θh while they lie within that range for every `wo`, then equal steps to the end. Measured
 //! tables jump at MERL's bins, and a highlight stays in its bins when `wo` moves.
 //!
-//! The second axis is the azimuth of h against that of `wo`, as a share in [−1, 1] of the largest one that reflects above
-//! the horizon. Every point of the square is a direction above the horizon.
+//! The second axis is tan(φ/4), φ being the azimuth of h against that of `wo`, as a share in [−1, 1] of the largest one that
+//! reflects above the horizon. The tangent of a quarter of the angle runs from 0 to 1, is nearly the angle's share itself
+//! (its slope changes by a factor of two), and gives sine and cosine by a division. Every point of the square is a direction
+//! above the horizon.
 
-use std::f64::consts::{FRAC_PI_4, PI, TAU};
+use std::f64::consts::FRAC_PI_4;
 use std::sync::LazyLock;
 
 use glam::{DVec3, Vec3};
 
 use crate::brdf::BinIndex;
-use crate::geom::approx;
 
 /// MERL's bins of θh that end below 45°, which half vectors reach for every `wo`.
 pub const MERL_PARTS: usize = 63;
@@ -28,7 +28,7 @@ pub const PARTS: usize = MERL_PARTS + UPPER_PARTS;
 static MERL_CAPS: LazyLock<[f64; MERL_PARTS + 1]> =
     LazyLock::new(|| std::array::from_fn(|i| (FRAC_PI_4 * (i as f64 / 90.0).powi(2)).sin().powi(2)));
 
-/// Azimuths narrower than this are less than f32 directions resolve.
+/// Azimuths narrower than this, as tan(φ/4), are less than f32 directions resolve.
 const NARROWEST: f64 = 1e-6;
 
 /// The square about one direction.
@@ -62,9 +62,10 @@ impl Square {
     pub fn about(wo: Vec3) -> Self {
         let wo = wo.as_dvec3();
         let rho2 = wo.x * wo.x + wo.y * wo.y;
-        let scale = 1.0 / (rho2 + wo.z * wo.z).sqrt();
         let rho = rho2.sqrt();
-        let azimuth = if rho > 0.0 { (wo.x / rho, wo.y / rho) } else { (1.0, 0.0) };
+        let scale = inverse_root(rho2 + wo.z * wo.z);
+        let turn = 1.0 / rho;
+        let azimuth = if rho > 0.0 { (wo.x * turn, wo.y * turn) } else { (1.0, 0.0) };
         let (sin_o, cos_o) = (rho * scale, wo.z * scale);
         // cos θmax = cos(π/4 + θo/2).
         let cos_max = cos_o / (2.0 * (1.0 + sin_o)).sqrt();
@@ -87,23 +88,24 @@ impl Square {
         low + (self.top - low) * ((edge - MERL_PARTS) as f64 / UPPER_PARTS as f64)
     }
 
-    /// The largest azimuth at a θh, in [`NARROWEST`] to π: tan²(φmax/2) = −cos(2θh−θo)/cos(2θh+θo).
+    /// The largest tan(φ/4) at a θh: tan²(φmax/2) = −cos(2θh−θo)/cos(2θh+θo), and 1 where every azimuth is above the horizon.
     #[inline]
-    fn phi_max(&self, sin_h: f64, cos_h: f64) -> f64 {
+    fn widest(&self, sin_h: f64, cos_h: f64) -> f64 {
         let (sin_2h, cos_2h) = (2.0 * sin_h * cos_h, (cos_h - sin_h) * (cos_h + sin_h));
-        let far = sin_2h * self.sin_o - cos_2h * self.cos_o;
+        let (sines, cosines) = (sin_2h * self.sin_o, cos_2h * self.cos_o);
+        let far = sines - cosines;
         if far <= 0.0 {
-            return PI;
+            return 1.0;
         }
-        let near = (cos_2h * self.cos_o + sin_2h * self.sin_o).max(0.0);
-        (2.0 * approx::atan2(near.sqrt(), far.sqrt())).max(NARROWEST)
+        let near = (cosines + sines).max(0.0);
+        (near.sqrt() / (far.sqrt() + (near + far).sqrt())).max(NARROWEST)
     }
 
     /// The reflected direction at (`cap`, `b`); on or above the horizon up to rounding.
     #[inline]
     pub fn direction(&self, cap: f64, b: f64) -> DVec3 {
         let (sin_h, cos_h) = sin_cos(cap);
-        let (sin, cos) = sin_cos_signed(b * self.phi_max(sin_h, cos_h));
+        let (sin, cos) = sin_cos_of_quarter(b * self.widest(sin_h, cos_h));
         self.reflect(sin_h, cos_h, sin, cos)
     }
 
@@ -117,14 +119,15 @@ impl Square {
         DVec3::new(c * x - s * y, s * x + c * y, twice * h.z - self.cos_o)
     }
 
-    /// Directions and weights at one cap and many azimuths, for tabulating: `visit(wi, jacobian)` for each `b`.
+    /// Directions and weights at one cap and many azimuths, for tabulating: `visit(wi, dσ(wi) per dcap db)` for each `b`.
     pub fn along(&self, cap: f64, azimuths: impl Iterator<Item = f64>, mut visit: impl FnMut(DVec3, f64)) {
         let (sin_h, cos_h) = sin_cos(cap);
-        let phi_max = self.phi_max(sin_h, cos_h);
+        let widest = self.widest(sin_h, cos_h);
         for b in azimuths {
-            let (sin, cos) = sin_cos_signed(b * phi_max);
+            let quarter = b * widest;
+            let (sin, cos) = sin_cos_of_quarter(quarter);
             let cos_d = self.sin_o * sin_h * cos + self.cos_o * cos_h;
-            visit(self.reflect(sin_h, cos_h, sin, cos), 8.0 * phi_max * cos_d);
+            visit(self.reflect(sin_h, cos_h, sin, cos), 32.0 * cos_d * widest / (1.0 + quarter * quarter));
         }
     }
 
@@ -137,13 +140,15 @@ impl Square {
         let y = c * wi.y - s * wi.x;
         let z = self.cos_o + wi.z;
         let rho2 = x * x + y * y;
-        let length = (rho2 + z * z).sqrt();
+        let (rho, length) = (rho2.sqrt(), (rho2 + z * z).sqrt());
         let scale = 1.0 / length;
         let cap = 0.5 * rho2 * scale / (length + z);
-        let phi_max = self.phi_max(rho2.sqrt() * scale, z * scale);
-        let b = (approx::atan2(y, x) / phi_max).clamp(-1.0, 1.0);
-        // dσ(wi) = 4 (wo·h) dσ(h), dσ(h) = 2 dcap dφ, and wo·h is half the length of wo + wi.
-        Place { part: self.part(rho2 / (z * z), cap), cap, b, jacobian: 4.0 * length * phi_max }
+        let widest = self.widest(rho * scale, z * scale);
+        let quarter = tan_of_quarter(x, y, rho);
+        let b = (quarter / widest).clamp(-1.0, 1.0);
+        // dσ(wi) = 4 (wo·h) dσ(h), dσ(h) = 2 dcap dφ, dφ = 4 dq/(1 + q²), and wo·h is half the length of wo + wi.
+        let jacobian = 16.0 * length * widest / (1.0 + quarter * quarter);
+        Place { part: self.part(rho2 / (z * z), cap), cap, b, jacobian }
     }
 
     /// The part that holds a half vector, by its squared tangent below the last of MERL's bins, as lookups do.
@@ -165,11 +170,31 @@ fn sin_cos(cap: f64) -> (f64, f64) {
     (2.0 * (cap * (1.0 - cap)).sqrt(), 1.0 - 2.0 * cap)
 }
 
-/// Sine and cosine of an angle in [−π, π].
+/// Sine and cosine of φ from tan(φ/4), in [−1, 1].
 #[inline]
-fn sin_cos_signed(angle: f64) -> (f64, f64) {
-    let (sin, cos) = approx::sin_cos_turns(angle.abs() * (1.0 / TAU));
-    (sin.copysign(angle), cos)
+fn sin_cos_of_quarter(q: f64) -> (f64, f64) {
+    let scale = 1.0 / (1.0 + q * q);
+    let (sin_half, cos_half) = (2.0 * q * scale, (1.0 - q * q) * scale);
+    (2.0 * sin_half * cos_half, (cos_half - sin_half) * (cos_half + sin_half))
+}
+
+/// tan(φ/4) of the azimuth of (x, y), whose length is `rho`; 0 for length 0.
+#[inline]
+fn tan_of_quarter(x: f64, y: f64, rho: f64) -> f64 {
+    // The larger of sine and cosine of φ/2 from the half-angle formula, the smaller from the double angle: no cancellation.
+    let sum = rho + x.abs();
+    let scale = 1.0 / (2.0 * rho * sum).sqrt();
+    let (large, small) = (sum * scale, y.abs() * scale);
+    let (sin_half, cos_half) = if x < 0.0 { (large, small) } else { (small, large) };
+    if rho > 0.0 { (sin_half / (1.0 + cos_half)).copysign(y) } else { 0.0 }
+}
+
+/// 1/√x, by the first terms of its series where x is 1 but for rounding.
+#[inline]
+fn inverse_root(x: f64) -> f64 {
+    let e = x - 1.0;
+    // The next term is 5/16 e³, less than 10⁻¹⁸.
+    if e.abs() < 1e-6 { 1.0 - 0.5 * e + 0.375 * e * e } else { 1.0 / x.sqrt() }
 }
 
 #[cfg(test)]
@@ -206,17 +231,24 @@ mod tests {
             for (s, t) in Lattice::at_least(300).points() {
                 let (cap, b) = (s * square.edge(PARTS), 2.0 * t - 1.0);
                 let theta_h = 2.0 * cap.sqrt().asin();
-                let (expected, per_theta) = rectangle.direction(theta_h, b);
-                assert!(square.direction(cap, b).as_vec3().abs_diff_eq(expected, 2e-6), "{theta_o} {s} {t}");
+                // The quarter's tangent as a share of the largest, against the angle's share.
+                let phi_max = rectangle.phi_max(theta_h);
+                let share = 4.0 * (b * (0.25 * phi_max).tan()).atan() / phi_max;
+                let slope =
+                    phi_max * (1.0 + (0.25 * share * phi_max).tan().powi(2)) / (4.0 * (0.25 * phi_max).tan());
+                let (expected, per_theta) = rectangle.direction(theta_h, share);
+                let here = format!("θo {theta_o}, {s} {t}");
+                assert!(square.direction(cap, b).as_vec3().abs_diff_eq(expected, 3e-6), "{here}");
+                // dcap/dθh = sin θh/2.
+                let agrees = |jacobian: f64| {
+                    let ratio = jacobian * 0.5 * theta_h.sin() * slope / per_theta;
+                    assert!((ratio - 1.0).abs() < 1e-4 / (1.0 - s), "{here}: {ratio}");
+                };
                 square.along(cap, std::iter::once(b), |wi, jacobian| {
-                    assert!(wi.as_vec3().abs_diff_eq(expected, 2e-6));
-                    // dcap/dθh = sin θh/2.
-                    let ratio = jacobian * 0.5 * theta_h.sin() / per_theta;
-                    assert!((ratio - 1.0).abs() < 1e-4 / (1.0 - s), "{theta_o} {s} {t}: {ratio}");
+                    assert!(wi.as_vec3().abs_diff_eq(expected, 3e-6), "{here}");
+                    agrees(jacobian);
                 });
-                let place = square.place(expected);
-                let ratio = place.jacobian * 0.5 * theta_h.sin() / per_theta;
-                assert!((ratio - 1.0).abs() < 1e-4 / (1.0 - s), "{theta_o} {s} {t}: {ratio}");
+                agrees(square.place(expected).jacobian);
             }
         }
     }

@@ -72,7 +72,9 @@ impl Tables {
     #[inline]
     pub fn at(&self, cos_o: f64) -> Blend<'_> {
         let last = self.cosines.len() - 1;
-        let second = self.cosines.partition_point(|&c| f64::from(c) > cos_o).min(last);
+        // Counting all is sooner done than searching: comparisons don't wait for each other.
+        let cosine = cos_o as f32;
+        let second = (self.cosines.iter().map(|&c| u32::from(c > cosine)).sum::<u32>() as usize).min(last);
         let first = second.saturating_sub(1);
         let (high, low) = (f64::from(self.cosines[first]), f64::from(self.cosines[second]));
         let share = if high > low { ((high - cos_o) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
@@ -82,8 +84,10 @@ impl Tables {
 
 /// Units of a blend's row probabilities.
 const ROW_TOTAL: f64 = ONE as f64 * SHARES as f64;
+const ROW_UNIT: f64 = 1.0 / ROW_TOTAL;
 /// Units of a blend's node densities.
 const NODE_TOTAL: f64 = NODE_SUM as f64 * SHARES as f64;
+const NODE_UNIT: f64 = 1.0 / NODE_TOTAL;
 
 impl Blend<'_> {
     /// Exact: both factors fit 32 bits together.
@@ -110,10 +114,10 @@ impl Blend<'_> {
         let n = self.tables.row_count();
         let (first, second) = self.both(&self.tables.rows, 1, 0, n);
         let target = (u * ROW_TOTAL) as u32;
-        let passed = |i: &usize| self.mix(first[*i], second[*i]) <= target;
+        let passed = |i: usize| usize::from(self.mix(first[i], second[i]) <= target);
         // Two counts of independent comparisons are sooner done than a search whose steps wait for each other.
-        let coarse = (STRIDE - 1..n - 1).step_by(STRIDE).filter(passed).count() * STRIDE;
-        let row = coarse + (coarse..(coarse + STRIDE - 1).min(n - 1)).filter(passed).count();
+        let coarse = (1..=(n - 1) / STRIDE).map(|k| passed(k * STRIDE - 1)).sum::<usize>() * STRIDE;
+        let row = coarse + (coarse..(coarse + STRIDE - 1).min(n - 1)).map(passed).sum::<usize>();
         self.row(row)
     }
 
@@ -124,8 +128,8 @@ impl Blend<'_> {
         let (first, second) = self.both(&self.tables.rows, 1, 0, n);
         let to = |i: usize| self.mix(first[i], second[i]);
         let below = if row == 0 { 0 } else { to(row - 1) };
-        let mass = f64::from(to(row) - below) / ROW_TOTAL;
-        RowPart { row, below: f64::from(below) / ROW_TOTAL, mass }
+        let mass = f64::from(to(row) - below) * ROW_UNIT;
+        RowPart { row, below: f64::from(below) * ROW_UNIT, mass }
     }
 
     /// Slope of the density over a row, in (−1, 1).
@@ -140,25 +144,39 @@ impl Blend<'_> {
     /// Where on [0, 1] the azimuth's probability in a row passes `u` in [0, 1].
     #[inline]
     pub fn find_azimuth(&self, row: usize, u: f64) -> f64 {
-        let width = self.tables.width;
         let (first, second) = self.node_row(row);
         let target = u * NODE_TOTAL;
-        let (mut low, mut below) = (self.mix(first[0], second[0]), 0u32);
-        let mut segment = 0;
-        let high = loop {
-            let high = self.mix(first[segment + 1], second[segment + 1]);
-            // Never beyond NODE_TOTAL, which fits.
-            let next = below + (low + high);
-            if f64::from(next) > target || segment + 2 == width {
-                break high;
-            }
-            (low, below) = (high, next);
-            segment += 1;
-        };
-        let (low, high) = (f64::from(low), f64::from(high));
+        let (segment, below) = self.find_segment(first, second, target as u32);
+        let [low, high] = [segment, segment + 1].map(|i| f64::from(self.mix(first[i], second[i])));
         let rest = (target - f64::from(below)).max(0.0);
         let share = rest / (low + (low * low + (high - low) * rest).max(0.0).sqrt());
-        (segment as f64 + share.min(1.0)) / (width - 1) as f64
+        (segment as f64 + share.min(1.0)) / (first.len() - 1) as f64
+    }
+
+    /// The segment in which the sum of nodes passes `target`, and the sum below it. First blocks are told apart, then their
+    /// segments, without a branch that depends on the target.
+    #[inline]
+    fn find_segment(&self, first: &[u16], second: &[u16], target: u32) -> (usize, u32) {
+        let segments = first.len() - 1;
+        let (mut segment, mut below, mut sum) = (0, 0u32, 0u32);
+        for start in (0..segments.saturating_sub(BLOCK)).step_by(BLOCK) {
+            // A row's sums stay below NODE_TOTAL, which fits.
+            sum += block(&first[start..]) * (SHARES - self.share) + block(&second[start..]) * self.share;
+            let passed = sum <= target;
+            segment += if passed { BLOCK } else { 0 };
+            below = if passed { sum } else { below };
+        }
+        let (first, second) = (&first[segment..], &second[segment..]);
+        let (mut low, mut sum) = (self.mix(first[0], second[0]), below);
+        for (&a, &b) in first[1..].iter().zip(&second[1..]).take((segments - segment).min(BLOCK) - 1) {
+            let high = self.mix(a, b);
+            sum += low + high;
+            low = high;
+            let passed = sum <= target;
+            segment += usize::from(passed);
+            below = if passed { sum } else { below };
+        }
+        (segment, below)
     }
 
     /// Density at `y` in [0, 1] of a row's azimuth, 1 on average.
@@ -166,7 +184,7 @@ impl Blend<'_> {
     pub fn azimuth_density(&self, row: usize, y: f64) -> f64 {
         let (segment, share) = self.segment(y);
         let [low, high] = self.node_pair(row, segment);
-        let unit = 2.0 * (self.tables.width - 1) as f64 / NODE_TOTAL;
+        let unit = (self.tables.width - 1) as f64 * (2.0 * NODE_UNIT);
         (low + (high - low) * share) * unit
     }
 
@@ -176,7 +194,7 @@ impl Blend<'_> {
         let pairs = (0..segment).map(|s| self.node_pair(row, s));
         let below: f64 = pairs.map(|[low, high]| low + high).sum();
         let [low, high] = self.node_pair(row, segment);
-        (below + share * (2.0 * low + (high - low) * share)) / NODE_TOTAL
+        (below + share * (2.0 * low + (high - low) * share)) * NODE_UNIT
     }
 
     #[inline]
@@ -196,6 +214,20 @@ impl Blend<'_> {
 
 /// Rows that one comparison of the first count stands for.
 const STRIDE: usize = 8;
+
+/// Segments that are summed together before they are told apart.
+const BLOCK: usize = 4;
+
+/// The sum over a block's segments of the nodes at both their ends; 0 past the end.
+#[inline]
+fn block(nodes: &[u16]) -> u32 {
+    match nodes {
+        &[a, b, c, d, e, ..] => {
+            u32::from(a) + u32::from(e) + 2 * (u32::from(b) + u32::from(c) + u32::from(d))
+        }
+        _ => 0,
+    }
+}
 
 /// Where on [0, 1] the probability of a density 1 + slope·(2x − 1) passes `u`.
 #[inline]
@@ -282,7 +314,10 @@ mod tests {
                 let total: f64 = density.windows(2).map(|p| p[0] + p[1]).sum();
                 for (n, d) in nodes.iter().zip(&density) {
                     let exact = d / total * f64::from(NODE_SUM);
-                    assert!(*n >= 1 && (f64::from(*n) - exact).abs() <= 3.0 + 2.0 * width as f64, "{width} {seed}: {n} {exact}");
+                    assert!(
+                        *n >= 1 && (f64::from(*n) - exact).abs() <= 3.0 + 2.0 * width as f64,
+                        "{width} {seed}: {n} {exact}"
+                    );
                 }
             }
         }
@@ -326,9 +361,13 @@ mod tests {
     #[test]
     fn shares_are_linear_in_the_cosine() {
         let tables = example();
-        for (cos_o, first, second, share) in
-            [(1.0, 0, 0, 0), (0.75, 0, 1, SHARES / 2), (0.5, 0, 1, SHARES), (0.1, 1, 2, SHARES), (0.01, 1, 2, SHARES)]
-        {
+        for (cos_o, first, second, share) in [
+            (1.0, 0, 0, 0),
+            (0.75, 0, 1, SHARES / 2),
+            (0.5, 0, 1, SHARES),
+            (0.1, 1, 2, SHARES),
+            (0.01, 1, 2, SHARES),
+        ] {
             let b = tables.at(cos_o);
             assert_eq!((b.first, b.second, b.share), (first, second, share), "{cos_o}");
         }

@@ -9,7 +9,9 @@ use crate::dist::Curves;
 use crate::sampler::adaptive_disc::{DEEPEST, Forest, Leaf, MOST_LEAVES, WHOLE};
 use crate::sampler::cascade_cdf::Tables;
 use crate::sampler::half_vector_table::{self as square, MERL_PARTS, NODE_SUM, ONE, SQUARE_PARTS, STEEPEST};
-use crate::sampler::{AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, HalfVectorSettings, HalfVectorTable};
+use crate::sampler::{
+    AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, HalfVectorSettings, HalfVectorTable,
+};
 
 pub(super) fn write_forest(forest: &Forest, out: &mut TensorsOut) {
     out.add("leaf.upper", forest.leaves.iter().map(|l| l.upper));
@@ -216,7 +218,10 @@ fn broken_rule(tables: &square::Tables) -> Option<&'static str> {
     [
         (cosines, "knot.cosine to fall from 1 and stay above 0"),
         (edges, "row.edge to rise from 0 to 79 by way of 63"),
-        (tables.rows.chunks(tables.row_count()).all(rise), "row.cdf of each table to rise from above 0 to 65535"),
+        (
+            tables.rows.chunks(tables.row_count()).all(rise),
+            "row.cdf of each table to rise from above 0 to 65535",
+        ),
         (tables.slopes.iter().all(|s| s.unsigned_abs() <= STEEPEST as u8), "row.slope within ±122"),
         (tables.nodes.chunks(tables.width).all(whole), "row.density above 0 and each row normalised"),
     ]
