@@ -4,8 +4,8 @@ use ndarray::{Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 
 use super::rows;
-use super::square::{PARTS, Square};
-use super::tables::{SLOPE_UNIT, STEEPEST, Tables, quantise_nodes, quantise_rows};
+use super::square::{Edge, PARTS, Square};
+use super::tables::{SLOPE_UNIT, STEEPEST, Stored, quantise_nodes, quantise_rows};
 use super::{HalfVectorSettings, knot_cosines, unit_azimuth};
 use crate::brdf::Brdf;
 use crate::geom::spherical;
@@ -28,7 +28,7 @@ pub(super) struct Tabulated {
 }
 
 /// Tables of all knots, in parallel over knots.
-pub(super) fn tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Tables {
+pub(super) fn tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Stored {
     let cosines = knot_cosines(settings.tables);
     let tabulated: Vec<Tabulated> =
         cosines.par_iter().map(|&c| tabulate(brdf, settings, f64::from(c).acos())).collect();
@@ -38,7 +38,7 @@ pub(super) fn tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Tables {
         .par_iter()
         .map(|t| edges.windows(2).map(|pair| Row::of(t, pair[0]..pair[1], &fit)).collect())
         .collect();
-    Tables {
+    Stored {
         rows: each
             .iter()
             .flat_map(|table| quantise_rows(&table.iter().map(|r| r.mass).collect::<Vec<_>>()))
@@ -59,20 +59,21 @@ fn columns(settings: &HalfVectorSettings) -> usize {
 fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tabulated {
     let wo = spherical(theta_o, 0.0).as_vec3();
     let square = Square::about(wo);
+    let edge = |e: usize| f64::from(square.cap(Edge::of_part(e)));
     let columns = columns(settings);
     let mut of = [(); 2].map(|()| (Array2::<f64>::zeros((PARTS, columns)), vec![0.0; PARTS]));
-    let width: Vec<f64> = (0..PARTS).map(|p| square.edge(p + 1) - square.edge(p)).collect();
+    let width: Vec<f64> = (0..PARTS).map(|p| edge(p + 1) - edge(p)).collect();
+
     for part in 0..PARTS {
         for point in 0..CAP_POINTS {
             let x = (point as f64 + 0.5) / CAP_POINTS as f64;
-            let cap = square.edge(part) + width[part] * x;
-            let azimuths = azimuths(columns, settings.fold, x);
+            let cap = (edge(part) + width[part] * x) as f32;
+            let azimuths = azimuths(columns, settings.fold, x as f32);
             let mut next = azimuths.clone();
             square.along(cap, azimuths, |wi, jacobian| {
                 let Some(b) = next.next() else { return };
-                let column = (unit_azimuth(b, settings.fold) * columns as f64) as usize;
-                let cosine = wi.z.max(0.0) * jacobian * width[part];
-                let wi = wi.as_vec3();
+                let column = (unit_azimuth(b, settings.fold) * columns as f32) as usize;
+                let cosine = f64::from(wi.z.max(0.0) * jacobian) * width[part];
                 let f = f64::from(settings.importance.of(brdf.eval(wo, wi)));
                 for ((mass, first), value) in of.iter_mut().zip([f * cosine, cosine]) {
                     mass[[part, column.min(columns - 1)]] += value;
@@ -86,10 +87,10 @@ fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tab
 }
 
 /// Azimuth shares in [−1, 1] at the middles of columns, shifted within them by `x`, on both sides where folded.
-fn azimuths(columns: usize, fold: bool, x: f64) -> impl Iterator<Item = f64> + Clone {
+fn azimuths(columns: usize, fold: bool, x: f32) -> impl Iterator<Item = f32> + Clone {
     let sides = if fold { 2 } else { 1 };
     (0..columns * sides).map(move |i| {
-        let y = ((i % columns) as f64 + x) / columns as f64;
+        let y = ((i % columns) as f32 + x) / columns as f32;
         match (fold, i < columns) {
             (false, _) => 2.0 * y - 1.0,
             (true, true) => y,
@@ -128,7 +129,7 @@ impl Row {
         let span = tabulated.mass.slice(ndarray::s![parts.clone(), ..]);
         let columns = span.sum_axis(Axis(0));
         let mass = columns.sum();
-        let slope = slope_of(tabulated, parts) / SLOPE_UNIT;
+        let slope = slope_of(tabulated, parts) / f64::from(SLOPE_UNIT);
         let steepest = f64::from(STEEPEST);
         Self {
             mass,
@@ -235,7 +236,7 @@ mod tests {
     #[test]
     fn azimuths_cover_both_sides() {
         for fold in [false, true] {
-            let all: Vec<f64> = azimuths(8, fold, 0.25).collect();
+            let all: Vec<f32> = azimuths(8, fold, 0.25).collect();
             assert!(all.iter().any(|b| *b < -0.8) && all.iter().any(|b| *b > 0.75));
             assert!(all.iter().all(|b| (-1.0..=1.0).contains(b)));
         }

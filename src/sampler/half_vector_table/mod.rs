@@ -8,6 +8,7 @@
 //! Beside the cascade CDF (thesis 5.6; Lawrence et al. 2005) it differs in the horizon, which ends the square exactly instead
 //! of cutting it, and in what it does between angles.
 
+mod batch;
 mod build;
 mod rows;
 mod square;
@@ -15,17 +16,17 @@ mod tables;
 
 use std::f64::consts::PI;
 
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance};
 use crate::geom::is_upper;
 use crate::{Error, Result};
-use square::{PARTS, Square};
-use tables::{below_on_slope, find_on_slope};
+use square::{PARTS, Place, Square};
+use tables::{Blend, Row, Segment, below_on_slope, find_in, find_on_slope};
 
 pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS};
-pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Tables};
+pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Stored, Tables};
 
 /// Settings of [`HalfVectorTable::build`].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -105,8 +106,6 @@ pub(super) fn knot_cosines(tables: usize) -> Vec<f32> {
 pub struct HalfVectorTable {
     settings: HalfVectorSettings,
     tables: Tables,
-    /// The row that holds each part of the square.
-    row_of: [u8; PARTS],
 }
 
 impl HalfVectorTable {
@@ -128,10 +127,8 @@ impl HalfVectorTable {
     }
 
     /// Puts a sampler together from tables that have been validated.
-    pub(super) fn from_parts(settings: HalfVectorSettings, tables: Tables) -> Self {
-        let row = |part: usize| tables.edges[1..].partition_point(|&e| usize::from(e) <= part) as u8;
-        let row_of = std::array::from_fn(row);
-        Self { settings, tables, row_of }
+    pub(super) fn from_parts(settings: HalfVectorSettings, stored: Stored) -> Self {
+        Self { settings, tables: Tables::new(stored) }
     }
 
     /// The settings it was built with.
@@ -139,8 +136,8 @@ impl HalfVectorTable {
         &self.settings
     }
 
-    pub(super) fn tables(&self) -> &Tables {
-        &self.tables
+    pub(super) fn stored(&self) -> &Stored {
+        self.tables.stored()
     }
 
     /// The point of the unit square that [`DirectionSampler::sample`] maps to `wi`, up to rounding; `None` unless both
@@ -151,18 +148,23 @@ impl HalfVectorTable {
         }
         let about = self.about(wo);
         let place = about.square.place(wi);
-        let row = about.blend.row(usize::from(self.row_of[place.part]));
-        let x = about.position(row.row, place.cap);
-        let u = row.below + row.mass * below_on_slope(about.blend.slope(row.row), x);
-        let v = about.blend.azimuth_below(row.row, unit_azimuth(place.b, self.settings.fold));
-        Some(DVec2::new(u, refold(v, place.b, self.settings.fold)).as_vec2())
+        let row = about.row(&place);
+        let (low, width) = about.span(row.index);
+        let x = position(place.cap, low, width);
+        let u = row.probability(below_on_slope(about.blend.slope(row.index), x));
+        let y = unit_azimuth(place.b, self.settings.fold);
+        let v = refold(about.blend.azimuth_below(row.index, y), place.b, self.settings.fold);
+        Some(Vec2::new(u as f32, v as f32))
     }
 
     /// What depends on `wo` alone.
     #[inline]
     fn about(&self, wo: Vec3) -> About<'_> {
         let square = Square::about(wo);
-        About { table: self, square, blend: self.tables.at(square.cos_o()) }
+        let blend = self.tables.at(square.cos_o());
+        let (segments, unit) = blend.scale();
+        // The azimuth's share runs over [−1, 1]: half the density on [0, 1].
+        About { table: self, square, blend, per_segment: 1.0 / segments, unit: 0.5 * unit }
     }
 }
 
@@ -170,60 +172,109 @@ impl HalfVectorTable {
 struct About<'a> {
     table: &'a HalfVectorTable,
     square: Square,
-    blend: tables::Blend<'a>,
+    blend: Blend<'a>,
+    per_segment: f32,
+    /// Unit of densities at nodes, per unit of the azimuth's share.
+    unit: f32,
+}
+
+/// What a point of the unit square chooses, before arithmetic: the part of a draw that looks things up.
+#[derive(Clone, Copy, Default)]
+struct Choice {
+    /// Cap where the row begins, and its width.
+    low: f32,
+    width: f32,
+    slope: f32,
+    /// Share of the row's probability.
+    share: f32,
+    segment: Segment,
+    /// Rest of the segment's probability.
+    rest: f32,
+    side: f32,
+}
+
+/// What the density at a place depends on: the part that looks things up.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    low: f32,
+    width: f32,
+    slope: f32,
+    mass: f32,
+    segment: Segment,
+    /// Position within the segment.
+    share: f32,
 }
 
 impl About<'_> {
-    /// Caps at the edges of a row.
-    #[inline]
-    fn edges(&self, row: usize) -> (f64, f64) {
-        let edge = |i: usize| self.square.edge(usize::from(self.table.tables.edges[i]));
-        (edge(row), edge(row + 1))
+    /// Where a row begins, and its width, in caps.
+    #[inline(always)]
+    fn span(&self, row: usize) -> (f32, f32) {
+        let [low, high] = self.table.tables.edges(row).map(|edge| self.square.cap(edge));
+        (low, high - low)
     }
 
-    /// A cap's position within a row, 0 to 1.
-    #[inline]
-    fn position(&self, row: usize, cap: f64) -> f64 {
-        let (low, high) = self.edges(row);
-        ((cap - low) / (high - low)).clamp(0.0, 1.0)
+    /// The row that holds a place.
+    #[inline(always)]
+    fn row(&self, place: &Place) -> Row {
+        self.blend.row(self.table.tables.row_of(self.square.part(place)))
+    }
+
+    #[inline(always)]
+    fn choose(&self, u: Vec2) -> Choice {
+        let (row, share) = self.blend.find_row(u.x);
+        let (low, width) = self.span(row.index);
+        let (v, side) = unfold(u.y, self.table.settings.fold);
+        let (segment, rest) = self.blend.find_segment(row.index, v);
+        Choice { low, width, slope: self.blend.slope(row.index), share, segment, rest, side }
+    }
+
+    #[inline(always)]
+    fn direction(&self, choice: Choice) -> Vec3 {
+        let cap = choice.low + choice.width * find_on_slope(choice.slope, choice.share);
+        let y = (choice.segment.index + find_in(choice.segment, choice.rest)) * self.per_segment;
+        let b = if self.table.settings.fold { y * choice.side } else { 2.0 * y - 1.0 };
+        raise(self.square.direction(cap, b.clamp(-1.0, 1.0)))
+    }
+
+    #[inline(always)]
+    fn find(&self, place: &Place) -> Found {
+        let row = self.row(place);
+        let (low, width) = self.span(row.index);
+        let y = unit_azimuth(place.b, self.table.settings.fold);
+        let (segment, share) = self.blend.segment_at(row.index, y);
+        Found { low, width, slope: self.blend.slope(row.index), mass: row.mass(), segment, share }
+    }
+
+    #[inline(always)]
+    fn density(&self, place: &Place, found: Found) -> f32 {
+        let x = position(place.cap, found.low, found.width);
+        let along = found.mass * (1.0 + found.slope * (2.0 * x - 1.0));
+        let across = found.segment.low + (found.segment.high - found.segment.low) * found.share;
+        (along * across * self.unit / (found.width * place.jacobian)).min(f32::MAX)
     }
 
     #[inline]
-    fn draw(&self, u: Vec2) -> DVec3 {
-        let fold = self.table.settings.fold;
-        let row = self.blend.find_row(f64::from(u.x));
-        let share = ((f64::from(u.x) - row.below) / row.mass).clamp(0.0, 1.0);
-        let x = find_on_slope(self.blend.slope(row.row), share);
-        let (low, high) = self.edges(row.row);
-        let (v, side) = unfold(f64::from(u.y), fold);
-        let y = self.blend.find_azimuth(row.row, v);
-        let b = if fold { y * side } else { 2.0 * y - 1.0 };
-        self.square.direction(low + (high - low) * x, b)
-    }
-
-    #[inline]
-    fn density(&self, wi: Vec3) -> f32 {
+    fn pdf(&self, wi: Vec3) -> f32 {
         let place = self.square.place(wi);
-        let row = usize::from(self.table.row_of[place.part]);
-        let (low, high) = self.edges(row);
-        let width = high - low;
-        let x = ((place.cap - low) / width).clamp(0.0, 1.0);
-        let along = self.blend.row(row).mass * (1.0 + self.blend.slope(row) * (2.0 * x - 1.0));
-        let across = self.blend.azimuth_density(row, unit_azimuth(place.b, self.table.settings.fold));
-        // The azimuth's share runs over [−1, 1]: half the density on [0, 1].
-        (0.5 * along * across / (width * place.jacobian)).min(f64::from(f32::MAX)) as f32
+        self.density(&place, self.find(&place))
     }
 
     #[inline]
     fn sample(&self, u: Vec2) -> DirectionSample {
-        let wi = raise(self.draw(u).as_vec3());
-        DirectionSample { wi, pdf: self.density(wi) }
+        let wi = self.direction(self.choose(u));
+        DirectionSample { wi, pdf: self.pdf(wi) }
     }
+}
+
+/// A cap's position within a row, 0 to 1.
+#[inline(always)]
+fn position(cap: f32, low: f32, width: f32) -> f32 {
+    ((cap - low) / width).clamp(0.0, 1.0)
 }
 
 /// Directions at the very end of the square lie on the horizon; rounding may put them below it, by less than f32 tells the
 /// length of a direction. They are moved to the nearest one above it.
-#[inline]
+#[inline(always)]
 fn raise(wi: Vec3) -> Vec3 {
     Vec3::new(wi.x, wi.y, wi.z.max(LOWEST))
 }
@@ -232,21 +283,21 @@ fn raise(wi: Vec3) -> Vec3 {
 const LOWEST: f32 = 1e-9;
 
 /// The coordinate on [0, 1] of the azimuth's share `b` in [−1, 1]: folded at the plane of incidence, or whole.
-#[inline]
-fn unit_azimuth(b: f64, fold: bool) -> f64 {
+#[inline(always)]
+fn unit_azimuth(b: f32, fold: bool) -> f32 {
     if fold { b.abs() } else { 0.5 * (b + 1.0) }
 }
 
 /// A number in [0, 1) as the azimuth's probability and its side: folded, both sides meet in the middle.
-#[inline]
-fn unfold(u: f64, fold: bool) -> (f64, f64) {
+#[inline(always)]
+fn unfold(u: f32, fold: bool) -> (f32, f32) {
     let side = 2.0 * u - 1.0;
-    if fold { (side.abs(), 1f64.copysign(side)) } else { (u, 1.0) }
+    if fold { (side.abs(), 1f32.copysign(side)) } else { (u, 1.0) }
 }
 
 /// The inverse of [`unfold`], the side being that of `b`.
-fn refold(v: f64, b: f64, fold: bool) -> f64 {
-    if fold { 0.5 + 0.5 * v.copysign(b) } else { v }
+fn refold(v: f64, b: f32, fold: bool) -> f64 {
+    if fold { 0.5 + 0.5 * v.copysign(f64::from(b)) } else { v }
 }
 
 impl DirectionSampler for HalfVectorTable {
@@ -258,7 +309,7 @@ impl DirectionSampler for HalfVectorTable {
 
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if is_upper(wo) && is_upper(wi) { self.about(wo).density(wi) } else { 0.0 }
+        if is_upper(wo) && is_upper(wi) { self.about(wo).pdf(wi) } else { 0.0 }
     }
 
     fn bytes(&self) -> usize {
@@ -266,10 +317,6 @@ impl DirectionSampler for HalfVectorTable {
     }
 
     fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        if !is_upper(wo) {
-            return vec![None; points.len()];
-        }
-        let about = self.about(wo);
-        points.iter().map(|&u| Some(about.sample(u))).collect()
+        if is_upper(wo) { batch::sample(&self.about(wo), points) } else { vec![None; points.len()] }
     }
 }

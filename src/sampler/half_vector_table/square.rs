@@ -13,7 +13,7 @@
 use std::f64::consts::FRAC_PI_4;
 use std::sync::LazyLock;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use crate::brdf::BinIndex;
 
@@ -25,45 +25,62 @@ pub const UPPER_PARTS: usize = 16;
 pub const PARTS: usize = MERL_PARTS + UPPER_PARTS;
 
 /// Caps at the edges of MERL's bins, 0 to [`MERL_PARTS`].
-static MERL_CAPS: LazyLock<[f64; MERL_PARTS + 1]> =
-    LazyLock::new(|| std::array::from_fn(|i| (FRAC_PI_4 * (i as f64 / 90.0).powi(2)).sin().powi(2)));
+static MERL_CAPS: LazyLock<[f32; MERL_PARTS + 1]> =
+    LazyLock::new(|| std::array::from_fn(|i| (FRAC_PI_4 * (i as f64 / 90.0).powi(2)).sin().powi(2) as f32));
 
 /// Azimuths narrower than this, as tan(φ/4), are less than f32 directions resolve.
-const NARROWEST: f64 = 1e-6;
+const NARROWEST: f32 = 1e-6;
 
-/// The square about one direction.
+/// An edge of a part: its cap is `fixed + share · top`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    fixed: f32,
+    share: f32,
+}
+
+impl Edge {
+    /// Edge number `edge`, 0 to [`PARTS`].
+    pub fn of_part(edge: usize) -> Self {
+        if edge <= MERL_PARTS {
+            return Self { fixed: MERL_CAPS[edge], share: 0.0 };
+        }
+        let share = (edge - MERL_PARTS) as f32 / UPPER_PARTS as f32;
+        Self { fixed: MERL_CAPS[MERL_PARTS] * (1.0 - share), share }
+    }
+}
+
+/// The square about one direction. All its arithmetic is free of branches, so that loops over it become vector code.
 #[derive(Clone, Copy, Debug)]
 pub struct Square {
     /// `wo` turned to azimuth 0.
-    sin_o: f64,
-    cos_o: f64,
+    sin_o: f32,
+    cos_o: f32,
     /// Cosine and sine of the azimuth of `wo`; (1, 0) along the normal.
-    azimuth: (f64, f64),
+    azimuth: (f32, f32),
     /// Cap of θmax.
-    top: f64,
+    top: f32,
 }
 
 /// Where a direction lies in the square.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Place {
-    /// Part of the first axis.
-    pub part: usize,
     /// Coordinate on the first axis.
-    pub cap: f64,
+    pub cap: f32,
+    /// tan²θh.
+    pub tan2: f32,
     /// Coordinate on the second axis, in [−1, 1].
-    pub b: f64,
+    pub b: f32,
     /// dσ(wi) per dcap db, sr.
-    pub jacobian: f64,
+    pub jacobian: f32,
 }
 
 impl Square {
     /// The square about `wo`, which must be above the horizon. Its length may differ from 1: it is normalised.
     #[inline]
     pub fn about(wo: Vec3) -> Self {
-        let wo = wo.as_dvec3();
         let rho2 = wo.x * wo.x + wo.y * wo.y;
         let rho = rho2.sqrt();
-        let scale = inverse_root(rho2 + wo.z * wo.z);
+        let scale = 1.0 / (rho2 + wo.z * wo.z).sqrt();
         let turn = 1.0 / rho;
         let azimuth = if rho > 0.0 { (wo.x * turn, wo.y * turn) } else { (1.0, 0.0) };
         let (sin_o, cos_o) = (rho * scale, wo.z * scale);
@@ -74,53 +91,47 @@ impl Square {
 
     /// Cosine of the polar angle of `wo`.
     #[inline]
-    pub fn cos_o(&self) -> f64 {
+    pub fn cos_o(&self) -> f32 {
         self.cos_o
     }
 
-    /// The cap at edge `edge` of the parts, 0 to [`PARTS`].
+    /// The cap at an edge.
     #[inline]
-    pub fn edge(&self, edge: usize) -> f64 {
-        if edge <= MERL_PARTS {
-            return MERL_CAPS[edge];
-        }
-        let low = MERL_CAPS[MERL_PARTS];
-        low + (self.top - low) * ((edge - MERL_PARTS) as f64 / UPPER_PARTS as f64)
+    pub fn cap(&self, edge: Edge) -> f32 {
+        edge.fixed + edge.share * self.top
     }
 
     /// The largest tan(φ/4) at a θh: tan²(φmax/2) = −cos(2θh−θo)/cos(2θh+θo), and 1 where every azimuth is above the horizon.
-    #[inline]
-    fn widest(&self, sin_h: f64, cos_h: f64) -> f64 {
+    #[inline(always)]
+    fn widest(&self, sin_h: f32, cos_h: f32) -> f32 {
         let (sin_2h, cos_2h) = (2.0 * sin_h * cos_h, (cos_h - sin_h) * (cos_h + sin_h));
         let (sines, cosines) = (sin_2h * self.sin_o, cos_2h * self.cos_o);
-        let far = sines - cosines;
-        if far <= 0.0 {
-            return 1.0;
-        }
-        let near = (cosines + sines).max(0.0);
+        // Where the sum passes the horizon nowhere, this is √near/√near.
+        let far = (sines - cosines).max(0.0);
+        let near = (cosines + sines).max(f32::MIN_POSITIVE);
         (near.sqrt() / (far.sqrt() + (near + far).sqrt())).max(NARROWEST)
     }
 
     /// The reflected direction at (`cap`, `b`); on or above the horizon up to rounding.
-    #[inline]
-    pub fn direction(&self, cap: f64, b: f64) -> DVec3 {
+    #[inline(always)]
+    pub fn direction(&self, cap: f32, b: f32) -> Vec3 {
         let (sin_h, cos_h) = sin_cos(cap);
         let (sin, cos) = sin_cos_of_quarter(b * self.widest(sin_h, cos_h));
         self.reflect(sin_h, cos_h, sin, cos)
     }
 
     /// The reflection of `wo` about the half vector of a polar angle and an azimuth against `wo`.
-    #[inline]
-    fn reflect(&self, sin_h: f64, cos_h: f64, sin: f64, cos: f64) -> DVec3 {
-        let h = DVec3::new(sin_h * cos, sin_h * sin, cos_h);
-        let twice = 2.0 * (self.sin_o * h.x + self.cos_o * h.z);
-        let (x, y) = (twice * h.x - self.sin_o, twice * h.y);
+    #[inline(always)]
+    fn reflect(&self, sin_h: f32, cos_h: f32, sin: f32, cos: f32) -> Vec3 {
+        let (h_x, h_y) = (sin_h * cos, sin_h * sin);
+        let twice = 2.0 * (self.sin_o * h_x + self.cos_o * cos_h);
+        let (x, y) = (twice * h_x - self.sin_o, twice * h_y);
         let (c, s) = self.azimuth;
-        DVec3::new(c * x - s * y, s * x + c * y, twice * h.z - self.cos_o)
+        Vec3::new(c * x - s * y, s * x + c * y, twice * cos_h - self.cos_o)
     }
 
     /// Directions and weights at one cap and many azimuths, for tabulating: `visit(wi, dσ(wi) per dcap db)` for each `b`.
-    pub fn along(&self, cap: f64, azimuths: impl Iterator<Item = f64>, mut visit: impl FnMut(DVec3, f64)) {
+    pub fn along(&self, cap: f32, azimuths: impl Iterator<Item = f32>, mut visit: impl FnMut(Vec3, f32)) {
         let (sin_h, cos_h) = sin_cos(cap);
         let widest = self.widest(sin_h, cos_h);
         for b in azimuths {
@@ -131,12 +142,11 @@ impl Square {
         }
     }
 
-    /// Where `wi`, above the horizon, lies; coordinates are held inside the square where rounding leaves it.
-    #[inline]
+    /// Where `wi`, above the horizon, lies; `b` is held inside the square where rounding leaves it.
+    #[inline(always)]
     pub fn place(&self, wi: Vec3) -> Place {
-        let wi = wi.as_dvec3();
         let (c, s) = self.azimuth;
-        let x = self.sin_o + c * wi.x + s * wi.y;
+        let x = self.sin_o + (c * wi.x + s * wi.y);
         let y = c * wi.y - s * wi.x;
         let z = self.cos_o + wi.z;
         let rho2 = x * x + y * y;
@@ -148,53 +158,47 @@ impl Square {
         let b = (quarter / widest).clamp(-1.0, 1.0);
         // dσ(wi) = 4 (wo·h) dσ(h), dσ(h) = 2 dcap dφ, dφ = 4 dq/(1 + q²), and wo·h is half the length of wo + wi.
         let jacobian = 16.0 * length * widest / (1.0 + quarter * quarter);
-        Place { part: self.part(rho2 / (z * z), cap), cap, b, jacobian }
+        Place { cap, tan2: rho2 / (z * z), b, jacobian }
     }
 
     /// The part that holds a half vector, by its squared tangent below the last of MERL's bins, as lookups do.
     #[inline]
-    fn part(&self, tan2: f64, cap: f64) -> usize {
-        let bin = BinIndex::theta_h_of_tan2(tan2);
+    pub fn part(&self, place: &Place) -> usize {
+        let bin = BinIndex::theta_h_of_tan2(f64::from(place.tan2));
         if bin < MERL_PARTS {
             return bin;
         }
         let low = MERL_CAPS[MERL_PARTS];
-        let steps = (cap - low) / (self.top - low) * UPPER_PARTS as f64;
+        let steps = (place.cap - low) / (self.top - low) * UPPER_PARTS as f32;
         MERL_PARTS + (steps.max(0.0) as usize).min(UPPER_PARTS - 1)
     }
 }
 
 /// Sine and cosine of θh from its cap.
-#[inline]
-fn sin_cos(cap: f64) -> (f64, f64) {
+#[inline(always)]
+fn sin_cos(cap: f32) -> (f32, f32) {
     (2.0 * (cap * (1.0 - cap)).sqrt(), 1.0 - 2.0 * cap)
 }
 
 /// Sine and cosine of φ from tan(φ/4), in [−1, 1].
-#[inline]
-fn sin_cos_of_quarter(q: f64) -> (f64, f64) {
+#[inline(always)]
+fn sin_cos_of_quarter(q: f32) -> (f32, f32) {
     let scale = 1.0 / (1.0 + q * q);
     let (sin_half, cos_half) = (2.0 * q * scale, (1.0 - q * q) * scale);
     (2.0 * sin_half * cos_half, (cos_half - sin_half) * (cos_half + sin_half))
 }
 
 /// tan(φ/4) of the azimuth of (x, y), whose length is `rho`; 0 for length 0.
-#[inline]
-fn tan_of_quarter(x: f64, y: f64, rho: f64) -> f64 {
+#[inline(always)]
+fn tan_of_quarter(x: f32, y: f32, rho: f32) -> f32 {
     // The larger of sine and cosine of φ/2 from the half-angle formula, the smaller from the double angle: no cancellation.
     let sum = rho + x.abs();
-    let scale = 1.0 / (2.0 * rho * sum).sqrt();
+    let scale = 1.0 / (2.0 * rho * sum).sqrt().max(f32::MIN_POSITIVE);
     let (large, small) = (sum * scale, y.abs() * scale);
-    let (sin_half, cos_half) = if x < 0.0 { (large, small) } else { (small, large) };
-    if rho > 0.0 { (sin_half / (1.0 + cos_half)).copysign(y) } else { 0.0 }
-}
-
-/// 1/√x, by the first terms of its series where x is 1 but for rounding.
-#[inline]
-fn inverse_root(x: f64) -> f64 {
-    let e = x - 1.0;
-    // The next term is 5/16 e³, less than 10⁻¹⁸.
-    if e.abs() < 1e-6 { 1.0 - 0.5 * e + 0.375 * e * e } else { 1.0 / x.sqrt() }
+    let back = x < 0.0;
+    let (sin_half, cos_half) = (if back { large } else { small }, if back { small } else { large });
+    // 1 but for azimuths of half vectors too close to the normal to have one.
+    (sin_half / (1.0 + cos_half)).min(1.0).copysign(y)
 }
 
 #[cfg(test)]
@@ -202,20 +206,25 @@ mod tests {
     use super::*;
     use crate::geom::{HalfVectors, Lattice, spherical};
 
+    fn edge(square: &Square, number: usize) -> f64 {
+        f64::from(square.cap(Edge::of_part(number)))
+    }
+
     #[test]
     fn places_invert_directions() {
         for theta_o in [0.0, 0.3, 30.0, 60.25, 85.0, 89.9_f64] {
             let wo = spherical(theta_o.to_radians(), 2.0).as_vec3();
             let square = Square::about(wo);
             for (s, t) in Lattice::at_least(500).points() {
-                let (cap, b) = (s * square.edge(PARTS), 2.0 * t - 1.0);
+                let (cap, b) = ((s * edge(&square, PARTS)) as f32, (2.0 * t - 1.0) as f32);
                 let wi = square.direction(cap, b);
-                assert!(wi.z > -1e-7 && (wi.length() - 1.0).abs() < 1e-7, "θo {theta_o}, {s} {t}: {wi}");
-                let place = square.place(wi.as_vec3());
+                assert!(wi.z > -1e-6 && (wi.length() - 1.0).abs() < 2e-6, "θo {theta_o}, {s} {t}: {wi}");
+                let place = square.place(wi);
                 assert!((place.cap - cap).abs() < 1e-6, "{theta_o}: {cap} {place:?}");
-                let edges = [place.part, place.part + 1].map(|e| square.edge(e));
+                let part = square.part(&place);
+                let edges = [part, part + 1].map(|e| edge(&square, e) as f32);
                 assert!(edges[0] - 1e-6 < cap && cap < edges[1] + 1e-6, "{cap} {place:?}");
-                let slack = 1e-5 / (s * (1.0 - s)).max(1e-3);
+                let slack = 1e-5 / (s * (1.0 - s)).max(1e-3) as f32;
                 assert!((place.b - b).abs() < slack, "{theta_o}, {s}: {b} {place:?}");
             }
         }
@@ -226,10 +235,10 @@ mod tests {
         for theta_o in [0.0, 14.5, 60.0, 88.0_f64] {
             let wo = spherical(theta_o.to_radians(), -1.0).as_vec3();
             let (square, rectangle) = (Square::about(wo), HalfVectors::about(wo).unwrap());
-            let theta_max = 2.0 * square.edge(PARTS).sqrt().asin();
-            assert!((theta_max - rectangle.theta_max()).abs() < 1e-7);
+            let theta_max = 2.0 * edge(&square, PARTS).sqrt().asin();
+            assert!((theta_max - rectangle.theta_max()).abs() < 1e-6);
             for (s, t) in Lattice::at_least(300).points() {
-                let (cap, b) = (s * square.edge(PARTS), 2.0 * t - 1.0);
+                let (cap, b) = (s * edge(&square, PARTS), 2.0 * t - 1.0);
                 let theta_h = 2.0 * cap.sqrt().asin();
                 // The quarter's tangent as a share of the largest, against the angle's share.
                 let phi_max = rectangle.phi_max(theta_h);
@@ -238,14 +247,14 @@ mod tests {
                     phi_max * (1.0 + (0.25 * share * phi_max).tan().powi(2)) / (4.0 * (0.25 * phi_max).tan());
                 let (expected, per_theta) = rectangle.direction(theta_h, share);
                 let here = format!("θo {theta_o}, {s} {t}");
-                assert!(square.direction(cap, b).as_vec3().abs_diff_eq(expected, 3e-6), "{here}");
+                assert!(square.direction(cap as f32, b as f32).abs_diff_eq(expected, 5e-6), "{here}");
                 // dcap/dθh = sin θh/2.
-                let agrees = |jacobian: f64| {
-                    let ratio = jacobian * 0.5 * theta_h.sin() * slope / per_theta;
+                let agrees = |jacobian: f32| {
+                    let ratio = f64::from(jacobian) * 0.5 * theta_h.sin() * slope / per_theta;
                     assert!((ratio - 1.0).abs() < 1e-4 / (1.0 - s), "{here}: {ratio}");
                 };
-                square.along(cap, std::iter::once(b), |wi, jacobian| {
-                    assert!(wi.as_vec3().abs_diff_eq(expected, 3e-6), "{here}");
+                square.along(cap as f32, std::iter::once(b as f32), |wi, jacobian| {
+                    assert!(wi.abs_diff_eq(expected, 5e-6), "{here}");
                     agrees(jacobian);
                 });
                 agrees(square.place(expected).jacobian);
@@ -256,7 +265,6 @@ mod tests {
     #[test]
     fn merl_parts_lie_below_the_end_for_every_wo() {
         let square = Square::about(Vec3::Z);
-        assert!(square.edge(MERL_PARTS) < square.edge(PARTS));
-        assert!((0..PARTS).all(|i| square.edge(i) < square.edge(i + 1)));
+        assert!((0..PARTS).all(|i| edge(&square, i) < edge(&square, i + 1)));
     }
 }

@@ -91,7 +91,7 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
         }
         Sampler::AdaptiveDisc(s) => parts::write_forest(s.forest(), &mut out),
         Sampler::CascadeCdf(s) => parts::write_tables(s.tables(), &mut out),
-        Sampler::HalfVector(s) => parts::write_half_vector(s.tables(), &mut out),
+        Sampler::HalfVector(s) => parts::write_half_vector(s.stored(), &mut out),
     }
     let record = Record {
         version: VERSION,

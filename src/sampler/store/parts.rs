@@ -169,7 +169,7 @@ fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
     Ok(curves)
 }
 
-pub(super) fn write_half_vector(tables: &square::Tables, out: &mut TensorsOut) {
+pub(super) fn write_half_vector(tables: &square::Stored, out: &mut TensorsOut) {
     out.add("knot.cosine", tables.cosines.iter().copied());
     out.add("row.edge", tables.edges.iter().copied());
     out.add("row.cdf", tables.rows.iter().copied());
@@ -179,7 +179,7 @@ pub(super) fn write_half_vector(tables: &square::Tables, out: &mut TensorsOut) {
 
 pub(super) fn read_half_vector(tensors: &Tensors, settings: HalfVectorSettings) -> Result<HalfVectorTable> {
     settings.check()?;
-    let tables = square::Tables {
+    let tables = square::Stored {
         cosines: tensors.get("knot.cosine")?,
         edges: tensors.get("row.edge")?,
         rows: tensors.get("row.cdf")?,
@@ -206,10 +206,11 @@ pub(super) fn read_half_vector(tensors: &Tensors, settings: HalfVectorSettings) 
 }
 
 /// What the values of a half-vector table must be and are not.
-fn broken_rule(tables: &square::Tables) -> Option<&'static str> {
+fn broken_rule(tables: &square::Stored) -> Option<&'static str> {
     let c = &tables.cosines;
+    let rows = tables.edges.len() - 1;
     let cosines = c[0] == 1.0 && c[c.len() - 1] > 0.0 && c.is_sorted_by(|a, b| a > b);
-    let ends = [tables.edges[0], tables.edges[tables.row_count()]].map(usize::from) == [0, SQUARE_PARTS];
+    let ends = [tables.edges[0], tables.edges[rows]].map(usize::from) == [0, SQUARE_PARTS];
     let hinge = tables.edges.contains(&(MERL_PARTS as u16));
     let edges = ends && hinge && tables.edges.is_sorted_by(|a, b| a < b);
     let rise = |t: &[u16]| t[0] > 0 && t[t.len() - 1] == ONE && t.is_sorted_by(|a, b| a < b);
@@ -218,10 +219,7 @@ fn broken_rule(tables: &square::Tables) -> Option<&'static str> {
     [
         (cosines, "knot.cosine to fall from 1 and stay above 0"),
         (edges, "row.edge to rise from 0 to 79 by way of 63"),
-        (
-            tables.rows.chunks(tables.row_count()).all(rise),
-            "row.cdf of each table to rise from above 0 to 65535",
-        ),
+        (tables.rows.chunks(rows).all(rise), "row.cdf of each table to rise from above 0 to 65535"),
         (tables.slopes.iter().all(|s| s.unsigned_abs() <= STEEPEST as u8), "row.slope within ±122"),
         (tables.nodes.chunks(tables.width).all(whole), "row.density above 0 and each row normalised"),
     ]

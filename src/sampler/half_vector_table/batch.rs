@@ -1,0 +1,37 @@
+//! Many draws about one `wo`: lookups one by one, arithmetic over arrays, which compilers turn into vector code.
+//!
+//! The same functions as for single draws, so the same bits.
+
+use glam::{Vec2, Vec3};
+
+use super::square::Place;
+use super::{About, Choice, Found};
+use crate::sampler::DirectionSample;
+
+/// Draws that go through the stages together: their arrays fit the fastest cache.
+const LANES: usize = 64;
+
+pub(super) fn sample(about: &About, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
+    let mut samples = Vec::with_capacity(points.len());
+    for points in points.chunks(LANES) {
+        let mut choices = [Choice::default(); LANES];
+        for (choice, &u) in choices.iter_mut().zip(points) {
+            *choice = about.choose(u);
+        }
+        let mut wis = [Vec3::Z; LANES];
+        for (wi, choice) in wis.iter_mut().zip(&choices) {
+            *wi = about.direction(*choice);
+        }
+        let mut places = [Place::default(); LANES];
+        for (place, &wi) in places.iter_mut().zip(&wis) {
+            *place = about.square.place(wi);
+        }
+        let mut found = [Found::default(); LANES];
+        for (found, place) in found.iter_mut().zip(&places).take(points.len()) {
+            *found = about.find(place);
+        }
+        let draw = |i: usize| Some(DirectionSample { wi: wis[i], pdf: about.density(&places[i], found[i]) });
+        samples.extend((0..points.len()).map(draw));
+    }
+    samples
+}
