@@ -1,0 +1,165 @@
+//! How fast an estimate of reflected radiance converges: one point under an environment.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::brdf::{Brdf, Importance};
+use crate::geom::Quadrature;
+use crate::points::PointSet;
+use crate::sampler::DirectionSampler;
+
+/// What is estimated: ∫ f cosθ L dσ for one `wo`, as a scalar.
+pub struct LitPoint<'a> {
+    /// The surface.
+    pub brdf: &'a dyn Brdf,
+    /// Reduction of RGB to the scalar.
+    pub importance: Importance,
+    /// Radiance arriving from a direction of the local frame.
+    pub radiance: &'a (dyn Fn(Vec3) -> f64 + Sync),
+    /// Towards the viewer.
+    pub wo: Vec3,
+}
+
+/// Which estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Runs {
+    /// How points follow each other.
+    pub points: PointSet,
+    /// Independent estimates at each number of samples.
+    pub seeds: u64,
+    /// The first of their seeds.
+    pub first_seed: u64,
+}
+
+/// Error of estimates from `samples` draws each.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct ErrorAt {
+    /// Draws of one estimate.
+    pub samples: usize,
+    /// Root of the mean squared error over the reference.
+    pub rmse: f64,
+}
+
+impl LitPoint<'_> {
+    fn integrand(&self, wi: Vec3) -> f64 {
+        f64::from(self.importance.of(self.brdf.eval_cos(self.wo, wi))) * (self.radiance)(wi)
+    }
+
+    /// The integral by quadrature, independent of every sampler.
+    pub fn reference(&self, points_per_bin: usize) -> f64 {
+        Quadrature::new(self.wo, points_per_bin).integrate(|wi| self.integrand(wi))
+    }
+
+    /// Relative errors of `sampler` at each number of samples, in parallel over seeds; the same for any number of threads.
+    ///
+    /// 0 where `reference` is 0. A failed draw is a sample of weight 0.
+    pub fn errors(
+        &self,
+        sampler: &dyn DirectionSampler,
+        reference: f64,
+        samples: &[usize],
+        runs: Runs,
+    ) -> Vec<ErrorAt> {
+        let most = samples.iter().copied().max().unwrap_or(0);
+        let squares: Vec<Vec<f64>> = (0..runs.seeds)
+            .into_par_iter()
+            .map(|seed| self.squared_errors(sampler, reference, samples, most, runs, runs.first_seed + seed))
+            .collect();
+        let rmse = |i: usize| {
+            let mean = squares.iter().map(|s| s[i]).sum::<f64>() / runs.seeds.max(1) as f64;
+            if reference > 0.0 { mean.sqrt() / reference } else { 0.0 }
+        };
+        samples.iter().enumerate().map(|(i, &samples)| ErrorAt { samples, rmse: rmse(i) }).collect()
+    }
+
+    fn squared_errors(
+        &self,
+        sampler: &dyn DirectionSampler,
+        reference: f64,
+        samples: &[usize],
+        most: usize,
+        runs: Runs,
+        seed: u64,
+    ) -> Vec<f64> {
+        let points: Vec<_> = (0..most as u64).map(|i| runs.points.point(seed, i, 0)).collect();
+        let draws = sampler.sample_batch(self.wo, &points);
+        let mut sums = vec![0.0];
+        for draw in draws {
+            let weight = draw.map_or(0.0, |d| self.integrand(d.wi) / f64::from(d.pdf));
+            sums.push(sums[sums.len() - 1] + weight);
+        }
+        samples.iter().map(|&n| (sums[n] / n.max(1) as f64 - reference).powi(2)).collect()
+    }
+}
+
+/// The least-squares slope of log error against log samples: −½ for independent draws. 0 for fewer than two errors above 0.
+pub fn slope(errors: &[ErrorAt]) -> f64 {
+    let logs: Vec<(f64, f64)> = errors
+        .iter()
+        .filter(|e| e.samples > 0 && e.rmse > 0.0)
+        .map(|e| ((e.samples as f64).ln(), e.rmse.ln()))
+        .collect();
+    let n = logs.len() as f64;
+    let (mx, my) = logs.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    let variance: f64 = logs.iter().map(|p| (p.0 - mx).powi(2)).sum();
+    if variance > 0.0 { logs.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>() / variance } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::spherical;
+    use crate::sampler::Cosine;
+
+    struct Lambert;
+
+    impl Brdf for Lambert {
+        fn eval(&self, _: Vec3, wi: Vec3) -> Vec3 {
+            if wi.z > 0.0 { Vec3::splat(std::f32::consts::FRAC_1_PI) } else { Vec3::ZERO }
+        }
+
+        fn is_isotropic(&self) -> bool {
+            true
+        }
+    }
+
+    fn point<'a>(radiance: &'a (dyn Fn(Vec3) -> f64 + Sync)) -> LitPoint<'a> {
+        let wo = spherical(0.5, 0.0).as_vec3();
+        LitPoint { brdf: &Lambert, importance: Importance::Mean, radiance, wo }
+    }
+
+    const SAMPLES: [usize; 4] = [16, 64, 256, 1024];
+
+    /// With L = cosθ and cosine sampling the weight is z, whose mean is ⅔ and variance 1/18.
+    #[test]
+    fn random_points_converge_as_the_root() {
+        let radiance = |wi: Vec3| f64::from(wi.z);
+        let point = point(&radiance);
+        let reference = point.reference(233);
+        assert!((reference - 2.0 / 3.0).abs() < 1e-5, "{reference}");
+        let runs = Runs { points: PointSet::Random, seeds: 400, first_seed: 1 };
+        let errors = point.errors(&Cosine, reference, &SAMPLES, runs);
+        for e in &errors {
+            let expected = (1.0 / 18.0 / e.samples as f64).sqrt() / reference;
+            assert!((e.rmse / expected - 1.0).abs() < 0.15, "{e:?} {expected}");
+        }
+        assert!((slope(&errors) + 0.5).abs() < 0.05, "{}", slope(&errors));
+    }
+
+    #[test]
+    fn sobol_points_converge_faster() {
+        let radiance = |wi: Vec3| f64::from(wi.z);
+        let point = point(&radiance);
+        let runs = Runs { points: PointSet::Sobol, seeds: 100, first_seed: 1 };
+        let errors = point.errors(&Cosine, point.reference(233), &SAMPLES, runs);
+        assert!(slope(&errors) < -1.2, "{errors:?}");
+    }
+
+    #[test]
+    fn darkness_has_no_error() {
+        let point = point(&|_| 0.0);
+        let runs = Runs { points: PointSet::Random, seeds: 3, first_seed: 1 };
+        let errors = point.errors(&Cosine, 0.0, &SAMPLES, runs);
+        assert!(errors.iter().all(|e| e.rmse == 0.0) && slope(&errors) == 0.0);
+    }
+}
