@@ -132,7 +132,7 @@ impl TanSquared {
         // Written as comparisons, these are one instruction each and take NaN to the bound.
         let t = if t > keys::LOW { t } else { keys::LOW };
         let t = if t < keys::LAST { t } else { keys::LAST };
-        let cell = self.cells[keys::cell(t)];
+        let cell = self.cells[keys::cell(t) & (CELLS - 1)];
         cell.below + usize::from(t >= cell.edge)
     }
 }

@@ -14,7 +14,7 @@ pub(super) struct Coordinates {
     pub theta_h: f64,
     /// 0 to 90, in degrees.
     pub theta_d: f64,
-    /// 0 to the table's bins of φd, in degrees; the end counts as 0.
+    /// −90 to 360, in degrees; the table's bins of φd are its period.
     pub phi_d: f64,
 }
 
@@ -28,8 +28,10 @@ impl CoordinateTables {
     /// The tables, filled at the first call.
     #[inline(always)]
     pub fn get() -> &'static Self {
-        static TABLES: LazyLock<CoordinateTables> =
-            LazyLock::new(|| CoordinateTables { theta_h: Cubics::new(theta_h), degrees: Cubics::new(degrees) });
+        static TABLES: LazyLock<CoordinateTables> = LazyLock::new(|| CoordinateTables {
+            theta_h: Cubics::new(theta_h),
+            degrees: Cubics::new(degrees),
+        });
         &TABLES
     }
 
@@ -37,11 +39,9 @@ impl CoordinateTables {
     #[inline(always)]
     pub fn of(&self, tan2: Tangents, phi_d_bins: usize, azimuth: impl FnOnce() -> f64) -> Coordinates {
         let phi_d = if tan2.theta_h > 0.0 {
-            let quarter = self.degrees.at(tan2.phi_d.abs());
-            // Either quarter comes as often, so it is chosen without a branch: q or 180 − q.
-            let falling = f64::from(u8::from(tan2.phi_d < 0.0));
-            let half = 180.0 * falling + (1.0 - 2.0 * falling) * quarter;
-            half + 180.0 * f64::from(u8::from((phi_d_bins == 360) & (tan2.half_turn < 0.0)))
+            // Degrees on either side of φd = 0 or, in a table of 360, of φd = π.
+            let opposite = (phi_d_bins == 360) & ((tan2.half_turn < 0.0) != (tan2.phi_d < 0.0));
+            self.degrees.at(tan2.phi_d.abs()).copysign(tan2.phi_d) + 180.0 * f64::from(u8::from(opposite))
         } else {
             azimuth()
         };
@@ -71,10 +71,9 @@ impl Cubics {
     /// The function at a squared tangent ≥ 0; its value at 0 for NaN.
     #[inline(always)]
     fn at(&self, t: f64) -> f64 {
-        if !(keys::LOW..keys::HIGH).contains(&t) {
+        let Some(c) = self.cells.get(keys::cell(t)) else {
             return self.beyond(t);
-        }
-        let c = &self.cells[keys::cell(t)];
+        };
         let x = t - keys::start(t);
         (c[0] + c[1] * x) + (c[2] + c[3] * x) * (x * x)
     }

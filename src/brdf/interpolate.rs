@@ -22,20 +22,27 @@ impl Pair {
     fn clamped(x: f64, bins: usize) -> Self {
         let end = (bins - 1) as f64;
         let x = if x > 0.0 { x } else { 0.0 };
-        let x = if x < end { x } else { end };
-        // By way of i32, which is one instruction.
-        let low = x as i32;
-        Self { low: low as u32, high: (low as u32 + 1).min(bins as u32 - 1), share: (x - f64::from(low)) as f32 }
+        let (low, share) = split(if x < end { x } else { end });
+        Self { low, high: (low + 1).min(bins as u32 - 1), share }
     }
 
-    /// Neighbours of a coordinate from −1 to `bins` on an axis that closes on itself.
+    /// Neighbours of a coordinate from −`bins` to `bins` on an axis that closes on itself.
     #[inline(always)]
     fn periodic(x: f64, bins: usize) -> Self {
-        let x = if x < 0.0 { x + bins as f64 } else { x };
-        let low = x as i32;
-        let wrapped = |k: i32| if k < bins as i32 { k as u32 } else { k.wrapping_sub(bins as i32) as u32 };
-        Self { low: wrapped(low), high: wrapped(low + 1), share: (x - f64::from(low)) as f32 }
+        let bins = bins as u32;
+        let (low, share) = split(x + f64::from(u8::from(x < 0.0)) * f64::from(bins));
+        let wrapped = |k: u32| k - if k < bins { 0 } else { bins };
+        Self { low: wrapped(low), high: wrapped(low + 1), share }
     }
+}
+
+/// Integer and fractional part of a number from 0 to 2¹⁶, to 2⁻²⁴: the bits of a sum whose unit in the last place is 2⁻³².
+#[inline(always)]
+fn split(x: f64) -> (u32, f32) {
+    const SHIFT: f64 = (1 << 20) as f64;
+    let bits = (x + SHIFT).to_bits();
+    let fraction = (bits as u32 >> 8) as f32 * (1.0 / (1 << 24) as f32);
+    ((bits >> 32) as u32 & 0xffff, fraction)
 }
 
 /// The eight bins about a pair of directions and their shares.

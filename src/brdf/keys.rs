@@ -1,6 +1,6 @@
 //! Cells of squared tangents: 64 octaves of 16 cells, found by the leading bits of an f64.
 
-/// Number of cells; a power of two, so that a mask stands in for the bounds check.
+/// Number of cells.
 pub(super) const CELLS: usize = 1024;
 /// Exponent and four bits of mantissa remain: a cell is at most 1/16 longer than its start, less than any two neighbouring
 /// edges of bins are apart.
@@ -13,10 +13,10 @@ pub(super) const HIGH: f64 = 65536.0;
 pub(super) const LAST: f64 = HIGH.next_down();
 const FIRST: u64 = LOW.to_bits() >> SHIFT;
 
-/// Cell of a squared tangent from [`LOW`] to below [`HIGH`]; some cell for any other number.
+/// Cell of a squared tangent from [`LOW`] to below [`HIGH`]; past the last one for any other number and NaN.
 #[inline(always)]
 pub(super) fn cell(tan2: f64) -> usize {
-    (tan2.to_bits() >> SHIFT).wrapping_sub(FIRST) as usize & (CELLS - 1)
+    (tan2.to_bits() >> SHIFT).wrapping_sub(FIRST) as usize
 }
 
 /// Start of the cell that holds a squared tangent.
