@@ -129,11 +129,15 @@ impl TanSquared {
     /// Bin of a squared tangent ≥ 0; infinity is in the last bin, NaN in the first.
     #[inline(always)]
     fn bin(&self, t: f64) -> usize {
-        // Written as comparisons, these are one instruction each and take NaN to the bound.
-        let t = if t > keys::LOW { t } else { keys::LOW };
-        let t = if t < keys::LAST { t } else { keys::LAST };
-        let cell = self.cells[keys::cell(t) & (CELLS - 1)];
-        cell.below + usize::from(t >= cell.edge)
+        match self.cells.get(keys::cell(t)) {
+            Some(cell) => cell.below + usize::from(t >= cell.edge),
+            None => self.beyond(t),
+        }
+    }
+
+    #[cold]
+    fn beyond(&self, t: f64) -> usize {
+        if t >= keys::HIGH { self.cells[CELLS - 1].below } else { 0 }
     }
 }
 

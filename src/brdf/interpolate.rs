@@ -81,12 +81,18 @@ impl Neighbours {
         let cells = table.cells();
         let along_phi = |h: u32, d: u32| {
             let row = table.index(h as usize, d as usize, 0);
-            cells[row + self.phi_d.low as usize].lerp(cells[row + self.phi_d.high as usize], self.phi_d.share)
+            let (low, high) = (cells[row + self.phi_d.low as usize], cells[row + self.phi_d.high as usize]);
+            mix(low, high, self.phi_d.share)
         };
         let along_theta_d =
-            |h| along_phi(h, self.theta_d.low).lerp(along_phi(h, self.theta_d.high), self.theta_d.share);
-        let sum: Vec4 =
-            along_theta_d(self.theta_h.low).lerp(along_theta_d(self.theta_h.high), self.theta_h.share);
+            |h| mix(along_phi(h, self.theta_d.low), along_phi(h, self.theta_d.high), self.theta_d.share);
+        let sum = mix(along_theta_d(self.theta_h.low), along_theta_d(self.theta_h.high), self.theta_h.share);
         if sum.w > 0.0 { sum.truncate() / sum.w } else { Rgb::ZERO }
     }
+}
+
+/// Linear interpolation by two products that don't wait for each other.
+#[inline(always)]
+fn mix(low: Vec4, high: Vec4, share: f32) -> Vec4 {
+    low * (1.0 - share) + high * share
 }

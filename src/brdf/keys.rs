@@ -9,8 +9,6 @@ const SHIFT: u32 = 48;
 pub(super) const LOW: f64 = 1.0 / (1u64 << 48) as f64;
 /// End of the last cell, an angle of 89.78 degrees.
 pub(super) const HIGH: f64 = 65536.0;
-/// The largest number below [`HIGH`].
-pub(super) const LAST: f64 = HIGH.next_down();
 const FIRST: u64 = LOW.to_bits() >> SHIFT;
 
 /// Cell of a squared tangent from [`LOW`] to below [`HIGH`]; past the last one for any other number and NaN.

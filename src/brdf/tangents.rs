@@ -30,8 +30,10 @@ impl Tangents {
         let length2 = rho2 + z2;
         let dz2 = difference.z * difference.z;
         let tan2_phi = 4.0 * across * across / (length2 * dz2);
-        // No finite f32 overflows here: the sum of squares is finite exactly where all components are.
-        let valid = (wo.z > 0.0) & (wi.z > 0.0) & (length2 < f64::INFINITY);
+        // No finite f32 overflows or underflows here: the sum of squares is finite exactly where all components are, and
+        // both heights are positive where their product and their sum are. Asked of f64 values alone, this lets the
+        // conversions work in place; else each call would wait for whatever the last one left in a register.
+        let valid = (o.z * i.z > 0.0) & (sum.z > 0.0) & (length2 < f64::INFINITY);
         // In one plane with the normal φd is 0, or π, of which the tangent counts as positive.
         let rising = (across * difference.z > 0.0) | (across == 0.0);
         Self {
