@@ -36,12 +36,12 @@ impl Pair {
     }
 }
 
-/// Integer and fractional part of a number from 0 to 2¹⁶, to 2⁻²⁴: the bits of a sum whose unit in the last place is 2⁻³².
+/// Integer and fractional part of a number from 0 to 2¹⁶, to 2⁻²³: the bits of a sum whose unit in the last place is 2⁻³².
 #[inline(always)]
 fn split(x: f64) -> (u32, f32) {
     const SHIFT: f64 = (1 << 20) as f64;
     let bits = (x + SHIFT).to_bits();
-    let fraction = (bits as u32 >> 8) as f32 * (1.0 / (1 << 24) as f32);
+    let fraction = f32::from_bits(1f32.to_bits() | bits as u32 >> 9) - 1.0;
     ((bits >> 32) as u32 & 0xffff, fraction)
 }
 
@@ -87,7 +87,7 @@ impl Neighbours {
         let along_theta_d =
             |h| mix(along_phi(h, self.theta_d.low), along_phi(h, self.theta_d.high), self.theta_d.share);
         let sum = mix(along_theta_d(self.theta_h.low), along_theta_d(self.theta_h.high), self.theta_h.share);
-        if sum.w > 0.0 { sum.truncate() / sum.w } else { Rgb::ZERO }
+        if sum.w > 0.0 { (sum / sum.w).truncate() } else { Rgb::ZERO }
     }
 }
 
