@@ -1,51 +1,98 @@
-//! One evaluation by each lookup rule, for pairs anywhere and for pairs near the mirror direction.
+//! Evaluation by each lookup rule, for pairs anywhere and for pairs near the mirror direction: one at a time, many at once,
+//! and the bins alone.
 
 use std::hint::black_box;
 use std::sync::Arc;
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use merlkit::brdf::{Brdf, LookupRule, Measured};
+use merlkit::brdf::{BinIndex, Brdf, LookupRule, Measured};
 use merlkit::color::Rgb;
 use merlkit::geom::{cosine_hemisphere, reflect_about, spherical};
-use merlkit::merl::decode_embedded;
+use merlkit::merl::{MerlTable, decode_embedded};
 use merlkit::points::PointSet;
 
 const PAIRS: u64 = 4096;
 
-fn anywhere() -> Vec<(Vec3, Vec3)> {
-    let direction = |i, pair| cosine_hemisphere(PointSet::Random.point(1, i, pair).as_dvec2()).as_vec3();
-    (0..PAIRS).map(|i| (direction(i, 0), direction(i, 1))).collect()
+/// `wo` and `wi` of some pairs, and the place they come from.
+struct Pairs {
+    place: &'static str,
+    wo: Vec<Vec3>,
+    wi: Vec<Vec3>,
 }
 
-/// Half vectors within 3° of the normal, viewers up to 80°.
-fn near_the_mirror() -> Vec<(Vec3, Vec3)> {
-    let pair = |i| {
-        let u = PointSet::Random.point4(2, i, 0).map(f64::from);
-        let wo = spherical(u[0] * 1.4, u[1] * std::f64::consts::TAU);
-        let h = spherical(u[2] * 0.05, u[3] * std::f64::consts::TAU);
-        (wo.as_vec3(), reflect_about(wo, h).as_vec3())
-    };
-    (0..PAIRS).map(pair).collect()
+impl Pairs {
+    fn anywhere() -> Self {
+        let direction = |pair| {
+            let u = move |i| PointSet::Random.point(1, i, pair).as_dvec2();
+            (0..PAIRS).map(|i| cosine_hemisphere(u(i)).as_vec3()).collect()
+        };
+        Self { place: "anywhere", wo: direction(0), wi: direction(1) }
+    }
+
+    /// Half vectors within 3° of the normal, viewers up to 80°.
+    fn near_the_mirror() -> Self {
+        let pair = |i| {
+            let u = PointSet::Random.point4(2, i, 0).map(f64::from);
+            let wo = spherical(u[0] * 1.4, u[1] * std::f64::consts::TAU);
+            let h = spherical(u[2] * 0.05, u[3] * std::f64::consts::TAU);
+            (wo.as_vec3(), reflect_about(wo, h).as_vec3())
+        };
+        let (wo, wi) = (0..PAIRS).map(pair).unzip();
+        Self { place: "near the mirror", wo, wi }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (Vec3, Vec3)> {
+        self.wo.iter().copied().zip(self.wi.iter().copied())
+    }
 }
 
-fn sum(brdf: &Measured, pairs: &[(Vec3, Vec3)]) -> Rgb {
-    pairs.iter().map(|&(wo, wi)| brdf.eval(wo, wi)).sum()
+fn sum(brdf: &Measured, pairs: &Pairs) -> Rgb {
+    pairs.iter().map(|(wo, wi)| brdf.eval(wo, wi)).sum()
+}
+
+/// Sum of the positions of all pairs' bins in the table.
+fn bins(table: &MerlTable, pairs: &Pairs) -> usize {
+    let index = |b: BinIndex| table.index(b.theta_h, b.theta_d, b.phi_d);
+    pairs.iter().filter_map(|(wo, wi)| BinIndex::of(wo, wi, 180)).map(index).sum()
+}
+
+fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &Measured, pairs: &Pairs) {
+    let id = |how: &str| BenchmarkId::new(format!("{} {how}", brdf.rule().name()), pairs.place);
+    let mut out = vec![Rgb::ZERO; pairs.wi.len()];
+    group.bench_function(id("one"), |b| b.iter(|| sum(brdf, black_box(pairs))));
+
+    brdf.eval_pairs(&pairs.wo, &pairs.wi, &mut out);
+    assert!(pairs.iter().zip(&out).all(|((wo, wi), &f)| f == brdf.eval(wo, wi)));
+    group.bench_function(id("pairs"), |b| {
+        b.iter(|| brdf.eval_pairs(black_box(&pairs.wo), &pairs.wi, &mut out))
+    });
+
+    let wo = pairs.wo[7];
+    brdf.eval_many(wo, &pairs.wi, &mut out);
+    assert!(pairs.wi.iter().zip(&out).all(|(&wi, &f)| f == brdf.eval(wo, wi)));
+    group.bench_function(id("many wi"), |b| b.iter(|| brdf.eval_many(black_box(wo), &pairs.wi, &mut out)));
 }
 
 fn benches(c: &mut Criterion) {
     let table = Arc::new(decode_embedded("nickel").unwrap());
     let mut group = c.benchmark_group("lookup");
     group.throughput(Throughput::Elements(PAIRS));
-    for (place, pairs) in [("anywhere", anywhere()), ("near the mirror", near_the_mirror())] {
+    for pairs in [Pairs::anywhere(), Pairs::near_the_mirror()] {
         let floor = sum(&Measured::new(table.clone(), LookupRule::Floor), &pairs);
-        for rule in LookupRule::ALL {
-            let brdf = Measured::new(table.clone(), rule);
+        group.bench_function(BenchmarkId::new("bins alone", pairs.place), |b| {
+            b.iter(|| bins(&table, black_box(&pairs)))
+        });
+        for by in LookupRule::ALL {
+            let brdf = Measured::new(table.clone(), by);
             let ratio = sum(&brdf, &pairs) / floor;
-            assert!(ratio.min_element() > 0.5 && ratio.max_element() < 2.0, "{rule:?} {place}: {ratio}");
-            group.bench_with_input(BenchmarkId::new(rule.name(), place), &pairs, |b, pairs| {
-                b.iter(|| sum(&brdf, black_box(pairs)))
-            });
+            assert!(
+                ratio.min_element() > 0.5 && ratio.max_element() < 2.0,
+                "{by:?} {}: {ratio}",
+                pairs.place
+            );
+            rule(&mut group, &brdf, &pairs);
         }
     }
     group.finish();

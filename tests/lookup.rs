@@ -4,11 +4,12 @@ mod support;
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use merlkit::brdf::{BinIndex, Brdf, LookupRule, Measured};
 use merlkit::color::Rgb;
-use merlkit::geom::HalfDiff;
+use merlkit::geom::{HalfDiff, cosine_hemisphere};
 use merlkit::merl::{Header, MerlTable};
+use merlkit::points::Stream;
 use support::{golden, naive, noise_table};
 
 #[test]
@@ -46,6 +47,86 @@ fn bins_without_trigonometry_equal_bins_by_trigonometry() {
         }
     }
     assert!(differ < 10, "{differ} of {pairs} pairs differ");
+}
+
+#[test]
+fn of_two_million_random_pairs_none_is_in_another_bin_than_by_trigonometry() {
+    let mut random = Stream::new(41);
+    let mut direction = || cosine_hemisphere(DVec2::new(random.next_f64(), random.next_f64())).as_vec3();
+    for _ in 0..2_000_000 {
+        let (wo, wi) = (direction(), direction());
+        assert_eq!(BinIndex::of(wo, wi, 360), naive::bins(wo, wi, 360), "{wo} {wi}");
+    }
+}
+
+/// Directions at every difficult place: pairs of all kinds, the exact mirror direction and `wo` itself, the normal,
+/// tiny and huge components, and directions outside the domain.
+fn difficult_pairs() -> (Vec<Vec3>, Vec<Vec3>) {
+    let special = [
+        Vec3::Z,
+        Vec3::NEG_Z,
+        Vec3::X,
+        Vec3::ZERO,
+        Vec3::NAN,
+        Vec3::new(f32::NAN, 0.0, 1.0),
+        Vec3::new(0.0, f32::INFINITY, 1.0),
+        Vec3::new(1.0, 0.0, -0.0),
+        Vec3::new(-0.0, 1.0, 1e-45),
+        Vec3::new(0.6, -0.0, 0.8),
+        Vec3::new(-0.6, 0.0, 0.8),
+        Vec3::new(1e-40, -1e-45, 1.0),
+        Vec3::splat(f32::MAX),
+    ];
+    let mut pairs: Vec<_> = support::pairs(20_000, 29).collect();
+    let mirrored = |w: Vec3| Vec3::new(-w.x, -w.y, w.z);
+    let exact: Vec<_> = pairs[..500].iter().flat_map(|&(wo, _)| [(wo, mirrored(wo)), (wo, wo)]).collect();
+    pairs.extend(exact);
+    for a in special {
+        pairs.extend(special.iter().map(|&b| (a, b)));
+    }
+    pairs.into_iter().unzip()
+}
+
+#[test]
+fn many_evaluations_at_once_are_single_ones_to_the_bit() {
+    let (wo, wi) = difficult_pairs();
+    for (bins, one_in) in [(180, 3), (360, 5)] {
+        let table = Arc::new(noise_table(bins, one_in, 3));
+        for rule in LookupRule::ALL {
+            let brdf = Measured::new(table.clone(), rule);
+            let mut out = vec![Rgb::NAN; wo.len()];
+            brdf.eval_pairs(&wo, &wi, &mut out);
+            for ((&wo, &wi), &f) in wo.iter().zip(&wi).zip(&out) {
+                assert!(f.is_finite(), "{rule:?} {wo} {wi}: {f}");
+                assert_eq!(f, brdf.eval(wo, wi), "{rule:?} {wo} {wi}");
+            }
+            for &wo in wo.iter().rev().step_by(700) {
+                brdf.eval_many(wo, &wi, &mut out);
+                assert!(wi.iter().zip(&out).all(|(&wi, &f)| f == brdf.eval(wo, wi)), "{rule:?} {wo}");
+            }
+        }
+    }
+}
+
+#[test]
+fn batches_of_any_length_fill_as_many_as_the_shortest_slice_holds() {
+    let (wo, wi): (Vec<_>, Vec<_>) = support::pairs(200, 37).unzip();
+    let table = Arc::new(noise_table(180, 0, 3));
+    for rule in LookupRule::ALL {
+        let brdf = Measured::new(table.clone(), rule);
+        for (given, wanted) in [(0, 3), (1, 1), (3, 0), (7, 200), (63, 63), (64, 65), (129, 128), (200, 131)]
+        {
+            let expected = |k: usize, wo: Vec3| {
+                if k < given.min(wanted) { brdf.eval(wo, wi[k]) } else { Rgb::NEG_ONE }
+            };
+            let mut out = vec![Rgb::NEG_ONE; wanted];
+            brdf.eval_pairs(&wo, &wi[..given], &mut out);
+            assert!((0..wanted).all(|k| out[k] == expected(k, wo[k])), "{rule:?} {given} {wanted}");
+            out.fill(Rgb::NEG_ONE);
+            brdf.eval_many(wo[5], &wi[..given], &mut out);
+            assert!((0..wanted).all(|k| out[k] == expected(k, wo[5])), "{rule:?} {given} {wanted}");
+        }
+    }
 }
 
 #[test]

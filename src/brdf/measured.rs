@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::{BinIndex, Brdf, interpolate};
+use super::coordinates::CoordinateTables;
+use super::interpolate::Neighbours;
+use super::tangents::Tangents;
+use super::{BinIndex, Brdf, batch};
 use crate::color::Rgb;
 use crate::merl::MerlTable;
 
@@ -59,17 +62,38 @@ impl Measured {
     }
 }
 
+impl Measured {
+    #[inline]
+    fn floor(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        match BinIndex::of(wo, wi, self.table.phi_d_bins()) {
+            Some(b) => self.table.cells()[self.table.index(b.theta_h, b.theta_d, b.phi_d)].truncate(),
+            None => Rgb::ZERO,
+        }
+    }
+
+    fn trilinear(&self, offset: f64, wo: Vec3, wi: Vec3) -> Rgb {
+        let (tables, bins) = (CoordinateTables::get(), self.table.phi_d_bins());
+        Neighbours::of(tables, Tangents::of(wo, wi), wi, bins, offset)
+            .map_or(Rgb::ZERO, |n| n.mean(&self.table))
+    }
+}
+
 impl Brdf for Measured {
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         match self.rule {
-            LookupRule::Floor => match BinIndex::of(wo, wi, self.table.phi_d_bins()) {
-                Some(b) => self.table.cells()[self.table.index(b.theta_h, b.theta_d, b.phi_d)].truncate(),
-                None => Rgb::ZERO,
-            },
-            LookupRule::Linear => interpolate::trilinear(&self.table, 0.0, wo, wi),
-            LookupRule::Centred => interpolate::trilinear(&self.table, 0.5, wo, wi),
+            LookupRule::Floor => self.floor(wo, wi),
+            LookupRule::Linear => self.trilinear(0.0, wo, wi),
+            LookupRule::Centred => self.trilinear(0.5, wo, wi),
         }
+    }
+
+    fn eval_many(&self, wo: Vec3, wi: &[Vec3], out: &mut [Rgb]) {
+        batch::evaluate(&self.table, self.rule, wi.iter().map(|&wi| (wo, wi)), out);
+    }
+
+    fn eval_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
+        batch::evaluate(&self.table, self.rule, wo.iter().copied().zip(wi.iter().copied()), out);
     }
 
     fn is_isotropic(&self) -> bool {

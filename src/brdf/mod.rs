@@ -2,10 +2,14 @@
 //!
 //! Decoding files is [`crate::merl`]'s business; choosing directions is [`crate::sampler`]'s.
 
+mod batch;
 mod bins;
+mod coordinates;
 mod importance;
 mod interpolate;
+mod keys;
 mod measured;
+mod tangents;
 
 pub use bins::BinIndex;
 pub use importance::Importance;
@@ -19,6 +23,22 @@ use crate::color::Rgb;
 pub trait Brdf: Send + Sync {
     /// f_r in sr⁻¹, without the cosine. Zero, never NaN, for a direction that is not finite or not above the horizon.
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb;
+
+    /// f_r for one `wo` and many `wi`: `out[k]` becomes `eval(wo, wi[k])`, to the bit. As many as the shorter slice holds
+    /// are evaluated; what is left of a longer `out` stays as it was.
+    fn eval_many(&self, wo: Vec3, wi: &[Vec3], out: &mut [Rgb]) {
+        for (out, &wi) in out.iter_mut().zip(wi) {
+            *out = self.eval(wo, wi);
+        }
+    }
+
+    /// f_r for many pairs: `out[k]` becomes `eval(wo[k], wi[k])`, to the bit. As many as the shortest slice holds are
+    /// evaluated; what is left of a longer `out` stays as it was.
+    fn eval_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
+        for ((out, &wo), &wi) in out.iter_mut().zip(wo).zip(wi) {
+            *out = self.eval(wo, wi);
+        }
+    }
 
     /// f_r·cosθᵢ in sr⁻¹.
     fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
