@@ -8,7 +8,8 @@ use merlkit::geom::spherical;
 use merlkit::merl::{Header, MerlTable};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, Construction, DirectionSampler, LeafChoice, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, Construction, DirectionSampler, HalfVectorSettings, LeafChoice,
+    SamplerSpec,
 };
 
 type Cell = fn(usize, usize, usize) -> [f64; 3];
@@ -66,6 +67,17 @@ fn specs() -> Vec<(&'static str, SamplerSpec)> {
             SamplerSpec::CascadeCdf(CascadeCdfSettings { tolerance: Some(f64::INFINITY), ..cdf }),
         ),
         ("zero tolerance", SamplerSpec::CascadeCdf(CascadeCdfSettings { tolerance: Some(0.0), ..cdf })),
+        ("half-vector", SamplerSpec::HalfVector(HalfVectorSettings { tables: 5, ..Default::default() })),
+        (
+            "half-vector, least",
+            SamplerSpec::HalfVector(HalfVectorSettings {
+                tables: 1,
+                rows: 2,
+                segments: 1,
+                fold: true,
+                ..Default::default()
+            }),
+        ),
         ("floor only", SamplerSpec::CascadeCdf(CascadeCdfSettings { floor: 1.0, ..cdf })),
     ]
 }

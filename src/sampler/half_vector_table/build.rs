@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use super::rows;
 use super::square::{Edge, PARTS, Square};
 use super::tables::{SLOPE_UNIT, STEEPEST, Stored, quantise_nodes, quantise_rows};
-use super::{HalfVectorSettings, knot_cosines, unit_azimuth};
+use super::{HalfVectorSettings, knot_cosines};
 use crate::brdf::Brdf;
+use crate::color::Rgb;
 use crate::geom::spherical;
 
 /// Points a part over its cap. Each is turned by its share of a column, so that together they resolve the azimuth finer.
@@ -60,33 +61,61 @@ fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tab
     let wo = spherical(theta_o, 0.0).as_vec3();
     let square = Square::about(wo);
     let edge = |e: usize| f64::from(square.cap(Edge::of_part(e)));
-    let columns = columns(settings);
-    let mut of = [(); 2].map(|()| (Array2::<f64>::zeros((PARTS, columns)), vec![0.0; PARTS]));
     let width: Vec<f64> = (0..PARTS).map(|p| edge(p + 1) - edge(p)).collect();
-
+    let mut sums = [(); 2].map(|()| Sums::new(columns(settings)));
+    let (mut wi, mut jacobians, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for part in 0..PARTS {
-        for point in 0..CAP_POINTS {
-            let x = (point as f64 + 0.5) / CAP_POINTS as f64;
-            let cap = (edge(part) + width[part] * x) as f32;
-            let azimuths = azimuths(columns, settings.fold, x as f32);
-            let mut next = azimuths.clone();
-            square.along(cap, azimuths, |wi, jacobian| {
-                let Some(b) = next.next() else { return };
-                let column = (unit_azimuth(b, settings.fold) * columns as f32) as usize;
-                let cosine = f64::from(wi.z.max(0.0) * jacobian) * width[part];
-                let f = f64::from(settings.importance.of(brdf.eval(wo, wi)));
-                for ((mass, first), value) in of.iter_mut().zip([f * cosine, cosine]) {
-                    mass[[part, column.min(columns - 1)]] += value;
-                    first[part] += value * x;
-                }
+        wi.clear();
+        jacobians.clear();
+        for x in cap_points() {
+            let azimuths = azimuths(columns(settings), settings.fold, x as f32);
+            square.along((edge(part) + width[part] * x) as f32, azimuths, |w, jacobian| {
+                wi.push(w);
+                jacobians.push(jacobian);
             });
         }
+        values.resize(wi.len(), Rgb::ZERO);
+        brdf.eval_many(wo, &wi, &mut values);
+        for (x, place) in cap_points().zip(0..) {
+            let points = wi.len() / CAP_POINTS;
+            for k in place * points..(place + 1) * points {
+                let cosine = f64::from(wi[k].z.max(0.0) * jacobians[k]) * width[part];
+                let f = f64::from(settings.importance.of(values[k]));
+                sums[0].add(part, k % columns(settings), x, f * cosine);
+                sums[1].add(part, k % columns(settings), x, cosine);
+            }
+        }
     }
-    let [f, cosine] = of;
+    let [f, cosine] = sums;
     blend(f, cosine, width)
 }
 
-/// Azimuth shares in [−1, 1] at the middles of columns, shifted within them by `x`, on both sides where folded.
+/// Positions of points on the cap of a part.
+fn cap_points() -> impl Iterator<Item = f64> {
+    (0..CAP_POINTS).map(|i| (i as f64 + 0.5) / CAP_POINTS as f64)
+}
+
+/// Sums of points.
+struct Sums {
+    /// `[part, column]`.
+    mass: Array2<f64>,
+    /// First moments of the parts over their caps.
+    first: Vec<f64>,
+}
+
+impl Sums {
+    fn new(columns: usize) -> Self {
+        Self { mass: Array2::zeros((PARTS, columns)), first: vec![0.0; PARTS] }
+    }
+
+    fn add(&mut self, part: usize, column: usize, x: f64, value: f64) {
+        self.mass[[part, column]] += value;
+        self.first[part] += value * x;
+    }
+}
+
+/// Azimuth shares in [−1, 1], one a column at the share `x` of its width; first all of one side, then of the other where
+/// folded.
 fn azimuths(columns: usize, fold: bool, x: f32) -> impl Iterator<Item = f32> + Clone {
     let sides = if fold { 2 } else { 1 };
     (0..columns * sides).map(move |i| {
@@ -100,20 +129,16 @@ fn azimuths(columns: usize, fold: bool, x: f32) -> impl Iterator<Item = f32> + C
 }
 
 /// The BRDF's masses and a little of the cosine's; the cosine's alone where the BRDF has none.
-fn blend(
-    (f, f_first): (Array2<f64>, Vec<f64>),
-    (c, c_first): (Array2<f64>, Vec<f64>),
-    width: Vec<f64>,
-) -> Tabulated {
-    let (total, cosine) = (f.sum(), c.sum());
-    let (of_f, of_c) = if total > 0.0 && total.is_finite() {
-        ((1.0 - COSINE_SHARE) / total, COSINE_SHARE / cosine)
+fn blend(f: Sums, cosine: Sums, width: Vec<f64>) -> Tabulated {
+    let (total, all) = (f.mass.sum(), cosine.mass.sum());
+    let (of_f, of_cosine) = if total > 0.0 && total.is_finite() {
+        ((1.0 - COSINE_SHARE) / total, COSINE_SHARE / all)
     } else {
-        (0.0, 1.0 / cosine)
+        (0.0, 1.0 / all)
     };
-    let centre = f_first.iter().zip(&c_first).map(|(f, c)| f * of_f + c * of_c);
-    let mass = f * of_f + c * of_c;
-    let centre = centre.zip(mass.axis_iter(Axis(0))).map(|(first, row)| first / row.sum()).collect();
+    let first = f.first.iter().zip(&cosine.first).map(|(f, c)| f * of_f + c * of_cosine);
+    let mass = f.mass * of_f + cosine.mass * of_cosine;
+    let centre = first.zip(mass.axis_iter(Axis(0))).map(|(first, row)| first / row.sum()).collect();
     Tabulated { mass, centre, width }
 }
 

@@ -52,24 +52,23 @@ impl Default for HalfVectorSettings {
 impl HalfVectorSettings {
     /// Settings by the size of their tables, smallest first: name and settings.
     pub const PRESETS: [(&str, Self); 8] = [
-        ("2KB", Self::preset(6, 30, 3, true)),
-        ("4KB", Self::preset(9, 38, 3, true)),
-        ("8KB", Self::preset(14, 45, 3, true)),
-        ("16KB", Self::preset(16, 69, 5, true)),
-        ("32KB", Self::preset(16, 71, 12, false)),
-        ("64KB", Self::preset(24, 71, 16, false)),
-        ("256KB", Self::preset(48, 75, 32, false)),
-        ("1MB", Self::preset(94, 79, 64, false)),
+        ("2KB", Self::preset(7, 22, 3, true)),
+        ("4KB", Self::preset(9, 31, 4, true)),
+        ("8KB", Self::preset(14, 41, 4, true)),
+        ("16KB", Self::preset(16, 42, 8, false)),
+        ("32KB", Self::preset(20, 48, 12, false)),
+        ("64KB", Self::preset(28, 53, 16, false)),
+        ("256KB", Self::preset(64, 64, 24, false)),
+        ("1MB", Self::preset(128, 64, 48, false)),
     ];
 
     const fn preset(tables: usize, rows: usize, segments: usize, fold: bool) -> Self {
         Self { tables, rows, segments, fold, importance: Importance::Mean }
     }
 
-    /// Bytes of the tables.
+    /// Bytes of the tables in memory; a file holds some 1 to 15 % less, and a header.
     pub fn bytes(&self) -> usize {
-        let row = 3 + 2 * (self.segments + 1);
-        self.tables * (4 + self.rows * row) + 2 * (self.rows + 1)
+        tables::bytes(self.tables, self.rows, self.segments)
     }
 
     /// # Errors

@@ -57,6 +57,18 @@ pub struct Tables {
 /// Segments that are summed together before they are told apart.
 const BLOCK: usize = 4;
 
+/// Blocks of a row that have a sum: all but the last.
+const fn blocks_of(segments: usize) -> usize {
+    (segments - 1) / BLOCK
+}
+
+/// Bytes of all arrays of so many tables, rows and segments.
+pub const fn bytes(tables: usize, rows: usize, segments: usize) -> usize {
+    let row = size_of::<u16>() * (1 + segments + 1 + blocks_of(segments)) + size_of::<i8>();
+    let edge = size_of::<u16>() + size_of::<Edge>();
+    tables * (size_of::<f32>() + rows * row) + (rows + 1) * edge + PARTS
+}
+
 /// Two tables and their shares.
 #[derive(Clone, Copy, Debug)]
 pub struct Blend<'a> {
@@ -107,7 +119,7 @@ impl Tables {
         let lines = stored.edges.iter().map(|&e| Edge::of_part(usize::from(e))).collect();
         let row_of =
             std::array::from_fn(|part| stored.edges[1..].partition_point(|&e| usize::from(e) <= part) as u8);
-        let block_count = (stored.width - 2) / BLOCK;
+        let block_count = blocks_of(stored.width - 1);
         let sums = |row: &[u16]| {
             let mut sum = 0;
             let add = |block: usize| {
@@ -128,15 +140,7 @@ impl Tables {
 
     /// Bytes of all arrays.
     pub fn bytes(&self) -> usize {
-        let s = &self.stored;
-        size_of_val(s.cosines.as_slice())
-            + size_of_val(s.edges.as_slice())
-            + size_of_val(s.rows.as_slice())
-            + size_of_val(s.slopes.as_slice())
-            + size_of_val(s.nodes.as_slice())
-            + size_of_val(self.lines.as_slice())
-            + size_of_val(&self.row_of)
-            + size_of_val(self.blocks.as_slice())
+        bytes(self.stored.cosines.len(), self.row_count(), self.stored.width - 1)
     }
 
     /// Number of rows.
@@ -450,6 +454,20 @@ mod tests {
             let b = tables.at(cos_o);
             assert_eq!((b.first, b.second, b.share), (first, second, share), "{cos_o}");
         }
+    }
+
+    #[test]
+    fn bytes_are_those_of_the_arrays() {
+        let (t, s) = (example(), example().stored);
+        let arrays = size_of_val(&s.cosines[..])
+            + size_of_val(&s.edges[..])
+            + size_of_val(&s.rows[..])
+            + size_of_val(&s.slopes[..])
+            + size_of_val(&s.nodes[..])
+            + size_of_val(&t.lines[..])
+            + size_of_val(&t.row_of)
+            + size_of_val(&t.blocks[..]);
+        assert_eq!(t.bytes(), arrays);
     }
 
     /// Densities are the derivatives of the probabilities.
