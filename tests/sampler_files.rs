@@ -192,7 +192,7 @@ fn assert_each_is_refused(spec: SamplerSpec, forgeries: &[Forgery]) {
 
 /// Faults that a file of any sampler can have.
 const COMMON: [Forgery; 5] = [
-    ("another version", |f| f.record["version"] = 2.into(), "layout version 1, found version 2"),
+    ("another version", |f| f.record["version"] = 1.into(), "layout version 2, found version 1"),
     (
         "no version",
         |f| drop(f.record.as_object_mut().unwrap().remove("version")),
@@ -257,16 +257,23 @@ fn forged_trees_are_refused() {
 #[test]
 fn forged_curves_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
-        ("a CDF that falls", |f| f.set_f32("marginal.cdf", 2, 0.0), "marginal curves"),
-        ("a conditional that falls", |f| f.set_f32("conditional.cdf", 1, 1.5), "conditional curves"),
-        ("a CDF that starts at −0", |f| f.set_f32("marginal.cdf", 0, -0.0), "curve 0"),
-        ("NaN in a CDF", |f| f.set_f32("marginal.cdf", 3, f32::NAN), "curve 0"),
-        ("a CDF that starts above 0", |f| f.set_f32("marginal.cdf", 0, 0.001), "curve 0"),
+        ("a CDF that falls", |f| f.set_u16("marginal.cdf", 2, 0), "marginal curves"),
+        (
+            "a conditional that falls",
+            |f| {
+                let mut knots = |c| f.u32("conditional.start", c + 1) - f.u32("conditional.start", c);
+                let curve = (0..).find(|&c| knots(c) > 3).unwrap();
+                let start = f.u32("conditional.start", curve) as usize;
+                f.set_u16("conditional.cdf", start + 1, u16::MAX);
+            },
+            "conditional curves",
+        ),
+        ("a CDF that starts above 0", |f| f.set_u16("marginal.cdf", 0, 1), "curve 0"),
         (
             "a CDF that ends below 1",
             |f| {
                 let last = f.u32("marginal.start", 1) as usize - 1;
-                f.set_f32("marginal.cdf", last, 0.9999);
+                f.set_u16("marginal.cdf", last, u16::MAX - 1);
             },
             "curve 0",
         ),
@@ -298,7 +305,7 @@ fn forged_curves_are_refused() {
                 let last = f.u32("conditional.start", knots - 1) - f.u32("conditional.start", knots - 2);
                 f.cut("conditional.start", 4);
                 f.cut("conditional.position", 2 * last as usize);
-                f.cut("conditional.cdf", 4 * last as usize);
+                f.cut("conditional.cdf", 2 * last as usize);
             },
             "a conditional for each",
         ),
@@ -307,7 +314,7 @@ fn forged_curves_are_refused() {
             |f| {
                 // The second piece of the first marginal has mass; its conditional is made void.
                 for knot in f.u32("conditional.start", 1)..f.u32("conditional.start", 2) {
-                    f.set_f32("conditional.cdf", knot as usize, 0.0);
+                    f.set_u16("conditional.cdf", knot as usize, 0);
                 }
             },
             "piece 1 of marginal 0",

@@ -21,7 +21,7 @@ use crate::{Error, Result};
 use tensors::{Tensors, TensorsOut};
 
 /// Layout version written and read.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const KEY: &str = "merlkit";
 
 /// What a sampler file says of itself.

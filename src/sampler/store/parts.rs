@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::tensors::{Tensors, TensorsOut};
 use crate::Result;
 use crate::brdf::Measured;
-use crate::dist::Curves;
+use crate::dist::{self, Curves};
 use crate::sampler::adaptive_disc::{DEEPEST, Forest, Leaf, MOST_LEAVES, WHOLE};
 use crate::sampler::cascade_cdf::Tables;
 use crate::sampler::{AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings};
@@ -125,11 +125,9 @@ fn piece_without_conditional(marginal: &Curves, conditional: &Curves) -> Option<
 
 /// Reads curves over the grid 0..=`cells`: knots rise from 0 to `cells`, probabilities from 0 to 1 or stay 0.
 fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
-    let curves = Curves {
-        starts: tensors.get(&format!("{name}.start"))?,
-        positions: tensors.get(&format!("{name}.position"))?,
-        cdf: tensors.get(&format!("{name}.cdf"))?,
-    };
+    let starts = tensors.get(&format!("{name}.start"))?;
+    let positions = tensors.get(&format!("{name}.position"))?;
+    let curves = Curves::from_parts(starts, positions, tensors.get(&format!("{name}.cdf"))?);
     let fail = |what: String| Err(tensors.invalid(format!("{name} curves over {cells} cells"), what));
     if curves.starts.first() != Some(&0)
         || curves.starts.last().map(|&s| s as usize) != Some(curves.cdf.len())
@@ -145,12 +143,10 @@ fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
         let range = curves.starts[k] as usize..curves.starts[k + 1] as usize;
         let cdf = &curves.cdf[range.clone()];
         let ends = match cdf {
-            [first, .., last] => *first == 0.0 && (*last == 1.0 || cdf.iter().all(|&c| c == 0.0)),
+            [0, .., last] => *last == dist::WHOLE || cdf.iter().all(|&c| c == 0),
             _ => false,
         };
-        // −0 would pass as 0, but curves are searched by their bits.
-        let sound = |c: &f32| c.is_finite() && c.is_sign_positive();
-        if !ends || !cdf.iter().all(sound) || !cdf.is_sorted() {
+        if !ends || !cdf.is_sorted() {
             return fail(format!("curve {k} that does not rise from 0 to 1"));
         }
         let fits = if every {
