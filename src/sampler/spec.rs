@@ -84,6 +84,7 @@ fn disc_notes(s: &AdaptiveDiscSettings) -> Vec<String> {
     let d = AdaptiveDiscSettings::default();
     let mut notes = common_notes(s.choice, s.floor, s.importance);
     notes.extend((s.leaves != d.leaves).then(|| "leaves by integral".to_owned()));
+    notes.extend((s.carry != d.carry).then(|| "directions kept".to_owned()));
     notes.extend((s.n_max != d.n_max).then(|| format!("n_max {}", s.n_max)));
     notes.extend((s.depth != d.depth).then(|| format!("depth {}", s.depth)));
     notes.extend((s.waste != d.waste).then(|| format!("waste {}", s.waste)));

@@ -3,7 +3,7 @@
 use merlkit::Error;
 use merlkit::brdf::Importance;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, Construction, LeafChoice, SamplerSpec, TableChoice,
+    AdaptiveDiscSettings, Carry, CascadeCdfSettings, Construction, LeafChoice, SamplerSpec, TableChoice,
     ThetaSpacing,
 };
 
@@ -44,6 +44,9 @@ pub struct SamplerArgs {
     /// adaptive-disc: draw leaves by bound × area, which is exact, or by integral [default: envelope; as published integral]
     #[arg(long, value_name = "BY", value_parser = args::named(&[("envelope", LeafChoice::Envelope), ("integral", LeafChoice::Integral)]))]
     leaves: Option<LeafChoice>,
+    /// adaptive-disc: what keeps its place when a tree serves a wo beside its own [default: half-vector; as published direction]
+    #[arg(long, value_name = "WHAT", value_parser = args::named(&[("half-vector", Carry::HalfVector), ("direction", Carry::Direction)]))]
+    carry: Option<Carry>,
     /// cascade-cdf: cells over θh and φh before compression [default: 1024x512; 256x32 with --uncompressed]
     #[arg(long, value_name = "THETAxPHI", value_parser = args::size)]
     resolution: Option<(usize, usize)>,
@@ -133,6 +136,7 @@ impl SamplerArgs {
             construction: self.grid.map_or(d.construction, Construction::Grid),
             leaves: self.leaves.unwrap_or(d.leaves),
             choice: self.choice.unwrap_or(d.choice),
+            carry: self.carry.unwrap_or(d.carry),
             floor: self.floor.unwrap_or(d.floor),
             importance: self.importance.unwrap_or(d.importance),
         }
@@ -165,6 +169,7 @@ impl SamplerArgs {
             (self.waste.is_some(), "--waste"),
             (self.grid.is_some(), "--grid"),
             (self.leaves.is_some(), "--leaves"),
+            (self.carry.is_some(), "--carry"),
         ])
     }
 

@@ -56,7 +56,7 @@ impl Batch<'_> {
     fn cosine(&mut self, count: usize, seed: u64) {
         for i in 0..count as u64 {
             let wi = cosine_hemisphere(PointSet::Sobol.point(seed, i, 0).as_dvec2()).as_vec3();
-            self.out.push(self.disc.finish(&self.view, wi, None));
+            self.out.push(self.disc.finish(&self.view, wi));
         }
     }
 
@@ -94,12 +94,9 @@ impl Batch<'_> {
     fn trial(&mut self, k: usize, leaf: &Drawn) -> Option<DirectionSample> {
         let point = DVec2::new(self.random.next_f64(), self.random.next_f64());
         let wi = leaf.direction(point, self.view.turn)?;
-        let value = self.disc.value(k, self.view.turn, wi);
-        if self.random.next_f64() * f64::from(leaf.bound) < value {
-            self.disc.finish(&self.view, wi, Some((k, value)))
-        } else {
-            None
-        }
+        let accepted =
+            self.random.next_f64() * f64::from(leaf.bound) < self.disc.value(k, self.view.turn, wi);
+        accepted.then(|| self.disc.finish(&self.view, self.disc.carry(k, &self.view, wi))).flatten()
     }
 }
 

@@ -16,7 +16,7 @@ pub(super) use tree::{Forest, Leaf, MOST_LEAVES, WHOLE};
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
-use glam::{DVec2, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
 use super::{DirectionSample, DirectionSampler};
@@ -46,6 +46,17 @@ pub enum LeafChoice {
     Integral,
 }
 
+/// What keeps its place when a tree serves a `wo` beside its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Carry {
+    /// The half vector: a direction drawn for the tree's own angle is reflected anew, so that highlights follow `wo`. What
+    /// ends below the horizon is turned up, and the density is the sum over both ways there.
+    HalfVector,
+    /// The direction (thesis 6.3.1): highlights stay where the tree's own angle has them.
+    Direction,
+}
+
 /// Settings of [`AdaptiveDisc::build`].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AdaptiveDiscSettings {
@@ -63,6 +74,8 @@ pub struct AdaptiveDiscSettings {
     pub leaves: LeafChoice,
     /// What serves a `wo` between two trees.
     pub choice: TableChoice,
+    /// What keeps its place between trees.
+    pub carry: Carry,
     /// Share of draws that ignore the BRDF and follow the cosine, so that no direction is left out; 0 to 1.
     pub floor: f64,
     /// The scalar that draws are proportional to.
@@ -79,6 +92,7 @@ impl Default for AdaptiveDiscSettings {
             construction: Construction::Refined,
             leaves: LeafChoice::Envelope,
             choice: TableChoice::Mixture,
+            carry: Carry::HalfVector,
             floor: 1e-3,
             importance: Importance::Mean,
         }
@@ -94,6 +108,7 @@ impl AdaptiveDiscSettings {
             construction: Construction::Grid(800),
             leaves: LeafChoice::Integral,
             choice: TableChoice::Nearest,
+            carry: Carry::Direction,
             floor: 0.0,
             ..Self::default()
         }
@@ -141,6 +156,7 @@ const MAX_TRIALS: u32 = 20_000;
 
 /// `wo` as the trees see it: turned into the plane of φ = 0, with its neighbours among the knots.
 struct View {
+    wo: DVec3,
     /// Cosine and sine of the azimuth of `wo`.
     turn: DVec2,
     near: Neighbours,
@@ -183,57 +199,89 @@ impl AdaptiveDisc {
 
     fn view(&self, wo: Vec3) -> View {
         let xy = wo.truncate().as_dvec2();
-        View { turn: xy.try_normalize().unwrap_or(DVec2::X), near: self.knots.neighbours(wo) }
+        let turn = xy.try_normalize().unwrap_or(DVec2::X);
+        View { wo: wo.as_dvec3(), turn, near: self.knots.neighbours(wo) }
     }
 
     /// Direction of knot `k` at the azimuth of `wo`.
-    fn knot_direction(&self, k: usize, turn: DVec2) -> Vec3 {
+    fn knot_direction(&self, k: usize, turn: DVec2) -> DVec3 {
         let (sin, cos) = self.forest.knot(k);
-        (turn * sin).extend(cos).as_vec3()
+        (turn * sin).extend(cos)
     }
 
     /// f at knot `k`, as the scalar that trees are built on.
     #[inline]
     fn value(&self, k: usize, turn: DVec2, wi: Vec3) -> f64 {
-        f64::from(self.settings.importance.of(self.brdf.eval(self.knot_direction(k, turn), wi)))
+        let f = self.brdf.eval(self.knot_direction(k, turn).as_vec3(), wi);
+        f64::from(self.settings.importance.of(f))
     }
 
-    /// Density per projected solid angle of the tree at knot `k`, given its value at `wi`. A tree without mass stands for
-    /// the uniform disc.
-    fn projected_density(&self, k: usize, value: f64) -> f64 {
-        match self.forest.integral(k) {
-            i if i > 0.0 => value / i,
+    /// Density per solid angle of the tree at knot `k`, for the knot's own direction. A tree without mass stands for the
+    /// uniform disc.
+    #[inline]
+    fn knot_density(&self, k: usize, turn: DVec2, wi: Vec3) -> f64 {
+        let projected = match self.forest.integral(k) {
+            i if i > 0.0 => self.value(k, turn, wi) / i,
             _ => FRAC_1_PI,
-        }
-    }
-
-    /// Density per solid angle of the mixture of the trees at `view`; `known` spares an evaluation already made.
-    fn density(&self, view: &View, wi: Vec3, known: Option<(usize, f64)>) -> f32 {
-        let of = |k: usize| match known {
-            Some((table, value)) if table == k => self.projected_density(k, value),
-            _ => self.projected_density(k, self.value(k, view.turn, wi)),
         };
-        let Neighbours { first, second, share } = view.near;
-        let first_density = if share < 1.0 { (1.0 - share) * of(first) } else { 0.0 };
-        let trees = first_density + if share > 0.0 { share * of(second) } else { 0.0 };
-        let floor = self.settings.floor;
-        let projected = (1.0 - floor) * trees + floor * FRAC_1_PI;
-        (projected * f64::from(wi.z)).min(f64::from(f32::MAX)) as f32
+        projected * f64::from(wi.z)
     }
 
-    /// A draw from the tree at knot `k`: a direction and its value there.
-    fn draw(&self, k: usize, turn: DVec2, mut point: DVec2, random: &mut Stream) -> Option<(Vec3, f64)> {
+    /// Density per solid angle at `wi` of what the tree at knot `k` draws for the `wo` of `view`.
+    #[inline]
+    fn tree_density(&self, k: usize, view: &View, wi: Vec3) -> f64 {
+        if self.settings.carry == Carry::Direction {
+            return self.knot_density(k, view.turn, wi);
+        }
+        let knot = self.knot_direction(k, view.turn);
+        let came_from = |wi: DVec3| {
+            // dσ(wi) = 4 (wo·h) dσ(h) on either side, and h is along wo + wi.
+            let sum = view.wo + wi;
+            let ratio = 2.0 * knot.dot(sum) / sum.length_squared();
+            let there = ratio * sum - knot;
+            if ratio > 0.0 && there.z > 0.0 {
+                ratio * self.knot_density(k, view.turn, there.as_vec3())
+            } else {
+                0.0
+            }
+        };
+        let wi = wi.as_dvec3();
+        came_from(wi) + came_from(DVec3::new(wi.x, wi.y, -wi.z))
+    }
+
+    /// A direction drawn for knot `k`, carried over to the `wo` of `view`.
+    #[inline]
+    fn carry(&self, k: usize, view: &View, drawn: Vec3) -> Vec3 {
+        if self.settings.carry == Carry::Direction {
+            return drawn;
+        }
+        let sum = self.knot_direction(k, view.turn) + drawn.as_dvec3();
+        let wi = 2.0 * view.wo.dot(sum) / sum.length_squared() * sum - view.wo;
+        DVec3::new(wi.x, wi.y, wi.z.abs()).as_vec3()
+    }
+
+    /// Density per solid angle of the mixture of the trees at `view` and the floor.
+    fn density(&self, view: &View, wi: Vec3) -> f32 {
+        let Neighbours { first, second, share } = view.near;
+        let first = if share < 1.0 { (1.0 - share) * self.tree_density(first, view, wi) } else { 0.0 };
+        let trees = first + if share > 0.0 { share * self.tree_density(second, view, wi) } else { 0.0 };
+        let floor = self.settings.floor;
+        let density = (1.0 - floor) * trees + floor * FRAC_1_PI * f64::from(wi.z);
+        density.min(f64::from(f32::MAX)) as f32
+    }
+
+    /// A draw from the tree at knot `k`, for the knot's own direction.
+    fn draw(&self, k: usize, turn: DVec2, mut point: DVec2, random: &mut Stream) -> Option<Vec3> {
         if self.forest.integral(k) <= 0.0 {
-            return Some((cosine_hemisphere(point).as_vec3(), 0.0));
+            return Some(cosine_hemisphere(point).as_vec3());
         }
         let mut leaf = self.forest.draw(k, point.x);
         point.x = leaf.rest;
         for _ in 0..MAX_TRIALS {
-            if let Some(wi) = leaf.direction(point, turn) {
-                let value = self.value(k, turn, wi);
-                if random.next_f64() * f64::from(leaf.bound) < value {
-                    return Some((wi, value));
-                }
+            if let Some(wi) = leaf.direction(point, turn)
+                && random.next_f64() * f64::from(leaf.bound) < self.value(k, turn, wi)
+            {
+                return Some(wi);
             }
             point = DVec2::new(random.next_f64(), random.next_f64());
             if self.settings.leaves == LeafChoice::Envelope {
@@ -242,6 +290,14 @@ impl AdaptiveDisc {
             }
         }
         None
+    }
+
+    fn finish(&self, view: &View, wi: Vec3) -> Option<DirectionSample> {
+        if !is_upper(wi) {
+            return None;
+        }
+        let pdf = self.density(view, wi);
+        (pdf > 0.0).then_some(DirectionSample { wi, pdf })
     }
 }
 
@@ -256,22 +312,21 @@ impl DirectionSampler for AdaptiveDisc {
         let u = u.as_dvec2() + fine * DVec2::new(random.next_f64(), random.next_f64());
         let (ignore_brdf, x) = split_unit(u.x, self.settings.floor);
         let view = self.view(wo);
-        let (wi, known) = if ignore_brdf {
-            (cosine_hemisphere(DVec2::new(x, u.y)).as_vec3(), None)
+        let wi = if ignore_brdf {
+            cosine_hemisphere(DVec2::new(x, u.y)).as_vec3()
         } else {
             let (first, y) = split_unit(u.y, 1.0 - view.near.share);
             let k = if first { view.near.first } else { view.near.second };
-            let (wi, value) = self.draw(k, view.turn, DVec2::new(x, y), &mut random)?;
-            (wi, Some((k, value)).filter(|_| self.forest.integral(k) > 0.0))
+            self.carry(k, &view, self.draw(k, view.turn, DVec2::new(x, y), &mut random)?)
         };
-        self.finish(&view, wi, known)
+        self.finish(&view, wi)
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         if !is_upper(wo) || !is_upper(wi) {
             return 0.0;
         }
-        self.density(&self.view(wo), wi, None)
+        self.density(&self.view(wo), wi)
     }
 
     fn bytes(&self) -> usize {
@@ -281,15 +336,5 @@ impl DirectionSampler for AdaptiveDisc {
     /// One descent that shares the draws over the leaves (thesis 6.3.2, algorithms 17 and 18).
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
         many::sample_many(self, wo, count, seed)
-    }
-}
-
-impl AdaptiveDisc {
-    fn finish(&self, view: &View, wi: Vec3, known: Option<(usize, f64)>) -> Option<DirectionSample> {
-        if !is_upper(wi) {
-            return None;
-        }
-        let pdf = self.density(view, wi, known);
-        (pdf > 0.0).then_some(DirectionSample { wi, pdf })
     }
 }
