@@ -85,10 +85,10 @@ pub struct AdaptiveDiscSettings {
 impl Default for AdaptiveDiscSettings {
     fn default() -> Self {
         Self {
-            tables: 60,
+            tables: 20,
             n_max: 2.0,
             depth: 14,
-            waste: 1e-4,
+            waste: 1e-3,
             construction: Construction::Refined,
             leaves: LeafChoice::Envelope,
             choice: TableChoice::Mixture,
@@ -103,6 +103,7 @@ impl AdaptiveDiscSettings {
     /// What the thesis used for its tables 6.23 and 6.24.
     pub fn as_published() -> Self {
         Self {
+            tables: 60,
             depth: 10,
             waste: 0.0,
             construction: Construction::Grid(800),
