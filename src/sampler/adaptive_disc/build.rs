@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use super::bounds::MaxTable;
 use super::square::{Rect, Square};
 use super::tree::{Forest, Grown, MOST_LEAVES};
-use super::{AdaptiveDiscSettings, Construction, LeafChoice, ThetaKnots};
+use super::warp::{self, WarpGrower, Warps};
+use super::{AdaptiveDiscSettings, Construction, LeafChoice, ThetaKnots, Trees};
 use crate::brdf::{Brdf, LookupRule, Measured};
 use crate::geom::{Quadrature, spherical};
 
@@ -14,7 +15,7 @@ use crate::geom::{Quadrature, spherical};
 /// decides on splits, and a rough one will do.
 fn points_a_side(leaves: LeafChoice) -> usize {
     match leaves {
-        LeafChoice::Envelope => 4,
+        LeafChoice::Envelope | LeafChoice::Warp => 4,
         LeafChoice::Integral => 8,
     }
 }
@@ -27,14 +28,37 @@ const SPARE: usize = 20;
 const COARSEST: u32 = 3;
 
 /// Builds the trees of all knots, in parallel over knots.
-pub(super) fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
+pub(super) fn trees(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Trees {
+    match settings.leaves {
+        LeafChoice::Warp => Trees::Warped(warps(brdf, settings, knots)),
+        LeafChoice::Envelope | LeafChoice::Integral => Trees::Rejecting(forest(brdf, settings, knots)),
+    }
+}
+
+fn warps(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Warps {
+    let bounds = MaxTable::new(brdf, settings.importance);
+    let trees: Vec<warp::Tree> = (0..knots.count())
+        .into_par_iter()
+        .map(|k| {
+            let slice = Slice::new(brdf, settings, Some(&bounds), knots.theta(k));
+            // It only decides on divisions: a rough one will do.
+            let integral = slice.integral(10.0 * NORMALISER_STEP);
+            WarpGrower { settings, slice: &slice, bounds: &bounds, integral }.grow()
+        })
+        .collect();
+    let mut warps = Warps::default();
+    trees.iter().for_each(|tree| warps.push(tree));
+    warps
+}
+
+fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
     let bounds = matches!(settings.construction, Construction::Refined)
         .then(|| MaxTable::new(brdf, settings.importance));
     let trees: Vec<(Vec<Grown>, f64)> = (0..knots.count())
         .into_par_iter()
         .map(|k| {
             let slice = Slice::new(brdf, settings, bounds.as_ref(), knots.theta(k));
-            let integral = slice.integral();
+            let integral = slice.integral(NORMALISER_STEP);
             let leaves = match (&settings.construction, &bounds) {
                 _ if integral <= 0.0 => Vec::new(),
                 (Construction::Grid(side), _) => Grower::new(settings, Image::new(&slice, *side)).grow(),
@@ -44,21 +68,21 @@ pub(super) fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: Th
             let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
             match settings.leaves {
                 _ if leaves.is_empty() => (leaves, 0.0),
-                LeafChoice::Envelope => (leaves, integral),
                 LeafChoice::Integral => (leaves, drawn),
+                LeafChoice::Envelope | LeafChoice::Warp => (leaves, integral),
             }
         })
         .collect();
-    Forest::join(&trees, knots)
+    Forest::join(&trees)
 }
 
 /// f(wo, ·) for one fixed `wo` in the plane of φ = 0, as a scalar.
-struct Slice<'a> {
+pub(super) struct Slice<'a> {
     brdf: &'a Measured,
     settings: &'a AdaptiveDiscSettings,
     /// Where values may be taken from instead of `brdf`.
     plane: Option<&'a MaxTable>,
-    wo: Vec3,
+    pub wo: Vec3,
 }
 
 impl<'a> Slice<'a> {
@@ -81,11 +105,11 @@ impl<'a> Slice<'a> {
     }
 
     /// ∫ f over the disc.
-    fn integral(&self) -> f64 {
-        Quadrature::new(self.wo, 1).integrate_refined(NORMALISER_STEP, |wi| self.value(wi) * f64::from(wi.z))
+    fn integral(&self, tolerance: f64) -> f64 {
+        Quadrature::new(self.wo, 1).integrate_refined(tolerance, |wi| self.value(wi) * f64::from(wi.z))
     }
 
-    fn value_on_disc(&self, p: DVec2) -> f64 {
+    pub fn value_on_disc(&self, p: DVec2) -> f64 {
         let z2 = 1.0 - p.length_squared();
         if z2 > 0.0 { self.value(p.extend(z2.sqrt()).as_vec3()) } else { 0.0 }
     }
@@ -152,8 +176,8 @@ impl<'a, C: Contents> Grower<'a, C> {
             return self.split(square, depth);
         }
         let weight = match self.settings.leaves {
-            LeafChoice::Envelope => f64::from(bound) * content.area,
             LeafChoice::Integral => content.integral,
+            LeafChoice::Envelope | LeafChoice::Warp => f64::from(bound) * content.area,
         };
         if weight > 0.0 && bound > 0.0 {
             self.leaves.push(Grown { square, bound, weight });

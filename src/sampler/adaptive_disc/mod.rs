@@ -9,9 +9,13 @@ mod build;
 mod many;
 mod square;
 mod tree;
+mod warp;
 
 pub(super) use square::DEEPEST;
 pub(super) use tree::{Forest, Leaf, MOST_LEAVES, WHOLE};
+pub(super) use warp::{Node, Warps};
+
+use bounds::MaxTable;
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -22,7 +26,7 @@ use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
 use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance, Measured};
 use crate::geom::{cosine_hemisphere, is_upper};
-use crate::points::Stream;
+use crate::points::{PointSet, Stream};
 use crate::{Error, Result};
 
 /// How the values behind a tree are gathered.
@@ -44,6 +48,9 @@ pub enum LeafChoice {
     Envelope,
     /// Its integral; a rejection stays in the leaf (thesis 6.2.2). An error in a leaf's integral is an error of its share.
     Integral,
+    /// Without rejection: a hierarchical warp to the leaf and to the place in it, so that two numbers are enough and
+    /// well-spread points stay well spread. The density is that of the warp, constant in each leaf.
+    Warp,
 }
 
 /// What keeps its place when a tree serves a `wo` beside its own.
@@ -62,11 +69,13 @@ pub enum Carry {
 pub struct AdaptiveDiscSettings {
     /// Trees over the polar angle of `wo`, 1 to 4096.
     pub tables: usize,
-    /// Mean number of trials allowed in a leaf, > 1.
+    /// Mean number of trials allowed in a leaf, > 1; the largest value over the mean where nothing is rejected.
     pub n_max: f64,
     /// Subdivisions from the whole disc to the smallest leaf, 1 to 14.
     pub depth: u32,
-    /// A leaf is not split when the trials it wastes are less than this share of the whole tree's; 0 splits by `n_max` alone.
+    /// A leaf is not split when the trials it wastes are less than this share of the whole tree's, or, with
+    /// [`LeafChoice::Warp`], when it adds less than a hundredth of this share to the squared relative deviation of weights; 0
+    /// splits by `n_max` alone.
     pub waste: f64,
     /// Where values and bounds come from.
     pub construction: Construction,
@@ -132,6 +141,12 @@ impl AdaptiveDiscSettings {
                 "choose shares between 0 and 1",
             );
         }
+        if let (Construction::Grid(_), LeafChoice::Warp) = (self.construction, self.leaves) {
+            return refuse(
+                "trees without rejection from a grid of pixels".into(),
+                "leave out the grid, or choose other leaves",
+            );
+        }
         if let Construction::Grid(side) = self.construction
             && !(8..=4096).contains(&side)
         {
@@ -141,13 +156,33 @@ impl AdaptiveDiscSettings {
     }
 }
 
+/// The trees of all knots.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Trees {
+    /// Whose draws are accepted under bounds.
+    Rejecting(Forest),
+    /// Whose draws all count.
+    Warped(Warps),
+}
+
+impl Trees {
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Rejecting(forest) => forest.bytes(),
+            Self::Warped(warps) => warps.bytes(),
+        }
+    }
+}
+
 /// Quadtrees on the disc and the BRDF that draws are accepted under.
 #[derive(Clone, Debug)]
 pub struct AdaptiveDisc {
     brdf: Arc<Measured>,
     settings: AdaptiveDiscSettings,
     knots: ThetaKnots,
-    forest: Forest,
+    /// Sine and cosine of each knot's angle.
+    directions: Vec<[f32; 2]>,
+    trees: Trees,
 }
 
 /// Trials after which a draw is given up, half a millisecond, which `pdf` does not know of. The mean is near `n_max`; only
@@ -171,22 +206,28 @@ impl AdaptiveDisc {
     pub fn build(brdf: Arc<Measured>, settings: AdaptiveDiscSettings) -> Result<Self> {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
-        let forest = build::forest(&brdf, &settings, knots);
-        Ok(Self { brdf, settings, knots, forest })
+        let trees = build::trees(&brdf, &settings, knots);
+        Ok(Self::new(brdf, settings, knots, trees))
     }
 
-    /// Puts a sampler together from stored leaves, each tree's start and integral, validated beforehand.
+    /// Puts a sampler together from stored trees, validated beforehand.
     pub(super) fn from_parts(
         brdf: Arc<Measured>,
         settings: AdaptiveDiscSettings,
-        leaves: Vec<Leaf>,
-        starts: Vec<u32>,
-        integrals: Vec<f32>,
+        trees: Trees,
     ) -> Result<Self> {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
-        let forest = Forest::new(leaves, starts, integrals, knots);
-        Ok(Self { brdf, settings, knots, forest })
+        Ok(Self::new(brdf, settings, knots, trees))
+    }
+
+    fn new(brdf: Arc<Measured>, settings: AdaptiveDiscSettings, knots: ThetaKnots, trees: Trees) -> Self {
+        let direction = |k| {
+            let (sin, cos) = knots.theta(k).sin_cos();
+            [sin as f32, cos as f32]
+        };
+        let directions = (0..knots.count()).map(direction).collect();
+        Self { brdf, settings, knots, directions, trees }
     }
 
     /// The settings it was built with.
@@ -194,8 +235,8 @@ impl AdaptiveDisc {
         &self.settings
     }
 
-    pub(super) fn forest(&self) -> &Forest {
-        &self.forest
+    pub(super) fn trees(&self) -> &Trees {
+        &self.trees
     }
 
     fn view(&self, wo: Vec3) -> View {
@@ -206,7 +247,7 @@ impl AdaptiveDisc {
 
     /// Direction of knot `k` at the azimuth of `wo`.
     fn knot_direction(&self, k: usize, turn: DVec2) -> DVec3 {
-        let (sin, cos) = self.forest.knot(k);
+        let [sin, cos] = self.directions[k].map(f64::from);
         (turn * sin).extend(cos)
     }
 
@@ -221,8 +262,13 @@ impl AdaptiveDisc {
     /// uniform disc.
     #[inline]
     fn knot_density(&self, k: usize, turn: DVec2, wi: Vec3) -> f64 {
-        let projected = match self.forest.integral(k) {
-            i if i > 0.0 => self.value(k, turn, wi) / i,
+        let projected = match &self.trees {
+            Trees::Rejecting(forest) if forest.integral(k) > 0.0 => {
+                self.value(k, turn, wi) / forest.integral(k)
+            }
+            Trees::Warped(warps) if !warps.is_void(k) => {
+                warps.density(k, DVec2::new(turn.x, -turn.y).rotate(wi.truncate().as_dvec2()))
+            }
             _ => FRAC_1_PI,
         };
         projected * f64::from(wi.z)
@@ -272,11 +318,26 @@ impl AdaptiveDisc {
     }
 
     /// A draw from the tree at knot `k`, for the knot's own direction.
-    fn draw(&self, k: usize, turn: DVec2, mut point: DVec2, random: &mut Stream) -> Option<Vec3> {
-        if self.forest.integral(k) <= 0.0 {
-            return Some(cosine_hemisphere(point).as_vec3());
+    fn draw(&self, k: usize, turn: DVec2, point: DVec2, random: &mut Stream) -> Option<Vec3> {
+        match &self.trees {
+            Trees::Rejecting(forest) if forest.integral(k) > 0.0 => {
+                self.accepted(forest, k, turn, point, random)
+            }
+            Trees::Warped(warps) if !warps.is_void(k) => Some(warp::direction(warps.draw(k, point), turn)),
+            _ => Some(cosine_hemisphere(point).as_vec3()),
         }
-        let mut leaf = self.forest.draw(k, point.x);
+    }
+
+    /// A draw that was accepted under its leaf's bound.
+    fn accepted(
+        &self,
+        forest: &Forest,
+        k: usize,
+        turn: DVec2,
+        mut point: DVec2,
+        random: &mut Stream,
+    ) -> Option<Vec3> {
+        let mut leaf = forest.draw(k, point.x);
         point.x = leaf.rest;
         for _ in 0..MAX_TRIALS {
             if let Some(wi) = leaf.direction(point, turn)
@@ -286,7 +347,7 @@ impl AdaptiveDisc {
             }
             point = DVec2::new(random.next_f64(), random.next_f64());
             if self.settings.leaves == LeafChoice::Envelope {
-                leaf = self.forest.draw(k, point.x);
+                leaf = forest.draw(k, point.x);
                 point.x = leaf.rest;
             }
         }
@@ -331,11 +392,16 @@ impl DirectionSampler for AdaptiveDisc {
     }
 
     fn bytes(&self) -> usize {
-        self.forest.bytes()
+        self.trees.bytes() + size_of_val(self.directions.as_slice())
     }
 
     /// One descent that shares the draws over the leaves (thesis 6.3.2, algorithms 17 and 18).
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
-        many::sample_many(self, wo, count, seed)
+        match &self.trees {
+            Trees::Rejecting(forest) => many::sample_many(self, forest, wo, count, seed),
+            Trees::Warped(_) => {
+                (0..count as u64).map(|i| self.sample(wo, PointSet::Sobol.point(seed, i, 0))).collect()
+            }
+        }
     }
 }

@@ -89,7 +89,7 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
                 "choose another sampler",
             ));
         }
-        Sampler::AdaptiveDisc(s) => parts::write_forest(s.forest(), &mut out),
+        Sampler::AdaptiveDisc(s) => parts::write_trees(s.trees(), &mut out),
         Sampler::CascadeCdf(s) => parts::write_tables(s.tables(), &mut out),
     }
     let record = Record {
