@@ -11,16 +11,23 @@ use merlkit::geom::spherical;
 use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{SamplerFile, save};
-use merlkit::sampler::{AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, Sampler, SamplerSpec};
+use merlkit::sampler::{
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, LeafChoice, Sampler, SamplerSpec,
+};
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use sha2::{Digest, Sha256};
 
-fn specs() -> [SamplerSpec; 3] {
+fn specs() -> [SamplerSpec; 4] {
     [
         SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { tables: 7, ..Default::default() }),
         SamplerSpec::CascadeCdf(CascadeCdfSettings { tables: 5, ..Default::default() }),
         SamplerSpec::CascadeCdf(CascadeCdfSettings { tables: 3, ..CascadeCdfSettings::uniform() }),
+        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            tables: 4,
+            leaves: LeafChoice::Warp,
+            ..Default::default()
+        }),
     ]
 }
 
@@ -252,6 +259,23 @@ fn forged_trees_are_refused() {
     ];
     forgeries.extend(COMMON);
     assert_each_is_refused(specs()[0], &forgeries);
+}
+
+#[test]
+fn forged_warps_are_refused() {
+    let mut forgeries: Vec<Forgery> = vec![
+        ("a child before its parent", |f| f.set_u32("node.first", 3, 3), "node 3 of tree 0"),
+        ("a child in another tree", |f| f.set_u32("node.first", 0, u32::MAX), "node 0 of tree 0"),
+        ("five children", |f| f.set_u16("node.inner", 1, 31), "node 1 of tree 0"),
+        ("starts that fall", |f| f.set_u32("tree.start", 2, 0), "starts that partition"),
+        ("starts past the end", |f| f.set_u32("tree.start", 4, u32::MAX), "starts that partition"),
+        ("a missing tree", |f| f.cut("tree.start", 4), "4 trees"),
+        ("more trees than can be counted", |f| f.settings("tables", u64::MAX.into()), "trees"),
+        ("a missing split", |f| f.cut("node.split", 2), "three splits"),
+        ("another kind of tree", |f| f.settings("leaves", "envelope".into()), "a tensor \"leaf.upper\""),
+    ];
+    forgeries.extend(COMMON);
+    assert_each_is_refused(specs()[3], &forgeries);
 }
 
 #[test]

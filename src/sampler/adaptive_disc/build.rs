@@ -21,7 +21,7 @@ fn points_a_side(leaves: LeafChoice) -> usize {
 }
 
 /// How far lattices of ∫ f, which every density is divided by, may differ; the error is some tenth of it.
-const NORMALISER_STEP: f64 = 1e-3;
+const NORMALISER_STEP: f64 = 5e-4;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
 const SPARE: usize = 20;
 /// Nodes above this depth are split unseen.

@@ -282,15 +282,11 @@ impl AdaptiveDisc {
         }
         let knot = self.knot_direction(k, view.turn);
         let came_from = |wi: DVec3| {
-            // dσ(wi) = 4 (wo·h) dσ(h) on either side, and h is along wo + wi.
+            // dσ(wi) = 4 |wo·h| dσ(h) on either side, and h is along wo + wi, or, beyond the horizon, against it.
             let sum = view.wo + wi;
             let ratio = 2.0 * knot.dot(sum) / sum.length_squared();
             let there = ratio * sum - knot;
-            if ratio > 0.0 && there.z > 0.0 {
-                ratio * self.knot_density(k, view.turn, there.as_vec3())
-            } else {
-                0.0
-            }
+            if there.z > 0.0 { ratio.abs() * self.knot_density(k, view.turn, there.as_vec3()) } else { 0.0 }
         };
         let wi = wi.as_dvec3();
         came_from(wi) + came_from(DVec3::new(wi.x, wi.y, -wi.z))
