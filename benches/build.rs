@@ -9,7 +9,7 @@ use merlkit::brdf::{LookupRule, Measured};
 use merlkit::geom::spherical;
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
-use merlkit::sampler::{AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, SamplerSpec};
+use merlkit::sampler::{AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, LeafChoice, SamplerSpec};
 
 fn benches(c: &mut Criterion) {
     let brdf = Arc::new(Measured::new(Arc::new(decode_embedded("nickel").unwrap()), LookupRule::Floor));
@@ -18,6 +18,13 @@ fn benches(c: &mut Criterion) {
     group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(2));
     for (name, spec) in [
         ("adaptive disc", SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default())),
+        (
+            "adaptive disc, rejection-free",
+            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+                leaves: LeafChoice::Warp,
+                ..Default::default()
+            }),
+        ),
         ("adaptive disc as published", SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::as_published())),
         ("cascade CDF 1024x512 compressed", SamplerSpec::CascadeCdf(CascadeCdfSettings::default())),
         ("cascade CDF 256x32 whole", SamplerSpec::CascadeCdf(CascadeCdfSettings::uniform())),

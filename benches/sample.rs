@@ -13,23 +13,28 @@ use merlkit::measure::accuracy::weight_spread;
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, Sampler, SamplerSpec, TableChoice,
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, LeafChoice, Sampler, SamplerSpec, TableChoice,
 };
 
 const DRAWS: u64 = 2048;
 const ANGLES: [f64; 4] = [0.76, 29.75, 60.25, 84.7];
 
-fn specs() -> [(&'static str, SamplerSpec); 6] {
+fn specs() -> [(&'static str, SamplerSpec); 7] {
     let disc = |choice| SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { choice, ..Default::default() });
     let cascade = |choice| SamplerSpec::CascadeCdf(CascadeCdfSettings { choice, ..Default::default() });
     [
         ("cosine", SamplerSpec::Cosine),
         ("disc mixture", disc(TableChoice::Mixture)),
         ("disc nearest", disc(TableChoice::Nearest)),
+        ("disc rejection-free", rejection_free()),
         ("cdf mixture", cascade(TableChoice::Mixture)),
         ("cdf nearest", cascade(TableChoice::Nearest)),
         ("cdf whole", SamplerSpec::CascadeCdf(CascadeCdfSettings::uniform())),
     ]
+}
+
+fn rejection_free() -> SamplerSpec {
+    SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { leaves: LeafChoice::Warp, ..Default::default() })
 }
 
 /// The draws estimate the albedo, within six standard errors by quadrature.

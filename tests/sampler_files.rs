@@ -12,17 +12,23 @@ use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, Sampler, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice, Sampler,
+    SamplerSpec,
 };
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use sha2::{Digest, Sha256};
 
-fn specs() -> [SamplerSpec; 5] {
+fn specs() -> [SamplerSpec; 6] {
     [
         SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { tables: 7, ..Default::default() }),
         SamplerSpec::CascadeCdf(CascadeCdfSettings { tables: 5, ..Default::default() }),
         SamplerSpec::CascadeCdf(CascadeCdfSettings { tables: 3, ..CascadeCdfSettings::uniform() }),
+        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            tables: 4,
+            leaves: LeafChoice::Warp,
+            ..Default::default()
+        }),
         SamplerSpec::HalfVector(HalfVectorSettings::default()),
         SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1),
     ]
@@ -196,7 +202,7 @@ fn assert_each_is_refused(spec: SamplerSpec, forgeries: &[Forgery]) {
 
 /// Faults that a file of any sampler can have.
 const COMMON: [Forgery; 5] = [
-    ("another version", |f| f.record["version"] = 2.into(), "layout version 1, found version 2"),
+    ("another version", |f| f.record["version"] = 1.into(), "layout version 2, found version 1"),
     (
         "no version",
         |f| drop(f.record.as_object_mut().unwrap().remove("version")),
@@ -259,18 +265,42 @@ fn forged_trees_are_refused() {
 }
 
 #[test]
+fn forged_warps_are_refused() {
+    let mut forgeries: Vec<Forgery> = vec![
+        ("a child before its parent", |f| f.set_u32("node.first", 3, 3), "node 3 of tree 0"),
+        ("a child in another tree", |f| f.set_u32("node.first", 0, u32::MAX), "node 0 of tree 0"),
+        ("five children", |f| f.set_u16("node.inner", 1, 31), "node 1 of tree 0"),
+        ("starts that fall", |f| f.set_u32("tree.start", 2, 0), "starts that partition"),
+        ("starts past the end", |f| f.set_u32("tree.start", 4, u32::MAX), "starts that partition"),
+        ("a missing tree", |f| f.cut("tree.start", 4), "4 trees"),
+        ("more trees than can be counted", |f| f.settings("tables", u64::MAX.into()), "trees"),
+        ("a missing split", |f| f.cut("node.split", 2), "three splits"),
+        ("another kind of tree", |f| f.settings("leaves", "envelope".into()), "a tensor \"leaf.upper\""),
+    ];
+    forgeries.extend(COMMON);
+    assert_each_is_refused(specs()[3], &forgeries);
+}
+
+#[test]
 fn forged_curves_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
-        ("a CDF that falls", |f| f.set_f32("marginal.cdf", 2, 0.0), "marginal curves"),
-        ("a conditional that falls", |f| f.set_f32("conditional.cdf", 1, 1.5), "conditional curves"),
-        ("a CDF that starts at −0", |f| f.set_f32("marginal.cdf", 0, -0.0), "curve 0"),
-        ("NaN in a CDF", |f| f.set_f32("marginal.cdf", 3, f32::NAN), "curve 0"),
-        ("a CDF that starts above 0", |f| f.set_f32("marginal.cdf", 0, 0.001), "curve 0"),
+        ("a CDF that falls", |f| f.set_u16("marginal.cdf", 2, 0), "marginal curves"),
+        (
+            "a conditional that falls",
+            |f| {
+                let mut knots = |c| f.u32("conditional.start", c + 1) - f.u32("conditional.start", c);
+                let curve = (0..).find(|&c| knots(c) > 3).unwrap();
+                let start = f.u32("conditional.start", curve) as usize;
+                f.set_u16("conditional.cdf", start + 1, u16::MAX);
+            },
+            "conditional curves",
+        ),
+        ("a CDF that starts above 0", |f| f.set_u16("marginal.cdf", 0, 1), "curve 0"),
         (
             "a CDF that ends below 1",
             |f| {
                 let last = f.u32("marginal.start", 1) as usize - 1;
-                f.set_f32("marginal.cdf", last, 0.9999);
+                f.set_u16("marginal.cdf", last, u16::MAX - 1);
             },
             "curve 0",
         ),
@@ -302,7 +332,7 @@ fn forged_curves_are_refused() {
                 let last = f.u32("conditional.start", knots - 1) - f.u32("conditional.start", knots - 2);
                 f.cut("conditional.start", 4);
                 f.cut("conditional.position", 2 * last as usize);
-                f.cut("conditional.cdf", 4 * last as usize);
+                f.cut("conditional.cdf", 2 * last as usize);
             },
             "a conditional for each",
         ),
@@ -311,7 +341,7 @@ fn forged_curves_are_refused() {
             |f| {
                 // The second piece of the first marginal has mass; its conditional is made void.
                 for knot in f.u32("conditional.start", 1)..f.u32("conditional.start", 2) {
-                    f.set_f32("conditional.cdf", knot as usize, 0.0);
+                    f.set_u16("conditional.cdf", knot as usize, 0);
                 }
             },
             "piece 1 of marginal 0",
@@ -388,5 +418,5 @@ fn forged_half_vector_tables_are_refused() {
         ("another type", |f| f.tensors.get_mut("row.slope").unwrap().0 = Dtype::U8, "I8, found U8"),
     ];
     forgeries.extend(COMMON.into_iter().filter(|f| f.0 != "a floor above 1"));
-    assert_each_is_refused(specs()[4], &forgeries);
+    assert_each_is_refused(SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1), &forgeries);
 }

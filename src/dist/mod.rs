@@ -6,6 +6,6 @@ mod curves;
 mod piecewise;
 mod polyline;
 
-pub use curves::{Curves, Segment};
+pub use curves::{Curves, Segment, WHOLE};
 pub use piecewise::Piecewise2d;
 pub use polyline::simplify;

@@ -47,9 +47,10 @@ impl HalfVectors {
         if theta_h <= self.theta_full() {
             return PI;
         }
-        let far = (2.0 * theta_h + self.theta_o).cos();
-        let near = (2.0 * theta_h - self.theta_o).cos();
-        if far >= 0.0 { PI } else { 2.0 * near.max(0.0).sqrt().atan2((-far).sqrt()) }
+        let cos = |angle: f64| approx::sin_cos_turns(angle.abs() * (1.0 / TAU)).1;
+        let far = cos(2.0 * theta_h + self.theta_o);
+        let near = cos(2.0 * theta_h - self.theta_o);
+        if far >= 0.0 { PI } else { 2.0 * approx::atan2(near.max(0.0).sqrt(), (-far).sqrt()) }
     }
 
     /// The reflected direction at (θh, b) and dσ(wi) per dθh db = 4 (wo·h) sin θh φmax (Torrance–Sparrow's Jacobian).

@@ -13,7 +13,7 @@ mod half_diff;
 mod half_vectors;
 mod quadrature;
 
-pub use disc::{concentric_disc, cosine_hemisphere};
+pub use disc::{concentric_disc, concentric_square, cosine_hemisphere};
 pub use frame::Frame;
 pub use half_diff::{HalfDiff, half_vector, reflect_about};
 pub use half_vectors::{HalfVectors, Lattice};

@@ -50,19 +50,51 @@ impl Quadrature {
         self.pieces.len() * self.lattice.size()
     }
 
+    /// ∫ `value(wi)` dσ(wi), with more points in the bins of θh that need them: in each bin where two lattices in a row
+    /// disagree, finer ones are taken, until the differences of all bins add up to at most `tolerance` of the integral.
+    ///
+    /// The points per bin run from 21 to 10,946, whatever this quadrature's own number. For values ≥ 0 from a measured table
+    /// the error is a tenth of `tolerance`; where values are noise, two lattices can agree by chance.
+    pub fn integrate_refined(&self, tolerance: f64, mut value: impl FnMut(Vec3) -> f64) -> f64 {
+        let Some(domain) = &self.domain else {
+            return 0.0;
+        };
+        let mut over = |piece: &Piece, level: usize| {
+            let mut sum = 0.0;
+            let lattice = Lattice::at_least(LEVELS[level]);
+            piece.for_each(domain, lattice, |wi, d_sigma| sum += value(wi) * d_sigma);
+            sum
+        };
+        let first = self.pieces.iter().map(|piece| (0, over(piece, 0), f64::INFINITY));
+        let mut states: Vec<(usize, f64, f64)> = first.collect();
+        loop {
+            let total: f64 = states.iter().map(|s| s.1).sum();
+            let error: f64 = states.iter().map(|s| s.2).sum();
+            let allowed = tolerance * total.abs() / states.len().max(1) as f64;
+            let mut settled = error <= tolerance * total.abs();
+            if !settled {
+                settled = true;
+                for (piece, state) in self.pieces.iter().zip(&mut states) {
+                    if state.2 > allowed && state.0 + 1 < LEVELS.len() {
+                        let finer = over(piece, state.0 + 1);
+                        *state = (state.0 + 1, finer, (finer - state.1).abs());
+                        settled = false;
+                    }
+                }
+            }
+            if settled {
+                return total;
+            }
+        }
+    }
+
     /// Calls `visit(wi, d_sigma)` at every node: a unit direction above the horizon and its share of solid angle, in sr.
     pub fn for_each(&self, mut visit: impl FnMut(Vec3, f64)) {
         let Some(domain) = &self.domain else {
             return;
         };
-        // The azimuth coordinate runs over [−1, 1]: twice the unit square.
-        let weight = 2.0 / self.lattice.size() as f64;
         for piece in &self.pieces {
-            for (s, t) in self.lattice.points() {
-                let (theta_h, slope) = piece.theta_h(s);
-                let (wi, jacobian) = domain.direction(theta_h, 2.0 * t - 1.0);
-                visit(wi, jacobian * slope * weight);
-            }
+            piece.for_each(domain, self.lattice, &mut visit);
         }
     }
 
@@ -92,7 +124,22 @@ enum Spacing {
     Ends,
 }
 
+/// Points per bin of the refined integral.
+const LEVELS: [usize; 7] = [21, 55, 144, 377, 987, 2584, 10_946];
+
 impl Piece {
+    /// Calls `visit(wi, d_sigma)` at every point of the lattice.
+    #[inline]
+    fn for_each(&self, domain: &HalfVectors, lattice: Lattice, mut visit: impl FnMut(Vec3, f64)) {
+        // The azimuth coordinate runs over [−1, 1]: twice the unit square.
+        let weight = 2.0 / lattice.size() as f64;
+        for (s, t) in lattice.points() {
+            let (theta_h, slope) = self.theta_h(s);
+            let (wi, jacobian) = domain.direction(theta_h, 2.0 * t - 1.0);
+            visit(wi, jacobian * slope * weight);
+        }
+    }
+
     /// θh at `t` in (0, 1), and dθh/dt.
     fn theta_h(&self, t: f64) -> (f64, f64) {
         match self.spacing {

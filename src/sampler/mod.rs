@@ -8,7 +8,7 @@ mod knots;
 mod spec;
 pub mod store;
 
-pub use adaptive_disc::{AdaptiveDisc, AdaptiveDiscSettings, Construction, LeafChoice};
+pub use adaptive_disc::{AdaptiveDisc, AdaptiveDiscSettings, Carry, Construction, LeafChoice};
 pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ThetaSpacing};
 pub use cosine::Cosine;
 pub use half_vector_table::{HalfVectorSettings, HalfVectorTable};

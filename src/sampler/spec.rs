@@ -6,7 +6,8 @@ use glam::{Vec2, Vec3};
 
 use super::{
     AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Construction, Cosine,
-    DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable, TableChoice, ThetaSpacing,
+    DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable, LeafChoice, TableChoice,
+    ThetaSpacing,
 };
 use crate::Result;
 use crate::brdf::{Importance, Measured};
@@ -97,7 +98,9 @@ fn half_vector_notes(s: &HalfVectorSettings) -> Vec<String> {
 fn disc_notes(s: &AdaptiveDiscSettings) -> Vec<String> {
     let d = AdaptiveDiscSettings::default();
     let mut notes = common_notes(s.choice, s.floor, s.importance);
-    notes.extend((s.leaves != d.leaves).then(|| "leaves by integral".to_owned()));
+    let leaves = if s.leaves == LeafChoice::Warp { "rejection-free" } else { "leaves by integral" };
+    notes.extend((s.leaves != d.leaves).then(|| leaves.to_owned()));
+    notes.extend((s.carry != d.carry).then(|| "directions kept".to_owned()));
     notes.extend((s.n_max != d.n_max).then(|| format!("n_max {}", s.n_max)));
     notes.extend((s.depth != d.depth).then(|| format!("depth {}", s.depth)));
     notes.extend((s.waste != d.waste).then(|| format!("waste {}", s.waste)));

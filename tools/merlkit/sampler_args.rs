@@ -3,7 +3,7 @@
 use merlkit::Error;
 use merlkit::brdf::Importance;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, Construction, LeafChoice, SamplerSpec, TableChoice,
+    AdaptiveDiscSettings, Carry, CascadeCdfSettings, Construction, LeafChoice, SamplerSpec, TableChoice,
     ThetaSpacing,
 };
 
@@ -16,7 +16,7 @@ pub struct SamplerArgs {
     /// Use the settings of the 2008 thesis instead of ours as defaults
     #[arg(long)]
     as_published: bool,
-    /// Tables over the polar angle of wo, 1 to 4096 [default: adaptive-disc 60, cascade-cdf 16; as published 60, 32]
+    /// Tables over the polar angle of wo, 1 to 4096 [default: adaptive-disc 20, cascade-cdf 16; as published 60, 32]
     #[arg(long, value_name = "N")]
     tables: Option<usize>,
     /// What serves a wo between two tables [default: mixture; as published nearest]
@@ -34,7 +34,8 @@ pub struct SamplerArgs {
     /// adaptive-disc: subdivisions down to the smallest leaf, 1 to 14 [default: 14; as published 10]
     #[arg(long, value_name = "LEVELS")]
     depth: Option<u32>,
-    /// adaptive-disc: don't split a leaf that wastes less than this share of the tree [default: 0.0001; as published 0]
+    /// adaptive-disc: don't split a leaf that wastes less than this share of the tree; with --rejection-free, that adds less
+    /// than a hundredth of it to the weights' variance [default: 0.001; as published 0]
     #[arg(long, value_name = "SHARE")]
     waste: Option<f64>,
     /// adaptive-disc: build from an image of PIXELS a side, 8 to 4096, whose maxima are no bounds [default: refine where
@@ -44,6 +45,13 @@ pub struct SamplerArgs {
     /// adaptive-disc: draw leaves by bound × area, which is exact, or by integral [default: envelope; as published integral]
     #[arg(long, value_name = "BY", value_parser = args::named(&[("envelope", LeafChoice::Envelope), ("integral", LeafChoice::Integral)]))]
     leaves: Option<LeafChoice>,
+    /// adaptive-disc: a warp down the quadtree, whose every draw counts and which keeps points well spread, with a density
+    /// that is constant in each leaf [default: draws are accepted under bounds, in proportion to the BRDF]
+    #[arg(long, conflicts_with_all = ["leaves", "grid"])]
+    rejection_free: bool,
+    /// adaptive-disc: what keeps its place when a tree serves a wo beside its own [default: half-vector; as published direction]
+    #[arg(long, value_name = "WHAT", value_parser = args::named(&[("half-vector", Carry::HalfVector), ("direction", Carry::Direction)]))]
+    carry: Option<Carry>,
     /// cascade-cdf: cells over θh and φh before compression [default: 1024x512; 256x32 with --uncompressed]
     #[arg(long, value_name = "THETAxPHI", value_parser = args::size)]
     resolution: Option<(usize, usize)>,
@@ -130,9 +138,14 @@ impl SamplerArgs {
             n_max: self.n_max.unwrap_or(d.n_max),
             depth: self.depth.unwrap_or(d.depth),
             waste: self.waste.unwrap_or(d.waste),
-            construction: self.grid.map_or(d.construction, Construction::Grid),
-            leaves: self.leaves.unwrap_or(d.leaves),
+            construction: match self.grid {
+                Some(side) => Construction::Grid(side),
+                None if self.rejection_free => Construction::Refined,
+                None => d.construction,
+            },
+            leaves: if self.rejection_free { LeafChoice::Warp } else { self.leaves.unwrap_or(d.leaves) },
             choice: self.choice.unwrap_or(d.choice),
+            carry: self.carry.unwrap_or(d.carry),
             floor: self.floor.unwrap_or(d.floor),
             importance: self.importance.unwrap_or(d.importance),
         }
@@ -165,6 +178,8 @@ impl SamplerArgs {
             (self.waste.is_some(), "--waste"),
             (self.grid.is_some(), "--grid"),
             (self.leaves.is_some(), "--leaves"),
+            (self.rejection_free, "--rejection-free"),
+            (self.carry.is_some(), "--carry"),
         ])
     }
 

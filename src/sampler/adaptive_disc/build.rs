@@ -6,41 +6,59 @@ use rayon::prelude::*;
 use super::bounds::MaxTable;
 use super::square::{Rect, Square};
 use super::tree::{Forest, Grown, MOST_LEAVES};
-use super::{AdaptiveDiscSettings, Construction, LeafChoice, ThetaKnots};
-use crate::brdf::{Brdf, Measured};
+use super::warp::{self, WarpGrower, Warps};
+use super::{AdaptiveDiscSettings, Construction, LeafChoice, ThetaKnots, Trees};
+use crate::brdf::{Brdf, LookupRule, Measured};
 use crate::geom::{Quadrature, spherical};
 
 /// Points along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
 /// decides on splits, and a rough one will do.
 fn points_a_side(leaves: LeafChoice) -> usize {
     match leaves {
-        LeafChoice::Envelope => 4,
+        LeafChoice::Envelope | LeafChoice::Warp => 4,
         LeafChoice::Integral => 8,
     }
 }
 
-/// Points a bin of θh for ∫ f, which every density is divided by: more are taken until two integrals in a row agree to
-/// [`NORMALISER_STEP`]; the second is then within a few 10⁻⁴ on the embedded
-/// materials; on white noise two can agree by chance.
-const NORMALISER_POINTS: [usize; 5] = [55, 144, 377, 987, 2584];
-const NORMALISER_POINTS_GRAZING: [usize; 5] = [233, 610, 1597, 4181, 10_946];
-const NORMALISER_STEP: f64 = 2e-3;
-/// Where grazing begins: tables jump more between fewer bins.
-const GRAZING: f64 = 75.0 / 180.0 * std::f64::consts::PI;
+/// How far lattices of ∫ f, which every density is divided by, may differ; the error is some tenth of it.
+const NORMALISER_STEP: f64 = 5e-4;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
 const SPARE: usize = 20;
 /// Nodes above this depth are split unseen.
 const COARSEST: u32 = 3;
 
 /// Builds the trees of all knots, in parallel over knots.
-pub(super) fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
+pub(super) fn trees(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Trees {
+    match settings.leaves {
+        LeafChoice::Warp => Trees::Warped(warps(brdf, settings, knots)),
+        LeafChoice::Envelope | LeafChoice::Integral => Trees::Rejecting(forest(brdf, settings, knots)),
+    }
+}
+
+fn warps(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Warps {
+    let bounds = MaxTable::new(brdf, settings.importance);
+    let trees: Vec<warp::Tree> = (0..knots.count())
+        .into_par_iter()
+        .map(|k| {
+            let slice = Slice::new(brdf, settings, Some(&bounds), knots.theta(k));
+            // It only decides on divisions: a rough one will do.
+            let integral = slice.integral(10.0 * NORMALISER_STEP);
+            WarpGrower { settings, slice: &slice, bounds: &bounds, integral }.grow()
+        })
+        .collect();
+    let mut warps = Warps::default();
+    trees.iter().for_each(|tree| warps.push(tree));
+    warps
+}
+
+fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
     let bounds = matches!(settings.construction, Construction::Refined)
         .then(|| MaxTable::new(brdf, settings.importance));
     let trees: Vec<(Vec<Grown>, f64)> = (0..knots.count())
         .into_par_iter()
         .map(|k| {
-            let slice = Slice::new(brdf, settings, knots.theta(k));
-            let integral = slice.integral(knots.theta(k));
+            let slice = Slice::new(brdf, settings, bounds.as_ref(), knots.theta(k));
+            let integral = slice.integral(NORMALISER_STEP);
             let leaves = match (&settings.construction, &bounds) {
                 _ if integral <= 0.0 => Vec::new(),
                 (Construction::Grid(side), _) => Grower::new(settings, Image::new(&slice, *side)).grow(),
@@ -50,46 +68,48 @@ pub(super) fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: Th
             let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
             match settings.leaves {
                 _ if leaves.is_empty() => (leaves, 0.0),
-                LeafChoice::Envelope => (leaves, integral),
                 LeafChoice::Integral => (leaves, drawn),
+                LeafChoice::Envelope | LeafChoice::Warp => (leaves, integral),
             }
         })
         .collect();
-    Forest::join(&trees, knots)
+    Forest::join(&trees)
 }
 
 /// f(wo, ·) for one fixed `wo` in the plane of φ = 0, as a scalar.
-struct Slice<'a> {
+pub(super) struct Slice<'a> {
     brdf: &'a Measured,
     settings: &'a AdaptiveDiscSettings,
-    wo: Vec3,
+    /// Where values may be taken from instead of `brdf`.
+    plane: Option<&'a MaxTable>,
+    pub wo: Vec3,
 }
 
 impl<'a> Slice<'a> {
-    fn new(brdf: &'a Measured, settings: &'a AdaptiveDiscSettings, theta: f64) -> Self {
-        Self { brdf, settings, wo: spherical(theta, 0.0).as_vec3() }
+    fn new(
+        brdf: &'a Measured,
+        settings: &'a AdaptiveDiscSettings,
+        table: Option<&'a MaxTable>,
+        theta: f64,
+    ) -> Self {
+        let plane = table.filter(|_| brdf.rule() == LookupRule::Floor);
+        Self { brdf, settings, plane, wo: spherical(theta, 0.0).as_vec3() }
     }
 
+    #[inline]
     fn value(&self, wi: Vec3) -> f64 {
-        f64::from(self.settings.importance.of(self.brdf.eval(self.wo, wi)))
+        f64::from(match self.plane {
+            Some(plane) => plane.floor_value(self.wo, wi),
+            None => self.settings.importance.of(self.brdf.eval(self.wo, wi)),
+        })
     }
 
     /// ∫ f over the disc.
-    fn integral(&self, theta_o: f64) -> f64 {
-        let attempts = if theta_o < GRAZING { NORMALISER_POINTS } else { NORMALISER_POINTS_GRAZING };
-        let of = |points| Quadrature::new(self.wo, points).integrate(|wi| self.value(wi) * f64::from(wi.z));
-        let mut before = of(attempts[0]);
-        for &points in &attempts[1..] {
-            let integral = of(points);
-            if (integral - before).abs() <= NORMALISER_STEP * integral {
-                return integral;
-            }
-            before = integral;
-        }
-        before
+    fn integral(&self, tolerance: f64) -> f64 {
+        Quadrature::new(self.wo, 1).integrate_refined(tolerance, |wi| self.value(wi) * f64::from(wi.z))
     }
 
-    fn value_on_disc(&self, p: DVec2) -> f64 {
+    pub fn value_on_disc(&self, p: DVec2) -> f64 {
         let z2 = 1.0 - p.length_squared();
         if z2 > 0.0 { self.value(p.extend(z2.sqrt()).as_vec3()) } else { 0.0 }
     }
@@ -156,8 +176,8 @@ impl<'a, C: Contents> Grower<'a, C> {
             return self.split(square, depth);
         }
         let weight = match self.settings.leaves {
-            LeafChoice::Envelope => f64::from(bound) * content.area,
             LeafChoice::Integral => content.integral,
+            LeafChoice::Envelope | LeafChoice::Warp => f64::from(bound) * content.area,
         };
         if weight > 0.0 && bound > 0.0 {
             self.leaves.push(Grown { square, bound, weight });
@@ -272,7 +292,6 @@ impl Contents for Image {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::LookupRule;
     use crate::merl::decode_embedded;
     use crate::points::Stream;
     use crate::sampler::TableChoice;
@@ -297,7 +316,7 @@ mod tests {
             let forest = forest(&brdf, &settings, knots);
             let mut random = Stream::new(1);
             for k in 0..9 {
-                let slice = Slice::new(&brdf, &settings, knots.theta(k));
+                let slice = Slice::new(&brdf, &settings, None, knots.theta(k));
                 let mut worst = 0.0f64;
                 for leaf in forest.tree(k).iter().map(|leaf| Drawn::new(leaf, 0.0)) {
                     for _ in 0..100 {
@@ -324,7 +343,7 @@ mod tests {
         let settings = AdaptiveDiscSettings { tables: 3, ..AdaptiveDiscSettings::as_published() };
         let knots = ThetaKnots::new(3, TableChoice::Nearest).unwrap();
         let forest = forest(&brdf, &settings, knots);
-        let slice = Slice::new(&brdf, &settings, knots.theta(1));
+        let slice = Slice::new(&brdf, &settings, None, knots.theta(1));
         let (mut random, mut exceeded) = (Stream::new(1), 0);
         for leaf in forest.tree(1).iter().map(|leaf| Drawn::new(leaf, 0.0)) {
             for _ in 0..100 {

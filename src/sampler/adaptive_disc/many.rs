@@ -2,7 +2,7 @@
 
 use glam::{DVec2, Vec3};
 
-use super::tree::Drawn;
+use super::tree::{Drawn, Forest};
 use super::{AdaptiveDisc, LeafChoice, MAX_TRIALS, View};
 use crate::geom::{cosine_hemisphere, is_upper};
 use crate::points::{PointSet, Stream};
@@ -11,6 +11,7 @@ use crate::sampler::DirectionSample;
 /// Draws `count` directions whose numbers in every node are their expectation, rounded at random.
 pub(super) fn sample_many(
     disc: &AdaptiveDisc,
+    forest: &Forest,
     wo: Vec3,
     count: usize,
     seed: u64,
@@ -23,7 +24,7 @@ pub(super) fn sample_many(
     let floor = disc.settings.floor;
     let trees = [(1.0 - floor) * (1.0 - view.near.share), (1.0 - floor) * view.near.share];
     let [first, second, ignoring] = share_out(count, [trees[0], trees[1], floor], &mut random);
-    let mut batch = Batch { disc, view, random, out: Vec::with_capacity(count) };
+    let mut batch = Batch { disc, forest, view, random, out: Vec::with_capacity(count) };
     batch.cosine(ignoring, seed);
     batch.tree(batch.view.near.first, first, seed);
     batch.tree(batch.view.near.second, second, seed);
@@ -47,6 +48,7 @@ fn share_out<const N: usize>(count: usize, weights: [f64; N], random: &mut Strea
 
 struct Batch<'a> {
     disc: &'a AdaptiveDisc,
+    forest: &'a Forest,
     view: View,
     random: Stream,
     out: Vec<Option<DirectionSample>>,
@@ -56,19 +58,19 @@ impl Batch<'_> {
     fn cosine(&mut self, count: usize, seed: u64) {
         for i in 0..count as u64 {
             let wi = cosine_hemisphere(PointSet::Sobol.point(seed, i, 0).as_dvec2()).as_vec3();
-            self.out.push(self.disc.finish(&self.view, wi, None));
+            self.out.push(self.disc.finish(&self.view, wi));
         }
     }
 
     fn tree(&mut self, k: usize, count: usize, seed: u64) {
-        if self.disc.forest.integral(k) <= 0.0 {
+        if self.forest.integral(k) <= 0.0 {
             return self.cosine(count, seed.wrapping_add(1 + k as u64));
         }
         let goal = self.out.len() + count;
         match self.disc.settings.leaves {
             LeafChoice::Integral => self.shares(k, count, MAX_TRIALS),
             // As many proposals as were rejected are shared again, until all are accepted.
-            LeafChoice::Envelope => {
+            LeafChoice::Envelope | LeafChoice::Warp => {
                 for _ in 0..MAX_TRIALS {
                     if self.out.len() == goal {
                         break;
@@ -85,7 +87,7 @@ impl Batch<'_> {
     fn shares(&mut self, k: usize, count: usize, trials: u32) {
         let offset = self.random.next_f64();
         for i in 0..count {
-            let leaf = self.disc.forest.draw(k, (i as f64 + offset) / count as f64);
+            let leaf = self.forest.draw(k, (i as f64 + offset) / count as f64);
             let drawn = (0..trials).find_map(|_| self.trial(k, &leaf));
             self.out.extend(drawn.map(Some));
         }
@@ -94,12 +96,9 @@ impl Batch<'_> {
     fn trial(&mut self, k: usize, leaf: &Drawn) -> Option<DirectionSample> {
         let point = DVec2::new(self.random.next_f64(), self.random.next_f64());
         let wi = leaf.direction(point, self.view.turn)?;
-        let value = self.disc.value(k, self.view.turn, wi);
-        if self.random.next_f64() * f64::from(leaf.bound) < value {
-            self.disc.finish(&self.view, wi, Some((k, value)))
-        } else {
-            None
-        }
+        let accepted =
+            self.random.next_f64() * f64::from(leaf.bound) < self.disc.value(k, self.view.turn, wi);
+        accepted.then(|| self.disc.finish(&self.view, self.disc.carry(k, &self.view, wi))).flatten()
     }
 }
 

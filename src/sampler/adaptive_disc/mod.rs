@@ -9,20 +9,24 @@ mod build;
 mod many;
 mod square;
 mod tree;
+mod warp;
 
 pub(super) use square::DEEPEST;
 pub(super) use tree::{Forest, Leaf, MOST_LEAVES, WHOLE};
+pub(super) use warp::{Node, Warps};
+
+use bounds::MaxTable;
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
-use glam::{DVec2, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
 use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance, Measured};
 use crate::geom::{cosine_hemisphere, is_upper};
-use crate::points::Stream;
+use crate::points::{PointSet, Stream};
 use crate::{Error, Result};
 
 /// How the values behind a tree are gathered.
@@ -44,6 +48,20 @@ pub enum LeafChoice {
     Envelope,
     /// Its integral; a rejection stays in the leaf (thesis 6.2.2). An error in a leaf's integral is an error of its share.
     Integral,
+    /// Without rejection: a hierarchical warp to the leaf and to the place in it, so that two numbers are enough and
+    /// well-spread points stay well spread. The density is that of the warp, constant in each leaf.
+    Warp,
+}
+
+/// What keeps its place when a tree serves a `wo` beside its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Carry {
+    /// The half vector: a direction drawn for the tree's own angle is reflected anew, so that highlights follow `wo`. What
+    /// ends below the horizon is turned up, and the density is the sum over both ways there.
+    HalfVector,
+    /// The direction (thesis 6.3.1): highlights stay where the tree's own angle has them.
+    Direction,
 }
 
 /// Settings of [`AdaptiveDisc::build`].
@@ -51,11 +69,13 @@ pub enum LeafChoice {
 pub struct AdaptiveDiscSettings {
     /// Trees over the polar angle of `wo`, 1 to 4096.
     pub tables: usize,
-    /// Mean number of trials allowed in a leaf, > 1.
+    /// Mean number of trials allowed in a leaf, > 1; the largest value over the mean where nothing is rejected.
     pub n_max: f64,
     /// Subdivisions from the whole disc to the smallest leaf, 1 to 14.
     pub depth: u32,
-    /// A leaf is not split when the trials it wastes are less than this share of the whole tree's; 0 splits by `n_max` alone.
+    /// A leaf is not split when the trials it wastes are less than this share of the whole tree's, or, with
+    /// [`LeafChoice::Warp`], when it adds less than a hundredth of this share to the squared relative deviation of weights; 0
+    /// splits by `n_max` alone.
     pub waste: f64,
     /// Where values and bounds come from.
     pub construction: Construction,
@@ -63,6 +83,8 @@ pub struct AdaptiveDiscSettings {
     pub leaves: LeafChoice,
     /// What serves a `wo` between two trees.
     pub choice: TableChoice,
+    /// What keeps its place between trees.
+    pub carry: Carry,
     /// Share of draws that ignore the BRDF and follow the cosine, so that no direction is left out; 0 to 1.
     pub floor: f64,
     /// The scalar that draws are proportional to.
@@ -72,13 +94,14 @@ pub struct AdaptiveDiscSettings {
 impl Default for AdaptiveDiscSettings {
     fn default() -> Self {
         Self {
-            tables: 60,
+            tables: 20,
             n_max: 2.0,
             depth: 14,
-            waste: 1e-4,
+            waste: 1e-3,
             construction: Construction::Refined,
             leaves: LeafChoice::Envelope,
             choice: TableChoice::Mixture,
+            carry: Carry::HalfVector,
             floor: 1e-3,
             importance: Importance::Mean,
         }
@@ -89,11 +112,13 @@ impl AdaptiveDiscSettings {
     /// What the thesis used for its tables 6.23 and 6.24.
     pub fn as_published() -> Self {
         Self {
+            tables: 60,
             depth: 10,
             waste: 0.0,
             construction: Construction::Grid(800),
             leaves: LeafChoice::Integral,
             choice: TableChoice::Nearest,
+            carry: Carry::Direction,
             floor: 0.0,
             ..Self::default()
         }
@@ -116,6 +141,12 @@ impl AdaptiveDiscSettings {
                 "choose shares between 0 and 1",
             );
         }
+        if let (Construction::Grid(_), LeafChoice::Warp) = (self.construction, self.leaves) {
+            return refuse(
+                "trees without rejection from a grid of pixels".into(),
+                "leave out the grid, or choose other leaves",
+            );
+        }
         if let Construction::Grid(side) = self.construction
             && !(8..=4096).contains(&side)
         {
@@ -125,13 +156,33 @@ impl AdaptiveDiscSettings {
     }
 }
 
+/// The trees of all knots.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Trees {
+    /// Whose draws are accepted under bounds.
+    Rejecting(Forest),
+    /// Whose draws all count.
+    Warped(Warps),
+}
+
+impl Trees {
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Rejecting(forest) => forest.bytes(),
+            Self::Warped(warps) => warps.bytes(),
+        }
+    }
+}
+
 /// Quadtrees on the disc and the BRDF that draws are accepted under.
 #[derive(Clone, Debug)]
 pub struct AdaptiveDisc {
     brdf: Arc<Measured>,
     settings: AdaptiveDiscSettings,
     knots: ThetaKnots,
-    forest: Forest,
+    /// Sine and cosine of each knot's angle.
+    directions: Vec<[f32; 2]>,
+    trees: Trees,
 }
 
 /// Trials after which a draw is given up, half a millisecond, which `pdf` does not know of. The mean is near `n_max`; only
@@ -141,6 +192,7 @@ const MAX_TRIALS: u32 = 20_000;
 
 /// `wo` as the trees see it: turned into the plane of φ = 0, with its neighbours among the knots.
 struct View {
+    wo: DVec3,
     /// Cosine and sine of the azimuth of `wo`.
     turn: DVec2,
     near: Neighbours,
@@ -154,22 +206,28 @@ impl AdaptiveDisc {
     pub fn build(brdf: Arc<Measured>, settings: AdaptiveDiscSettings) -> Result<Self> {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
-        let forest = build::forest(&brdf, &settings, knots);
-        Ok(Self { brdf, settings, knots, forest })
+        let trees = build::trees(&brdf, &settings, knots);
+        Ok(Self::new(brdf, settings, knots, trees))
     }
 
-    /// Puts a sampler together from stored leaves, each tree's start and integral, validated beforehand.
+    /// Puts a sampler together from stored trees, validated beforehand.
     pub(super) fn from_parts(
         brdf: Arc<Measured>,
         settings: AdaptiveDiscSettings,
-        leaves: Vec<Leaf>,
-        starts: Vec<u32>,
-        integrals: Vec<f32>,
+        trees: Trees,
     ) -> Result<Self> {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
-        let forest = Forest::new(leaves, starts, integrals, knots);
-        Ok(Self { brdf, settings, knots, forest })
+        Ok(Self::new(brdf, settings, knots, trees))
+    }
+
+    fn new(brdf: Arc<Measured>, settings: AdaptiveDiscSettings, knots: ThetaKnots, trees: Trees) -> Self {
+        let direction = |k| {
+            let (sin, cos) = knots.theta(k).sin_cos();
+            [sin as f32, cos as f32]
+        };
+        let directions = (0..knots.count()).map(direction).collect();
+        Self { brdf, settings, knots, directions, trees }
     }
 
     /// The settings it was built with.
@@ -177,71 +235,127 @@ impl AdaptiveDisc {
         &self.settings
     }
 
-    pub(super) fn forest(&self) -> &Forest {
-        &self.forest
+    pub(super) fn trees(&self) -> &Trees {
+        &self.trees
     }
 
     fn view(&self, wo: Vec3) -> View {
         let xy = wo.truncate().as_dvec2();
-        View { turn: xy.try_normalize().unwrap_or(DVec2::X), near: self.knots.neighbours(wo) }
+        let turn = xy.try_normalize().unwrap_or(DVec2::X);
+        View { wo: wo.as_dvec3(), turn, near: self.knots.neighbours(wo) }
     }
 
     /// Direction of knot `k` at the azimuth of `wo`.
-    fn knot_direction(&self, k: usize, turn: DVec2) -> Vec3 {
-        let (sin, cos) = self.forest.knot(k);
-        (turn * sin).extend(cos).as_vec3()
+    fn knot_direction(&self, k: usize, turn: DVec2) -> DVec3 {
+        let [sin, cos] = self.directions[k].map(f64::from);
+        (turn * sin).extend(cos)
     }
 
     /// f at knot `k`, as the scalar that trees are built on.
     #[inline]
     fn value(&self, k: usize, turn: DVec2, wi: Vec3) -> f64 {
-        f64::from(self.settings.importance.of(self.brdf.eval(self.knot_direction(k, turn), wi)))
+        let f = self.brdf.eval(self.knot_direction(k, turn).as_vec3(), wi);
+        f64::from(self.settings.importance.of(f))
     }
 
-    /// Density per projected solid angle of the tree at knot `k`, given its value at `wi`. A tree without mass stands for
-    /// the uniform disc.
-    fn projected_density(&self, k: usize, value: f64) -> f64 {
-        match self.forest.integral(k) {
-            i if i > 0.0 => value / i,
+    /// Density per solid angle of the tree at knot `k`, for the knot's own direction. A tree without mass stands for the
+    /// uniform disc.
+    #[inline]
+    fn knot_density(&self, k: usize, turn: DVec2, wi: Vec3) -> f64 {
+        let projected = match &self.trees {
+            Trees::Rejecting(forest) if forest.integral(k) > 0.0 => {
+                self.value(k, turn, wi) / forest.integral(k)
+            }
+            Trees::Warped(warps) if !warps.is_void(k) => {
+                warps.density(k, DVec2::new(turn.x, -turn.y).rotate(wi.truncate().as_dvec2()))
+            }
             _ => FRAC_1_PI,
-        }
-    }
-
-    /// Density per solid angle of the mixture of the trees at `view`; `known` spares an evaluation already made.
-    fn density(&self, view: &View, wi: Vec3, known: Option<(usize, f64)>) -> f32 {
-        let of = |k: usize| match known {
-            Some((table, value)) if table == k => self.projected_density(k, value),
-            _ => self.projected_density(k, self.value(k, view.turn, wi)),
         };
-        let Neighbours { first, second, share } = view.near;
-        let first_density = if share < 1.0 { (1.0 - share) * of(first) } else { 0.0 };
-        let trees = first_density + if share > 0.0 { share * of(second) } else { 0.0 };
-        let floor = self.settings.floor;
-        let projected = (1.0 - floor) * trees + floor * FRAC_1_PI;
-        (projected * f64::from(wi.z)).min(f64::from(f32::MAX)) as f32
+        projected * f64::from(wi.z)
     }
 
-    /// A draw from the tree at knot `k`: a direction and its value there.
-    fn draw(&self, k: usize, turn: DVec2, mut point: DVec2, random: &mut Stream) -> Option<(Vec3, f64)> {
-        if self.forest.integral(k) <= 0.0 {
-            return Some((cosine_hemisphere(point).as_vec3(), 0.0));
+    /// Density per solid angle at `wi` of what the tree at knot `k` draws for the `wo` of `view`.
+    #[inline]
+    fn tree_density(&self, k: usize, view: &View, wi: Vec3) -> f64 {
+        if self.settings.carry == Carry::Direction {
+            return self.knot_density(k, view.turn, wi);
         }
-        let mut leaf = self.forest.draw(k, point.x);
+        let knot = self.knot_direction(k, view.turn);
+        let came_from = |wi: DVec3| {
+            // dσ(wi) = 4 |wo·h| dσ(h) on either side, and h is along wo + wi, or, beyond the horizon, against it.
+            let sum = view.wo + wi;
+            let ratio = 2.0 * knot.dot(sum) / sum.length_squared();
+            let there = ratio * sum - knot;
+            if there.z > 0.0 { ratio.abs() * self.knot_density(k, view.turn, there.as_vec3()) } else { 0.0 }
+        };
+        let wi = wi.as_dvec3();
+        came_from(wi) + came_from(DVec3::new(wi.x, wi.y, -wi.z))
+    }
+
+    /// A direction drawn for knot `k`, carried over to the `wo` of `view`.
+    #[inline]
+    fn carry(&self, k: usize, view: &View, drawn: Vec3) -> Vec3 {
+        if self.settings.carry == Carry::Direction {
+            return drawn;
+        }
+        let sum = self.knot_direction(k, view.turn) + drawn.as_dvec3();
+        let wi = 2.0 * view.wo.dot(sum) / sum.length_squared() * sum - view.wo;
+        DVec3::new(wi.x, wi.y, wi.z.abs()).as_vec3()
+    }
+
+    /// Density per solid angle of the mixture of the trees at `view` and the floor.
+    fn density(&self, view: &View, wi: Vec3) -> f32 {
+        let Neighbours { first, second, share } = view.near;
+        let first = if share < 1.0 { (1.0 - share) * self.tree_density(first, view, wi) } else { 0.0 };
+        let trees = first + if share > 0.0 { share * self.tree_density(second, view, wi) } else { 0.0 };
+        let floor = self.settings.floor;
+        let density = (1.0 - floor) * trees + floor * FRAC_1_PI * f64::from(wi.z);
+        density.min(f64::from(f32::MAX)) as f32
+    }
+
+    /// A draw from the tree at knot `k`, for the knot's own direction.
+    fn draw(&self, k: usize, turn: DVec2, point: DVec2, random: &mut Stream) -> Option<Vec3> {
+        match &self.trees {
+            Trees::Rejecting(forest) if forest.integral(k) > 0.0 => {
+                self.accepted(forest, k, turn, point, random)
+            }
+            Trees::Warped(warps) if !warps.is_void(k) => Some(warp::direction(warps.draw(k, point), turn)),
+            _ => Some(cosine_hemisphere(point).as_vec3()),
+        }
+    }
+
+    /// A draw that was accepted under its leaf's bound.
+    fn accepted(
+        &self,
+        forest: &Forest,
+        k: usize,
+        turn: DVec2,
+        mut point: DVec2,
+        random: &mut Stream,
+    ) -> Option<Vec3> {
+        let mut leaf = forest.draw(k, point.x);
         point.x = leaf.rest;
         for _ in 0..MAX_TRIALS {
-            if let Some(wi) = leaf.direction(point, turn) {
-                let value = self.value(k, turn, wi);
-                if random.next_f64() * f64::from(leaf.bound) < value {
-                    return Some((wi, value));
-                }
+            if let Some(wi) = leaf.direction(point, turn)
+                && random.next_f64() * f64::from(leaf.bound) < self.value(k, turn, wi)
+            {
+                return Some(wi);
             }
             point = DVec2::new(random.next_f64(), random.next_f64());
             if self.settings.leaves == LeafChoice::Envelope {
-                leaf = self.forest.draw(k, point.x);
+                leaf = forest.draw(k, point.x);
                 point.x = leaf.rest;
             }
         }
         None
+    }
+
+    fn finish(&self, view: &View, wi: Vec3) -> Option<DirectionSample> {
+        if !is_upper(wi) {
+            return None;
+        }
+        let pdf = self.density(view, wi);
+        (pdf > 0.0).then_some(DirectionSample { wi, pdf })
     }
 }
 
@@ -256,40 +370,34 @@ impl DirectionSampler for AdaptiveDisc {
         let u = u.as_dvec2() + fine * DVec2::new(random.next_f64(), random.next_f64());
         let (ignore_brdf, x) = split_unit(u.x, self.settings.floor);
         let view = self.view(wo);
-        let (wi, known) = if ignore_brdf {
-            (cosine_hemisphere(DVec2::new(x, u.y)).as_vec3(), None)
+        let wi = if ignore_brdf {
+            cosine_hemisphere(DVec2::new(x, u.y)).as_vec3()
         } else {
             let (first, y) = split_unit(u.y, 1.0 - view.near.share);
             let k = if first { view.near.first } else { view.near.second };
-            let (wi, value) = self.draw(k, view.turn, DVec2::new(x, y), &mut random)?;
-            (wi, Some((k, value)).filter(|_| self.forest.integral(k) > 0.0))
+            self.carry(k, &view, self.draw(k, view.turn, DVec2::new(x, y), &mut random)?)
         };
-        self.finish(&view, wi, known)
+        self.finish(&view, wi)
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         if !is_upper(wo) || !is_upper(wi) {
             return 0.0;
         }
-        self.density(&self.view(wo), wi, None)
+        self.density(&self.view(wo), wi)
     }
 
     fn bytes(&self) -> usize {
-        self.forest.bytes()
+        self.trees.bytes() + size_of_val(self.directions.as_slice())
     }
 
     /// One descent that shares the draws over the leaves (thesis 6.3.2, algorithms 17 and 18).
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
-        many::sample_many(self, wo, count, seed)
-    }
-}
-
-impl AdaptiveDisc {
-    fn finish(&self, view: &View, wi: Vec3, known: Option<(usize, f64)>) -> Option<DirectionSample> {
-        if !is_upper(wi) {
-            return None;
+        match &self.trees {
+            Trees::Rejecting(forest) => many::sample_many(self, forest, wo, count, seed),
+            Trees::Warped(_) => {
+                (0..count as u64).map(|i| self.sample(wo, PointSet::Sobol.point(seed, i, 0))).collect()
+            }
         }
-        let pdf = self.density(view, wi, known);
-        (pdf > 0.0).then_some(DirectionSample { wi, pdf })
     }
 }

@@ -7,7 +7,6 @@
 use glam::{DVec2, Vec3};
 
 use super::square::{Rect, Square};
-use crate::sampler::knots::ThetaKnots;
 
 /// A leaf of twelve bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,8 +35,6 @@ pub(in crate::sampler) struct Forest {
     pub integrals: Vec<f32>,
     /// For each tree as many entries as leaves: the leaf that holds probability j/n.
     guide: Vec<u16>,
-    /// Sine and cosine of each knot's angle.
-    directions: Vec<[f32; 2]>,
 }
 
 /// A leaf before its tree is complete.
@@ -59,20 +56,14 @@ pub(super) struct Drawn {
 }
 
 impl Forest {
-    /// Arrays for the angles of `knots`; the guide is made here.
-    pub fn new(leaves: Vec<Leaf>, starts: Vec<u32>, integrals: Vec<f32>, knots: ThetaKnots) -> Self {
-        let directions = (0..knots.count())
-            .map(|k| {
-                let (sin, cos) = knots.theta(k).sin_cos();
-                [sin as f32, cos as f32]
-            })
-            .collect();
+    /// Leaves, starts and integrals; the guide is made here.
+    pub fn new(leaves: Vec<Leaf>, starts: Vec<u32>, integrals: Vec<f32>) -> Self {
         let guide = starts.windows(2).flat_map(|w| guide(&leaves[w[0] as usize..w[1] as usize])).collect();
-        Self { leaves, starts, integrals, guide, directions }
+        Self { leaves, starts, integrals, guide }
     }
 
     /// Puts trees together, each given by its leaves in Z-order and its integral.
-    pub(super) fn join(trees: &[(Vec<Grown>, f64)], knots: ThetaKnots) -> Self {
+    pub(super) fn join(trees: &[(Vec<Grown>, f64)]) -> Self {
         let (mut leaves, mut starts) = (Vec::new(), vec![0]);
         for (grown, _) in trees {
             let total: f64 = grown.iter().map(|g| g.weight).sum();
@@ -85,7 +76,7 @@ impl Forest {
             }));
             starts.push(leaves.len() as u32);
         }
-        Self::new(leaves, starts, trees.iter().map(|t| t.1 as f32).collect(), knots)
+        Self::new(leaves, starts, trees.iter().map(|t| t.1 as f32).collect())
     }
 
     /// Bytes held by the arrays.
@@ -94,7 +85,6 @@ impl Forest {
             + size_of_val(self.starts.as_slice())
             + size_of_val(self.integrals.as_slice())
             + size_of_val(self.guide.as_slice())
-            + size_of_val(self.directions.as_slice())
     }
 
     /// Leaves of tree `k`, in Z-order.
@@ -107,13 +97,6 @@ impl Forest {
     #[inline]
     pub fn integral(&self, k: usize) -> f64 {
         f64::from(self.integrals[k])
-    }
-
-    /// Sine and cosine of knot `k`.
-    #[inline]
-    pub fn knot(&self, k: usize) -> (f64, f64) {
-        let [sin, cos] = self.directions[k];
-        (f64::from(sin), f64::from(cos))
     }
 
     /// The leaf of tree `k` at probability `u` in [0, 1). The tree must have leaves.

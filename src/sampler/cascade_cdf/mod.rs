@@ -182,9 +182,6 @@ impl CascadeCdf {
     #[inline]
     fn square_density(&self, k: usize, at: DVec2) -> f64 {
         let piece = self.tables.marginal.at(k, at.x);
-        if piece.c1 <= piece.c0 {
-            return 0.0;
-        }
         let within = self.tables.conditional.at(self.tables.first[k] as usize + piece.index, at.y);
         let cells = (self.settings.theta_h * self.settings.phi_h) as f64;
         // One division for both densities: it is what takes time here.

@@ -21,7 +21,7 @@ use crate::{Error, Result};
 use tensors::{Tensors, TensorsOut};
 
 /// Layout version written and read.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const KEY: &str = "merlkit";
 
 /// What a sampler file says of itself.
@@ -89,7 +89,7 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
                 "choose another sampler",
             ));
         }
-        Sampler::AdaptiveDisc(s) => parts::write_forest(s.forest(), &mut out),
+        Sampler::AdaptiveDisc(s) => parts::write_trees(s.trees(), &mut out),
         Sampler::CascadeCdf(s) => parts::write_tables(s.tables(), &mut out),
         Sampler::HalfVector(s) => parts::write_half_vector(s.stored(), &mut out),
     }

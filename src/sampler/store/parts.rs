@@ -5,15 +5,30 @@ use std::sync::Arc;
 use super::tensors::{Tensors, TensorsOut};
 use crate::Result;
 use crate::brdf::Measured;
-use crate::dist::Curves;
-use crate::sampler::adaptive_disc::{DEEPEST, Forest, Leaf, MOST_LEAVES, WHOLE};
+use crate::dist::{self, Curves};
+use crate::sampler::adaptive_disc::{DEEPEST, Forest, Leaf, MOST_LEAVES, Node, Trees, WHOLE, Warps};
 use crate::sampler::cascade_cdf::Tables;
 use crate::sampler::half_vector_table::{self as square, MERL_PARTS, NODE_SUM, ONE, SQUARE_PARTS, STEEPEST};
 use crate::sampler::{
     AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, HalfVectorSettings, HalfVectorTable,
+    LeafChoice,
 };
 
-pub(super) fn write_forest(forest: &Forest, out: &mut TensorsOut) {
+pub(super) fn write_trees(trees: &Trees, out: &mut TensorsOut) {
+    match trees {
+        Trees::Rejecting(forest) => write_forest(forest, out),
+        Trees::Warped(warps) => write_warps(warps, out),
+    }
+}
+
+fn write_warps(warps: &Warps, out: &mut TensorsOut) {
+    out.add("node.split", warps.nodes.iter().flat_map(|n| n.split));
+    out.add("node.inner", warps.nodes.iter().map(|n| n.inner));
+    out.add("node.first", warps.nodes.iter().map(|n| n.first));
+    out.add("tree.start", warps.starts.iter().copied());
+}
+
+fn write_forest(forest: &Forest, out: &mut TensorsOut) {
     out.add("leaf.upper", forest.leaves.iter().map(|l| l.upper));
     out.add("leaf.bound", forest.leaves.iter().map(|l| l.bound));
     out.add("leaf.code", forest.leaves.iter().map(|l| l.code));
@@ -26,6 +41,52 @@ pub(super) fn read_disc(
     brdf: Arc<Measured>,
     settings: AdaptiveDiscSettings,
 ) -> Result<AdaptiveDisc> {
+    let trees = match settings.leaves {
+        LeafChoice::Warp => Trees::Warped(read_warps(tensors, settings.tables)?),
+        LeafChoice::Envelope | LeafChoice::Integral => {
+            Trees::Rejecting(read_forest(tensors, settings.tables)?)
+        }
+    };
+    AdaptiveDisc::from_parts(brdf, settings, trees)
+}
+
+/// Reads trees whose nodes have their children behind them and in the same tree, no deeper than any that is built.
+fn read_warps(tensors: &Tensors, tables: usize) -> Result<Warps> {
+    let (split, inner) = (tensors.get::<u16>("node.split")?, tensors.get::<u16>("node.inner")?);
+    let first = tensors.get::<u32>("node.first")?;
+    let starts = tensors.get::<u32>("tree.start")?;
+    if inner.len() != first.len() || split.len() != 3 * first.len() {
+        let lengths = format!("{}, {} and {}", split.len(), inner.len(), first.len());
+        return Err(tensors.invalid("three splits, a mask and a first child for each node", lengths));
+    }
+    if starts.len() != tables.saturating_add(1) {
+        return Err(tensors.invalid(format!("{tables} trees"), format!("{} starts", starts.len())));
+    }
+    if starts[0] != 0 || !starts.is_sorted() || starts[tables] as usize != first.len() {
+        return Err(tensors.invalid(format!("starts that partition {} nodes", first.len()), "others"));
+    }
+    let nodes: Vec<Node> = split
+        .chunks_exact(3)
+        .zip(&inner)
+        .zip(&first)
+        .map(|((s, &inner), &first)| Node { split: [s[0], s[1], s[2]], inner, first })
+        .collect();
+    for (k, range) in starts.windows(2).enumerate() {
+        let sound = |i: u32| {
+            let node = &nodes[i as usize];
+            let children = u64::from(node.first)..u64::from(node.first) + u64::from(node.inner.count_ones());
+            let inside = children.is_empty() || (node.first > i && children.end <= u64::from(range[1]));
+            node.inner < 16 && inside
+        };
+        if let Some(i) = (range[0]..range[1]).find(|&i| !sound(i)) {
+            let found = format!("{:?}", nodes[i as usize]);
+            return Err(tensors.invalid(format!("a sound node {i} of tree {k}"), found));
+        }
+    }
+    Ok(Warps { nodes, starts })
+}
+
+fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
     let (upper, bound) = (tensors.get::<u32>("leaf.upper")?, tensors.get::<f32>("leaf.bound")?);
     let code = tensors.get::<u32>("leaf.code")?;
     let starts = tensors.get::<u32>("tree.start")?;
@@ -34,11 +95,11 @@ pub(super) fn read_disc(
         let lengths = format!("{}, {} and {}", upper.len(), bound.len(), code.len());
         return Err(tensors.invalid("leaf tensors of equal length", lengths));
     }
-    if integrals.len() != settings.tables || starts.len() != integrals.len() + 1 {
+    if integrals.len() != tables || starts.len() != integrals.len() + 1 {
         let found = format!("{} starts and {} integrals", starts.len(), integrals.len());
-        return Err(tensors.invalid(format!("{} trees", settings.tables), found));
+        return Err(tensors.invalid(format!("{} trees", tables), found));
     }
-    if starts[0] != 0 || !starts.is_sorted() || starts[settings.tables] as usize != upper.len() {
+    if starts[0] != 0 || !starts.is_sorted() || starts[tables] as usize != upper.len() {
         return Err(tensors.invalid(format!("starts that partition {} leaves", upper.len()), "others"));
     }
     let leaves: Vec<Leaf> = upper
@@ -50,7 +111,7 @@ pub(super) fn read_disc(
     for (k, (range, &integral)) in starts.windows(2).zip(&integrals).enumerate() {
         check_tree(tensors, k, &leaves[range[0] as usize..range[1] as usize], integral)?;
     }
-    AdaptiveDisc::from_parts(brdf, settings, leaves, starts, integrals)
+    Ok(Forest::new(leaves, starts, integrals))
 }
 
 /// Leaves that can be drawn and whose draws can be accepted.
@@ -128,11 +189,9 @@ fn piece_without_conditional(marginal: &Curves, conditional: &Curves) -> Option<
 
 /// Reads curves over the grid 0..=`cells`: knots rise from 0 to `cells`, probabilities from 0 to 1 or stay 0.
 fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
-    let curves = Curves {
-        starts: tensors.get(&format!("{name}.start"))?,
-        positions: tensors.get(&format!("{name}.position"))?,
-        cdf: tensors.get(&format!("{name}.cdf"))?,
-    };
+    let starts = tensors.get(&format!("{name}.start"))?;
+    let positions = tensors.get(&format!("{name}.position"))?;
+    let curves = Curves::from_parts(starts, positions, tensors.get(&format!("{name}.cdf"))?);
     let fail = |what: String| Err(tensors.invalid(format!("{name} curves over {cells} cells"), what));
     if curves.starts.first() != Some(&0)
         || curves.starts.last().map(|&s| s as usize) != Some(curves.cdf.len())
@@ -148,12 +207,10 @@ fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
         let range = curves.starts[k] as usize..curves.starts[k + 1] as usize;
         let cdf = &curves.cdf[range.clone()];
         let ends = match cdf {
-            [first, .., last] => *first == 0.0 && (*last == 1.0 || cdf.iter().all(|&c| c == 0.0)),
+            [0, .., last] => *last == dist::WHOLE || cdf.iter().all(|&c| c == 0),
             _ => false,
         };
-        // −0 would pass as 0, but curves are searched by their bits.
-        let sound = |c: &f32| c.is_finite() && c.is_sign_positive();
-        if !ends || !cdf.iter().all(sound) || !cdf.is_sorted() {
+        if !ends || !cdf.is_sorted() {
             return fail(format!("curve {k} that does not rise from 0 to 1"));
         }
         let fits = if every {

@@ -1,0 +1,306 @@
+//! Trees that are drawn from without rejection: a hierarchical warp of the unit square (Clarberg et al. 2005), and from the
+//! square to the disc by the concentric map.
+//!
+//! At every node the point's x chooses a half and is stretched to the unit interval again, then y within that half, down to
+//! a leaf, where what is left places the point. The map is continuous along each axis and takes two numbers in all, so
+//! well-spread points stay well spread. The square is mapped to the disc rather than laid over it: that way the rim is an
+//! edge of the quadtree, and no leaf loses draws outside the disc. The concentric map preserves area, so a leaf's density per
+//! projected solid angle is its probability over its area. It is what draws have, whatever the error of the masses it came
+//! from.
+
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
+
+use glam::{DVec2, Vec3};
+
+use super::build::Slice;
+use super::square::{DEEPEST, Rect};
+use super::{AdaptiveDiscSettings, MaxTable};
+use crate::geom::{concentric_disc, concentric_square};
+use crate::sampler::knots::split_unit;
+
+/// A square divided into four, twelve bytes. Child 0..4: bit 0 is the upper half in x, bit 1 in y.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::sampler) struct Node {
+    /// In units of 1/65535: the share of the lower half in x, and of the lower half in y within the lower and upper x.
+    pub split: [u16; 3],
+    /// Which children are nodes, one bit each; the others are leaves.
+    pub inner: u16,
+    /// The first child that is a node; the others follow it.
+    pub first: u32,
+}
+
+/// Draws keep this far from the edge of the square.
+const RIM: f64 = 1e-12;
+const SHARE: f64 = 1.0 / u16::MAX as f64;
+
+impl Node {
+    /// Lower share in x, or in y within half `x`.
+    #[inline]
+    fn share(&self, axis: usize) -> f64 {
+        f64::from(self.split[axis]) * SHARE
+    }
+
+    /// The node of child `i`, if it is one.
+    #[inline]
+    fn child(&self, i: usize) -> Option<usize> {
+        let before = self.inner & ((1 << i) - 1);
+        (self.inner >> i & 1 == 1).then(|| (self.first + before.count_ones()) as usize)
+    }
+}
+
+/// A tree for each angle of `wo`, in one array.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::sampler) struct Warps {
+    pub nodes: Vec<Node>,
+    /// The root of each tree, and the number of nodes at the end. A tree without nodes has no mass.
+    pub starts: Vec<u32>,
+}
+
+impl Warps {
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.starts.as_slice())
+    }
+
+    #[inline]
+    pub fn is_void(&self, k: usize) -> bool {
+        self.starts[k] == self.starts[k + 1]
+    }
+
+    /// Point of the disc at `u` in [0, 1)². The tree must not be void.
+    #[inline]
+    pub fn draw(&self, k: usize, mut u: DVec2) -> DVec2 {
+        let (mut corner, mut side) = (DVec2::ZERO, 1.0);
+        let mut node = Some(self.starts[k] as usize);
+        while let Some(n) = node.map(|n| self.nodes[n]) {
+            let (left, x) = split_unit(u.x, n.share(0));
+            let (low, y) = split_unit(u.y, n.share(1 + usize::from(!left)));
+            (u, side) = (DVec2::new(x, y), side * 0.5);
+            let child = usize::from(!left) | usize::from(!low) << 1;
+            corner += side * DVec2::new((child & 1) as f64, (child >> 1) as f64);
+            node = n.child(child);
+        }
+        // The rim itself is the horizon, where a draw would be lost.
+        concentric_disc((corner + side * u).clamp(DVec2::splat(RIM), DVec2::splat(1.0 - RIM)))
+    }
+
+    /// Density at a point of the disc per unit area. The tree must not be void.
+    #[inline]
+    pub fn density(&self, k: usize, p: DVec2) -> f64 {
+        let mut at = concentric_square(p);
+        let mut density = FRAC_1_PI;
+        let mut node = Some(self.starts[k] as usize);
+        while let Some(n) = node.map(|n| self.nodes[n]) {
+            at *= 2.0;
+            let (right, high) = (at.x >= 1.0, at.y >= 1.0);
+            let lower = [n.share(0), n.share(1 + usize::from(right))];
+            density *= if right { 1.0 - lower[0] } else { lower[0] } * 2.0;
+            density *= if high { 1.0 - lower[1] } else { lower[1] } * 2.0;
+            at -= DVec2::new(f64::from(u8::from(right)), f64::from(u8::from(high)));
+            node = n.child(usize::from(right) | usize::from(high) << 1);
+        }
+        density
+    }
+
+    /// Adds a tree.
+    pub(super) fn push(&mut self, tree: &Tree) {
+        if self.starts.is_empty() {
+            self.starts.push(0);
+        }
+        if let (true, Some(children)) = (tree.mass > 0.0, &tree.children) {
+            let mut open = std::collections::VecDeque::from([children]);
+            while let Some(children) = open.pop_front() {
+                let inner = (0..4).filter(|&i| children[i].children.is_some());
+                self.nodes.push(Node {
+                    split: splits(&children.each_ref().map(|c| c.mass)),
+                    inner: inner.map(|i| 1 << i).sum(),
+                    first: (self.nodes.len() + 1 + open.len()) as u32,
+                });
+                open.extend(children.iter().filter_map(|c| c.children.as_ref()));
+            }
+        }
+        self.starts.push(self.nodes.len() as u32);
+    }
+}
+
+/// Shares of the lower halves; whatever has mass keeps at least one unit.
+fn splits(mass: &[f64; 4]) -> [u16; 3] {
+    let share = |low: f64, high: f64| {
+        let units = (low / (low + high) * f64::from(u16::MAX)).round() as u16;
+        units.clamp(u16::from(low > 0.0), u16::MAX - u16::from(high > 0.0))
+    };
+    [share(mass[0] + mass[2], mass[1] + mass[3]), share(mass[0], mass[2]), share(mass[1], mass[3])]
+}
+
+/// A tree as it grows.
+pub(super) struct Tree {
+    mass: f64,
+    children: Option<Box<[Tree; 4]>>,
+}
+
+/// Points along each side of a square.
+const POINTS: usize = 4;
+/// Squares above this depth are divided unseen.
+const COARSEST: u32 = 3;
+/// A leaf may add this part of `waste` to the squared relative deviation of weights.
+const VARIANCE: f64 = 0.01;
+
+/// Divides squares until f is even enough in each.
+pub(super) struct WarpGrower<'a> {
+    pub settings: &'a AdaptiveDiscSettings,
+    pub slice: &'a Slice<'a>,
+    pub bounds: &'a MaxTable,
+    /// ∫ f over the disc.
+    pub integral: f64,
+}
+
+impl WarpGrower<'_> {
+    pub fn grow(&self) -> Tree {
+        self.visit(Rect { low: DVec2::ZERO, high: DVec2::ONE }, 0)
+    }
+
+    fn visit(&self, cell: Rect, depth: u32) -> Tree {
+        let area = PI * cell.area();
+        if depth >= COARSEST.min(self.settings.depth) {
+            let (mean, square) = self.moments(cell);
+            if depth >= self.settings.depth.min(DEEPEST) || !self.is_uneven(cell, area, mean, square) {
+                return Tree { mass: mean * area, children: None };
+            }
+        }
+        let half = (cell.high - cell.low) * 0.5;
+        let children = [0, 1, 2, 3].map(|i: u32| {
+            let low = cell.low + half * DVec2::new(f64::from(i & 1), f64::from(i >> 1));
+            self.visit(Rect { low, high: low + half }, depth + 1)
+        });
+        Tree { mass: children.iter().map(|c| c.mass).sum(), children: Some(Box::new(children)) }
+    }
+
+    /// Mean of f and of its square over a cell of the square.
+    fn moments(&self, cell: Rect) -> (f64, f64) {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for k in 0..POINTS * POINTS {
+            let t = DVec2::new((k % POINTS) as f64 + 0.5, (k / POINTS) as f64 + 0.5) / POINTS as f64;
+            let f = self.slice.value_on_disc(concentric_disc(cell.at(t)));
+            sum += f;
+            squares += f * f;
+        }
+        let n = (POINTS * POINTS) as f64;
+        (sum / n, squares / n)
+    }
+
+    /// Whether the weights of a cell spread enough to matter, or a peak that no point met may hide in it.
+    fn is_uneven(&self, cell: Rect, area: f64, mean: f64, square: f64) -> bool {
+        let spread = if mean > 0.0 { (square / mean - mean) * area } else { 0.0 };
+        if spread > VARIANCE * self.settings.waste * self.integral {
+            return true;
+        }
+        let bound = f64::from(self.bounds.over(self.slice.wo.as_dvec3(), box_on_disc(cell)));
+        bound > self.settings.n_max * mean && (bound - mean) * area > self.settings.waste * self.integral
+    }
+}
+
+/// Bounding rectangle on the disc of a cell of the square that lies in one of its quadrants.
+fn box_on_disc(cell: Rect) -> Rect {
+    let centred = Rect { low: cell.low * 2.0 - 1.0, high: cell.high * 2.0 - 1.0 };
+    let sign = DVec2::new(
+        if centred.low.x < 0.0 { -1.0 } else { 1.0 },
+        if centred.low.y < 0.0 { -1.0 } else { 1.0 },
+    );
+    let (a, b) = (centred.low * sign, centred.high * sign);
+    let (near, far) = (a.min(b), a.max(b));
+    // The azimuth rises with y and falls with x.
+    let azimuth = |x: f64, y: f64| {
+        if x > y {
+            FRAC_PI_4 * y / x
+        } else if y > 0.0 {
+            FRAC_PI_2 - FRAC_PI_4 * x / y
+        } else {
+            0.0
+        }
+    };
+    let (least, most) = (azimuth(far.x, near.y), azimuth(near.x.max(1e-300), far.y));
+    let (inside, outside) = (near.max_element(), far.max_element());
+    let low = inside * DVec2::new(most.cos().max(0.0), least.sin());
+    let high = outside * DVec2::new(least.cos(), most.sin());
+    let (low, high) = (low * sign, high * sign);
+    Rect { low: low.min(high), high: low.max(high) }
+}
+
+/// The direction over a point of the disc, turned by the azimuth whose cosine and sine are `turn`.
+#[inline]
+pub(super) fn direction(p: DVec2, turn: DVec2) -> Vec3 {
+    turn.rotate(p).extend((1.0 - p.length_squared()).max(0.0).sqrt()).as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Lattice;
+
+    fn tree(mass: f64) -> Tree {
+        Tree { mass, children: None }
+    }
+
+    fn inner(children: [Tree; 4]) -> Tree {
+        Tree { mass: children.iter().map(|c| c.mass).sum(), children: Some(Box::new(children)) }
+    }
+
+    fn warps() -> Warps {
+        let mut warps = Warps::default();
+        warps.push(&tree(0.0));
+        let deep =
+            inner([tree(1e-9), tree(0.0), inner([tree(1.0), tree(2.0), tree(0.5), tree(4.0)]), tree(3.0)]);
+        warps.push(&inner([tree(1.0), deep, tree(0.0), inner([tree(1.0), tree(1.0), tree(9.0), tree(0.0)])]));
+        warps
+    }
+
+    #[test]
+    fn densities_integrate_to_one_and_draws_follow_them() {
+        let warps = warps();
+        assert!(warps.is_void(0) && !warps.is_void(1));
+        assert_eq!(warps.starts, [0, 0, 4]);
+        let (mut uniform, mut inverse) = (0.0, 0.0);
+        let lattice = Lattice::at_least(50_000);
+        for (x, y) in lattice.points() {
+            uniform += warps.density(1, concentric_disc(DVec2::new(x, y))) * PI;
+            inverse += 1.0 / (PI * warps.density(1, warps.draw(1, DVec2::new(x, y))));
+        }
+        let n = lattice.size() as f64;
+        assert!((uniform / n - 1.0).abs() < 2e-3, "{}", uniform / n);
+        // What is drawn from: without a quarter and two sixteenths of no mass, and one of next to none.
+        let (empty, found) = (1.0 / 4.0 + 3.0 / 16.0, inverse / n);
+        assert!((found - (1.0 - empty)).abs() < 0.05, "{found}");
+    }
+
+    #[test]
+    fn the_map_is_continuous_within_leaves_and_stays_inside() {
+        let warps = warps();
+        for (x, y) in Lattice::at_least(2000).points() {
+            let (u, step) = (DVec2::new(x, y), DVec2::new(1e-9, 1e-9));
+            let (p, q) = (warps.draw(1, u), warps.draw(1, (u + step).min(DVec2::splat(0.999_999_999))));
+            assert!(p.length_squared() < 1.0 && warps.density(1, p) > 0.0, "{u}");
+            let jump = (p - q).length();
+            assert!(jump < 1e-3 || warps.density(1, p) != warps.density(1, q), "{u}: {jump}");
+        }
+        for corner in [DVec2::ZERO, DVec2::splat(1.0f64.next_down())] {
+            assert!(warps.draw(1, corner).length_squared() < 1.0);
+        }
+    }
+
+    #[test]
+    fn boxes_hold_their_cells() {
+        for depth in 1..6 {
+            let cells = 1 << depth;
+            let side = 1.0 / f64::from(cells);
+            for k in 0..cells * cells {
+                let low = DVec2::new(f64::from(k % cells), f64::from(k / cells)) * side;
+                let cell = Rect { low, high: low + side };
+                let bounds = box_on_disc(cell);
+                for (x, y) in Lattice::at_least(50).points() {
+                    let p = concentric_disc(cell.at(DVec2::new(x, y)));
+                    let inside = p.cmpge(bounds.low - 1e-12).all() && p.cmple(bounds.high + 1e-12).all();
+                    assert!(inside, "{cell:?} {bounds:?} {p}");
+                }
+            }
+        }
+    }
+}
