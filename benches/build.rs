@@ -1,4 +1,4 @@
-//! Building each sampler for nickel, on all cores.
+//! Building each sampler for nickel, on all cores; RAYON_NUM_THREADS=1 gives the time on one.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -9,7 +9,9 @@ use merlkit::brdf::{LookupRule, Measured};
 use merlkit::geom::spherical;
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
-use merlkit::sampler::{AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, LeafChoice, SamplerSpec};
+use merlkit::sampler::{
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice, SamplerSpec,
+};
 
 fn benches(c: &mut Criterion) {
     let brdf = Arc::new(Measured::new(Arc::new(decode_embedded("nickel").unwrap()), LookupRule::Floor));
@@ -17,6 +19,9 @@ fn benches(c: &mut Criterion) {
     let mut group = c.benchmark_group("build");
     group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(2));
     for (name, spec) in [
+        ("half-vector 2KB", SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1)),
+        ("half-vector 64KB", SamplerSpec::HalfVector(HalfVectorSettings::default())),
+        ("half-vector 1MB", SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[7].1)),
         ("adaptive disc", SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default())),
         (
             "adaptive disc, rejection-free",

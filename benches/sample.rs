@@ -1,4 +1,4 @@
-//! One draw and one density of each sampler for nickel, at angles of `wo` from normal to grazing.
+//! One draw, draws in batches and one density of each sampler for nickel, at angles of `wo` from normal to grazing.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -13,17 +13,20 @@ use merlkit::measure::accuracy::weight_spread;
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, LeafChoice, Sampler, SamplerSpec, TableChoice,
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice, Sampler,
+    SamplerSpec, TableChoice,
 };
 
 const DRAWS: u64 = 2048;
 const ANGLES: [f64; 4] = [0.76, 29.75, 60.25, 84.7];
 
-fn specs() -> [(&'static str, SamplerSpec); 7] {
+fn specs() -> [(&'static str, SamplerSpec); 9] {
     let disc = |choice| SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { choice, ..Default::default() });
     let cascade = |choice| SamplerSpec::CascadeCdf(CascadeCdfSettings { choice, ..Default::default() });
     [
         ("cosine", SamplerSpec::Cosine),
+        ("half-vector 2KB", SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1)),
+        ("half-vector 64KB", SamplerSpec::HalfVector(HalfVectorSettings::default())),
         ("disc mixture", disc(TableChoice::Mixture)),
         ("disc nearest", disc(TableChoice::Nearest)),
         ("disc rejection-free", rejection_free()),
@@ -53,7 +56,7 @@ fn benches(c: &mut Criterion) {
     let brdf = Arc::new(Measured::new(Arc::new(decode_embedded("nickel").unwrap()), LookupRule::Floor));
     let points: Vec<Vec2> = (0..DRAWS).map(|i| PointSet::Random.point(1, i, 0)).collect();
     let samplers = specs().map(|(name, spec)| (name, spec.build(&brdf).unwrap()));
-    for call in ["sample", "pdf"] {
+    for call in ["sample", "batch", "pdf"] {
         let mut group = c.benchmark_group(call);
         group.throughput(Throughput::Elements(DRAWS)).sample_size(15);
         group.warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_secs(1));
@@ -65,6 +68,10 @@ fn benches(c: &mut Criterion) {
                 if call == "sample" {
                     group.bench_with_input(id, &wo, |b, &wo| {
                         b.iter(|| points.iter().filter_map(|&u| sampler.sample(black_box(wo), u)).count())
+                    });
+                } else if call == "batch" {
+                    group.bench_with_input(id, &wo, |b, &wo| {
+                        b.iter(|| sampler.sample_batch(black_box(wo), &points))
                     });
                 } else {
                     let drawn: Vec<Vec3> =

@@ -64,12 +64,12 @@ fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tab
     let width: Vec<f64> = (0..PARTS).map(|p| edge(p + 1) - edge(p)).collect();
     let mut sums = [(); 2].map(|()| Sums::new(columns(settings)));
     let (mut wi, mut jacobians, mut values) = (Vec::new(), Vec::new(), Vec::new());
-    for part in 0..PARTS {
+    for (part, &width) in width.iter().enumerate() {
         wi.clear();
         jacobians.clear();
         for x in cap_points() {
             let azimuths = azimuths(columns(settings), settings.fold, x as f32);
-            square.along((edge(part) + width[part] * x) as f32, azimuths, |w, jacobian| {
+            square.along((edge(part) + width * x) as f32, azimuths, |w, jacobian| {
                 wi.push(w);
                 jacobians.push(jacobian);
             });
@@ -79,7 +79,7 @@ fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tab
         for (x, place) in cap_points().zip(0..) {
             let points = wi.len() / CAP_POINTS;
             for k in place * points..(place + 1) * points {
-                let cosine = f64::from(wi[k].z.max(0.0) * jacobians[k]) * width[part];
+                let cosine = f64::from(wi[k].z.max(0.0) * jacobians[k]) * width;
                 let f = f64::from(settings.importance.of(values[k]));
                 sums[0].add(part, k % columns(settings), x, f * cosine);
                 sums[1].add(part, k % columns(settings), x, cosine);

@@ -1,0 +1,79 @@
+//! How fast each sampler's estimate of a lit point converges under Owen-scrambled Sobol points: errors and slopes, not times.
+//!
+//! One point under two broad lamps and a gradient, eight materials, `wo` at 45°. `cargo bench --bench convergence`.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use merlkit::brdf::{Importance, LookupRule, Measured};
+use merlkit::geom::{POINTS_PER_BIN, spherical};
+use merlkit::measure::convergence::{ErrorAt, LitPoint, Runs, slope};
+use merlkit::merl::decode_embedded;
+use merlkit::points::PointSet;
+use merlkit::sampler::{
+    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
+};
+
+const MATERIALS: [&str; 8] = [
+    "alum-bronze",
+    "black-obsidian",
+    "blue-metallic-paint",
+    "chrome",
+    "nickel",
+    "red-plastic",
+    "teflon",
+    "violet-acrylic",
+];
+const SAMPLES: [usize; 7] = [16, 32, 64, 128, 256, 512, 1024];
+
+/// Radiance from a direction: lobes 30° and 15° wide over a gradient, all smooth.
+fn radiance(wi: Vec3) -> f64 {
+    let lobe = |towards: Vec3, n: i32| f64::from(wi.dot(towards.normalize()).max(0.0)).powi(n);
+    0.2 + 0.3 * f64::from(wi.z)
+        + 4.0 * lobe(Vec3::new(0.5, 0.3, 0.8), 8)
+        + 2.0 * lobe(Vec3::new(-0.8, 0.2, 0.4), 30)
+}
+
+fn samplers() -> [(&'static str, SamplerSpec); 5] {
+    let warp = AdaptiveDiscSettings { leaves: LeafChoice::Warp, ..Default::default() };
+    [
+        ("half-vector 64KB", SamplerSpec::HalfVector(HalfVectorSettings::default())),
+        ("cascade-cdf", SamplerSpec::CascadeCdf(CascadeCdfSettings::default())),
+        ("disc, rejection-free", SamplerSpec::AdaptiveDisc(warp)),
+        ("adaptive-disc", SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default())),
+        ("cosine", SamplerSpec::Cosine),
+    ]
+}
+
+/// Errors of every material.
+fn errors(spec: &SamplerSpec, brdfs: &[Arc<Measured>]) -> Vec<Vec<ErrorAt>> {
+    let wo = spherical(45f64.to_radians(), 0.8).as_vec3();
+    let runs = Runs { points: PointSet::Sobol, seeds: 200, first_seed: 1 };
+    let of = |brdf: &Arc<Measured>| {
+        let sampler = spec.build(brdf).expect("a sampler");
+        let point = LitPoint { brdf: &**brdf, importance: Importance::Mean, radiance: &radiance, wo };
+        point.errors(&sampler, point.reference(POINTS_PER_BIN), &SAMPLES, runs)
+    };
+    brdfs.iter().map(of).collect()
+}
+
+fn main() {
+    let measured = |name: &&str| {
+        Arc::new(Measured::new(
+            Arc::new(decode_embedded(name).expect("an embedded material")),
+            LookupRule::Floor,
+        ))
+    };
+    let brdfs: Vec<Arc<Measured>> = MATERIALS.iter().map(measured).collect();
+    println!("relative RMSE over 200 seeds, geometric mean of {} materials, and slopes", MATERIALS.len());
+    for (name, spec) in samplers() {
+        let errors = errors(&spec, &brdfs);
+        let mean =
+            |i: usize| (errors.iter().map(|e| e[i].rmse.ln()).sum::<f64>() / errors.len() as f64).exp();
+        let row: Vec<String> = (0..SAMPLES.len()).map(|i| format!("{:.4}", mean(i))).collect();
+        let slopes: Vec<f64> = errors.iter().map(|e| slope(e)).collect();
+        let each: Vec<String> = slopes.iter().map(|s| format!("{s:.2}")).collect();
+        let mean_slope = slopes.iter().sum::<f64>() / slopes.len() as f64;
+        println!("{name:22} {}  slope {mean_slope:.2} ({})", row.join(" "), each.join(" "));
+    }
+}
