@@ -15,7 +15,7 @@ use merlkit::sampler::store::{SamplerFile, looks_like_sampler_file};
 use merlkit::sampler::{DirectionSample, DirectionSampler, Sampler};
 
 use crate::failure::Outcome;
-use crate::sampler_args::{SAMPLERS, SamplerArgs};
+use crate::sampler_args::{DEFAULT, SAMPLERS, SamplerArgs};
 use crate::{args, output};
 
 /// Draw directions and print them with density and value
@@ -28,7 +28,7 @@ pub struct Args {
     /// Path to a MERL binary or a sampler file, or name of an embedded material
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]
     source: String,
-    /// Sampler to build [default: adaptive-disc; a sampler file brings its own]
+    /// Sampler to build [default: half-vector; a sampler file brings its own]
     #[arg(long, value_name = "NAME", value_parser = SAMPLERS)]
     sampler: Option<String>,
     /// Material of a sampler file [default: the one it names]
@@ -104,7 +104,7 @@ fn load(args: &Args) -> Result<(String, Sampler, Arc<Measured>), Error> {
         return Err(Error::argument("--material goes with a sampler file", "leave it out"));
     }
     let material = Material::resolve(&args.source)?;
-    let spec = args.settings.spec(args.sampler.as_deref().unwrap_or("adaptive-disc"))?;
+    let spec = args.settings.spec(args.sampler.as_deref().unwrap_or(DEFAULT))?;
     let brdf = Arc::new(Measured::new(Arc::new(material.load()?), args.lookup.unwrap_or_default()));
     Ok((material.name().into(), spec.build(&brdf)?, brdf))
 }
