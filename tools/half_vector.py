@@ -3,9 +3,8 @@ half_vector.py FILE DRAWS.csv compares its draws with those of `merlkit sample F
 import json
 import sys
 import numpy as np
-
-ONE, NODE_SUM, SHARES, MERL, UPPER = 65535, 65534, 65536, 63, 16
-MERL_CAPS = np.sin(np.pi / 4 * (np.arange(MERL + 1) / 90) ** 2) ** 2
+ONE, NODE_SUM, SHARES, MERL, UPPER, f32 = 65535, 65534, 65536, 63, 16, np.float32
+MERL_CAPS = (np.sin(np.pi / 4 * (np.arange(MERL + 1) / 90) ** 2) ** 2).astype(f32)
 TYPES = {"F32": "<f4", "U16": "<u2", "I8": "<i1"}
 
 class HalfVectorTable:
@@ -14,82 +13,83 @@ class HalfVectorTable:
         end = 8 + int.from_bytes(raw[:8], "little")
         header = json.loads(raw[8:end])
         record = json.loads(header.pop("__metadata__")["merlkit"])
-        if record["version"] != 1 or record["spec"]["sampler"] != "half-vector":
-            raise ValueError(f"{path} is no half-vector table of layout version 1")
+        assert (record["version"], record["spec"]["sampler"]) == (1, "half-vector"), f"{path}: another version or sampler"
         t = {k: np.frombuffer(raw[end:], TYPES[v["dtype"]], v["shape"][0], v["data_offsets"][0]) for k, v in header.items()}
         tables, rows, self.fold = (record["spec"][k] for k in ("tables", "rows", "fold"))
         self.cosines, self.edges = t["knot.cosine"], t["row.edge"].astype(int)
-        self.cdf, self.slopes = t["row.cdf"].reshape(tables, rows), t["row.slope"].reshape(tables, rows)
-        self.nodes = t["row.density"].reshape(tables, rows, -1)
+        self.cdf, self.slopes, self.nodes = (t[f"row.{k}"].reshape(tables, rows, -1) for k in ("cdf", "slope", "density"))
 
 class About:
-    """The table about directions wo (N × 3) above the horizon."""
+    """The table about directions wo (N × 3) above the horizon. Computes in f32 and in merlkit's order."""
     def __init__(self, table, wo):
-        wo, self.table, self.n = np.asarray(wo, np.float32).astype(float), table, np.arange(len(wo))
-        rho, length = np.hypot(wo[:, 0], wo[:, 1]), np.sqrt((wo**2).sum(1))
-        self.sin_o, self.cos_o = rho / length, wo[:, 2] / length
-        self.c, self.s = (np.where(rho > 0, wo[:, i] / np.where(rho > 0, rho, 1), 1 - i) for i in (0, 1))
-        self.b = np.minimum((table.cosines > self.cos_o[:, None].astype(np.float32)).sum(1), len(table.cosines) - 1)
+        (x, y, z), self.table, self.n = np.asarray(wo, f32).T, table, np.arange(len(wo))
+        rho, scale = np.sqrt(x * x + y * y), 1 / np.sqrt((x * x + y * y) + z * z)
+        turn = 1 / np.where(rho > 0, rho, 1)
+        self.c, self.s = np.where(rho > 0, x * turn, 1), y * turn
+        self.sin_o, self.cos_o = rho * scale, z * scale
+        self.b = np.minimum((table.cosines > self.cos_o[:, None]).sum(1), len(table.cosines) - 1)
         self.a = np.maximum(self.b - 1, 0)
-        high, low = table.cosines[self.a].astype(float), table.cosines[self.b].astype(float)
-        share = np.floor(np.clip((high - self.cos_o) / np.maximum(high - low, 1e-30), 0, 1) * SHARES + 0.5)[:, None]
-        self.mix = lambda a, b: a * (SHARES - share) + b * share
-        self.sums = np.pad(self.mix(table.cdf[self.a], table.cdf[self.b]), ((0, 0), (1, 0)))
-        top = (1 - self.cos_o / np.sqrt(2 * (1 + self.sin_o)))[:, None] / 2
-        low = MERL_CAPS[np.minimum(table.edges, MERL)]
-        self.caps = low + (top - low) * np.maximum(table.edges - MERL, 0) / UPPER
+        high, low = table.cosines[self.a], table.cosines[self.b]
+        share = (np.clip((high - self.cos_o) / np.maximum(high - low, 1e-30), 0, 1) * SHARES + 0.5).astype(int)[:, None]
+        self.mix = lambda a, b: a.astype(int) * (SHARES - share) + b.astype(int) * share
+        self.sums = np.pad(self.mix(table.cdf[self.a, :, 0], table.cdf[self.b, :, 0]), ((0, 0), (1, 0)))
+        top = 0.5 * (1 - self.cos_o / np.sqrt(2 * (1 + self.sin_o)))
+        beyond = (np.maximum(table.edges - MERL, 0) / UPPER).astype(f32)
+        self.caps = MERL_CAPS[np.minimum(table.edges, MERL)] * (1 - beyond) + beyond * top[:, None]
 
     def row(self, r):
-        """Of rows r: first cap, width, slope, and nodes over the azimuth."""
-        t, low = self.table, self.caps[self.n, r]
-        slope = self.mix(t.slopes[self.a, r][:, None], t.slopes[self.b, r][:, None])[:, 0] / (128 * SHARES)
-        nodes = self.mix(t.nodes[self.a, r], t.nodes[self.b, r])
-        return low, self.caps[self.n, r + 1] - low, slope, nodes
+        """Of rows r: first cap, width, slope, mass, and nodes over the azimuth."""
+        slope, nodes = (self.mix(x[self.a, r], x[self.b, r]) for x in (self.table.slopes, self.table.nodes))
+        low, mass = self.caps[self.n, r], self.sums[self.n, r + 1] - self.sums[self.n, r]
+        return low, self.caps[self.n, r + 1] - low, slope[:, 0].astype(f32) / (128 * SHARES), mass.astype(f32), nodes
 
     def widest(self, sin_h, cos_h):
         sines, cosines = 2 * sin_h * cos_h * self.sin_o, (cos_h - sin_h) * (cos_h + sin_h) * self.cos_o
-        far, near = np.maximum(sines - cosines, 0), np.maximum(sines + cosines, 0)
-        return np.where(far > 0, np.maximum(np.sqrt(near) / (np.sqrt(far) + np.sqrt(near + far)), 1e-6), 1)
+        far, near = np.maximum(sines - cosines, 0), np.maximum(cosines + sines, np.finfo(f32).tiny)
+        return np.maximum(np.sqrt(near) / (np.sqrt(far) + np.sqrt(near + far)), 1e-6)
 
     def sample(self, u):
         """Directions wi (N × 3) and their densities for points u (N × 2) of [0, 1)²."""
-        u1, u2 = np.asarray(u, np.float32).astype(float).T
-        target = u1 * (ONE * SHARES)
-        r = (self.sums[:, 1:-1] <= np.floor(target)[:, None]).sum(1)
-        below, to, (low, width, slope, nodes) = self.sums[self.n, r], self.sums[self.n, r + 1], self.row(r)
-        t = np.clip((target - below) / (to - below), 0, 1)
-        cap = low + width * (2 * t / (1 - slope + np.sqrt((1 - slope) ** 2 + 4 * slope * t)))
-        target = (abs(2 * u2 - 1) if self.table.fold else u2) * (NODE_SUM * SHARES)
+        u1, u2 = np.asarray(u, f32).T
+        target = (u1.astype(float) * (ONE * SHARES)).astype(int)
+        r = (self.sums[:, 1:-1] <= target[:, None]).sum(1)
+        low, width, slope, mass, nodes = self.row(r)
+        t = (target - self.sums[self.n, r]).astype(f32) / mass
+        cap = low + width * np.minimum(2 * t / ((1 - slope) + np.sqrt((1 - slope) * (1 - slope) + 4 * slope * t)), 1)
+        target = ((abs(2 * u2 - 1) if self.table.fold else u2).astype(float) * (NODE_SUM * SHARES)).astype(int)
         sums = np.pad(np.cumsum(nodes[:, :-1] + nodes[:, 1:], axis=1), ((0, 0), (1, 0)))
-        k = (sums[:, 1:-1] <= np.floor(target)[:, None]).sum(1)
-        n0, n1, rest = nodes[self.n, k], nodes[self.n, k + 1], np.maximum(target - sums[self.n, k], 0)
-        y = (k + np.minimum(rest / (n0 + np.sqrt(np.maximum(n0**2 + (n1 - n0) * rest, 0))), 1)) / (nodes.shape[1] - 1)
+        k = (sums[:, 1:-1] <= target[:, None]).sum(1)
+        n0, n1, rest = (x.astype(f32) for x in (nodes[self.n, k], nodes[self.n, k + 1], target - sums[self.n, k]))
+        y = (k.astype(f32) + np.minimum(rest / (n0 + np.sqrt(n0 * n0 + (n1 - n0) * rest)), 1)) * (1 / f32(nodes.shape[1] - 1))
+        b = np.clip(y * np.copysign(1, 2 * u2 - 1) if self.table.fold else 2 * y - 1, -1, 1)
         sin_h, cos_h = 2 * np.sqrt(cap * (1 - cap)), 1 - 2 * cap
-        q = (np.where(u2 < 0.5, -y, y) if self.table.fold else 2 * y - 1) * self.widest(sin_h, cos_h)
-        sin_half, cos_half = 2 * q / (1 + q * q), (1 - q * q) / (1 + q * q)
-        hx, hy = sin_h * (cos_half**2 - sin_half**2), sin_h * 2 * sin_half * cos_half
+        q = b * self.widest(sin_h, cos_h)
+        scale = 1 / (1 + q * q)
+        sin_half, cos_half = 2 * q * scale, (1 - q * q) * scale
+        hx, hy = sin_h * ((cos_half - sin_half) * (cos_half + sin_half)), sin_h * (2 * sin_half * cos_half)
         twice = 2 * (self.sin_o * hx + self.cos_o * cos_h)
         x, y, z = twice * hx - self.sin_o, twice * hy, np.maximum(twice * cos_h - self.cos_o, 1e-9)
-        wi = np.stack([self.c * x - self.s * y, self.s * x + self.c * y, z], 1).astype(np.float32)
+        wi = np.stack([self.c * x - self.s * y, self.s * x + self.c * y, z], 1)
         return wi, self.pdf(wi)
 
     def pdf(self, wi):
         """Density of each wi (N × 3) per solid angle, sr⁻¹; 0 below the horizon."""
-        wi = np.asarray(wi, np.float32).astype(float)
-        x, y = self.sin_o + self.c * wi[:, 0] + self.s * wi[:, 1], self.c * wi[:, 1] - self.s * wi[:, 0]
-        z, rho = self.cos_o + np.maximum(wi[:, 2], 0), np.hypot(x, y)
-        length = np.hypot(rho, z)
-        cap, widest = rho**2 / (2 * length * (length + z)), self.widest(rho / length, z / length)
+        wx, wy, wz = np.asarray(wi, f32).T
+        x, y, z = self.sin_o + (self.c * wx + self.s * wy), self.c * wy - self.s * wx, self.cos_o + np.maximum(wz, 0)
+        rho, length = np.sqrt(x * x + y * y), np.sqrt((x * x + y * y) + z * z)
+        cap, widest = 0.5 * (x * x + y * y) * (1 / length) / (length + z), self.widest(rho * (1 / length), z * (1 / length))
         r = (self.caps[:, 1:-1] <= cap[:, None]).sum(1)
-        low, width, slope, nodes = self.row(r)
-        along = 1 + slope * (2 * np.clip((cap - low) / width, 0, 1) - 1)
-        mass, q = self.sums[self.n, r + 1] - self.sums[self.n, r], np.tan(np.arctan2(y, x) / 4)
+        low, width, slope, mass, nodes = self.row(r)
+        along = mass * (1 / (ONE * SHARES)) * (1 + slope * (2 * np.clip((cap - low) / width, 0, 1) - 1))
+        scale = 1 / np.maximum(np.sqrt(2 * rho * (rho + abs(x))), np.finfo(f32).tiny)
+        large, small = (rho + abs(x)) * scale, abs(y) * scale
+        q = np.copysign(np.minimum(np.where(x < 0, large, small) / (1 + np.where(x < 0, small, large)), 1), y)
         b, segments = np.clip(q / widest, -1, 1), nodes.shape[1] - 1
-        at = (abs(b) if self.table.fold else (b + 1) / 2) * segments
+        at = (abs(b) if self.table.fold else 0.5 * (b + 1)) * segments
         k = np.minimum(at.astype(int), segments - 1)
-        across = (nodes[self.n, k] * (k + 1 - at) + nodes[self.n, k + 1] * (at - k)) * 2 * segments
-        scale = ONE * SHARES * NODE_SUM * SHARES * width * 32 * length * widest / (1 + q * q)
-        return np.where(wi[:, 2] > 0, mass * along * across / scale, 0)
+        n0, n1 = nodes[self.n, k].astype(f32), nodes[self.n, k + 1].astype(f32)
+        across = (n0 + (n1 - n0) * (at - k.astype(f32))) * (segments / (NODE_SUM * SHARES))
+        return np.where(wz > 0, along * across / (width * (16 * length * widest / (1 + q * q))), 0)
 
 if __name__ == "__main__":
     wo, u, wi, pdf = np.split(np.loadtxt(sys.argv[2], delimiter=",", skiprows=1, usecols=range(9)), [3, 5, 8], axis=1)
