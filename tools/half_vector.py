@@ -30,7 +30,7 @@ class About:
         self.b = np.minimum((table.cosines > self.cos_o[:, None]).sum(1), len(table.cosines) - 1)
         self.a = np.maximum(self.b - 1, 0)
         high, low = table.cosines[self.a], table.cosines[self.b]
-        share = (np.clip((high - self.cos_o) / np.maximum(high - low, 1e-30), 0, 1) * SHARES + 0.5).astype(int)[:, None]
+        share = (np.clip((high - self.cos_o) / np.maximum(high - low, 1e-30), 0, 1) * f32(SHARES) + f32(0.5)).astype(int)[:, None]
         self.mix = lambda a, b: a.astype(int) * (SHARES - share) + b.astype(int) * share
         self.sums = np.pad(self.mix(table.cdf[self.a, :, 0], table.cdf[self.b, :, 0]), ((0, 0), (1, 0)))
         top = 0.5 * (1 - self.cos_o / np.sqrt(2 * (1 + self.sin_o)))
@@ -41,7 +41,7 @@ class About:
         """Of rows r: first cap, width, slope, mass, and nodes over the azimuth."""
         slope, nodes = (self.mix(x[self.a, r], x[self.b, r]) for x in (self.table.slopes, self.table.nodes))
         low, mass = self.caps[self.n, r], self.sums[self.n, r + 1] - self.sums[self.n, r]
-        return low, self.caps[self.n, r + 1] - low, slope[:, 0].astype(f32) / (128 * SHARES), mass.astype(f32), nodes
+        return low, self.caps[self.n, r + 1] - low, slope[:, 0].astype(f32) / f32(128 * SHARES), mass.astype(f32), nodes
 
     def widest(self, sin_h, cos_h):
         sines, cosines = 2 * sin_h * cos_h * self.sin_o, (cos_h - sin_h) * (cos_h + sin_h) * self.cos_o
