@@ -13,7 +13,7 @@ class HalfVectorTable:
         end = 8 + int.from_bytes(raw[:8], "little")
         header = json.loads(raw[8:end])
         record = json.loads(header.pop("__metadata__")["merlkit"])
-        assert (record["version"], record["spec"]["sampler"]) == (1, "half-vector"), f"{path}: another version or sampler"
+        assert (record["version"], record["spec"]["sampler"]) == (2, "half-vector"), f"{path}: another version or sampler"
         t = {k: np.frombuffer(raw[end:], TYPES[v["dtype"]], v["shape"][0], v["data_offsets"][0]) for k, v in header.items()}
         tables, rows, self.fold = (record["spec"][k] for k in ("tables", "rows", "fold"))
         self.cosines, self.edges = t["knot.cosine"], t["row.edge"].astype(int)
