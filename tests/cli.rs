@@ -319,8 +319,9 @@ fn a_built_file_draws_what_the_material_draws() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| run_in(folder.path(), arguments, "");
     let draws = ["--theta", "33", "--phi", "-70", "--count", "500", "--seed", "9"];
-    let cases: [&[&str]; 3] = [
+    let cases: [&[&str]; 4] = [
         &QUICK,
+        &["--table-size", "2KB", "--tables", "3"],
         &["--sampler", "cascade-cdf", "--tables", "2", "--uncompressed", "--lookup", "centred"],
         &["--sampler", "adaptive-disc", "--tables", "5", "--choice", "nearest", "--importance", "luminance"],
     ];
@@ -386,19 +387,32 @@ fn a_fit_cloud_has_the_shape_of_the_thesis() {
 #[test]
 fn bad_settings_name_the_option() {
     let sample = ["sample", "nickel", "--count", "1", "--theta", "10"];
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 22] = [
         (&["--sampler", "cosine", "--tables", "4"], "--tables is no setting of cosine"),
         (&["--sampler", "adaptive-disc", "--uncompressed"], "--uncompressed is no setting of adaptive-disc"),
         (&["--sampler", "cascade-cdf", "--depth", "4"], "--depth is no setting of cascade-cdf"),
         (&["--tables", "0"], "0 tables"),
         (&["--tables", "few"], "--tables <N>"),
-        (&["--floor", "2"], "floor is 2"),
-        (&["--n-max", "1"], "n_max is 1"),
-        (&["--depth", "40"], "depth is 40"),
-        (&["--grid", "4"], "4 pixels"),
+        (&["--choice", "nearest"], "--choice is no setting of half-vector"),
+        (&["--floor", "0.1"], "--floor is no setting of half-vector"),
+        (&["--as-published"], "--as-published is no setting of half-vector"),
+        (
+            &["--sampler", "adaptive-disc", "--table-size", "2KB"],
+            "--table-size is no setting of adaptive-disc",
+        ),
+        (&["--sampler", "cascade-cdf", "--fold"], "--fold is no setting of cascade-cdf"),
+        (&["--sampler", "cosine", "--rows", "9"], "--rows is no setting of cosine"),
+        (&["--fold", "--no-fold"], "'--fold' cannot be used with '--no-fold'"),
+        (&["--table-size", "3KB"], "[possible values: 2KB, 4KB, "),
+        (&["--rows", "80"], "80 rows"),
+        (&["--segments", "0"], "0 segments"),
+        (&["--sampler", "adaptive-disc", "--floor", "2"], "floor is 2"),
+        (&["--sampler", "adaptive-disc", "--n-max", "1"], "n_max is 1"),
+        (&["--sampler", "adaptive-disc", "--depth", "40"], "depth is 40"),
+        (&["--sampler", "adaptive-disc", "--grid", "4"], "4 pixels"),
         (&["--sampler", "cascade-cdf", "--resolution", "1024"], "--resolution <THETAxPHI>"),
         (&["--sampler", "cascade-cdf", "--tolerance", "nan"], "tolerance"),
-        (&["--sampler", "magic"], "[possible values: adaptive-disc, cascade-cdf, cosine]"),
+        (&["--sampler", "magic"], "[possible values: half-vector, adaptive-disc, cascade-cdf, cosine]"),
     ];
     for (settings, expected) in cases {
         let output = run(&[&sample, settings].concat(), "");
@@ -412,6 +426,92 @@ fn bad_settings_name_the_option() {
     }
     let text = fails(run(&["check", "nickel", "--significance", "0"], ""));
     assert!(text.contains("significance 0"), "{text}");
+}
+
+/// What a sampler file says of its settings.
+fn spec_in(folder: &Path, file: &str) -> serde_json::Value {
+    let document = json(&succeeds(run_in(folder, &["info", file, "--json", "-"], "")));
+    assert_eq!((&document["schema"], &document["kind"]), (&1.into(), &"info".into()));
+    document["results"][0]["spec"].clone()
+}
+
+#[test]
+fn the_half_vector_table_is_the_default_and_has_its_settings() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = |settings: &[&str]| {
+        let build = ["build", "nickel", "-o", "s", "--force"];
+        let told = succeeds(run_in(folder.path(), &[&build, settings].concat(), ""));
+        assert!(told.starts_with("s: half-vector for nickel"), "{told}");
+        spec_in(folder.path(), "s")
+    };
+    let default = spec(&[]);
+    assert_eq!(default, spec(&["--sampler", "half-vector", "--table-size", "64kb"]));
+    let length = folder.path().join("s").metadata().unwrap().len();
+    assert!((50_000..70_000).contains(&length), "{length} bytes");
+    let small = spec(&["--table-size", "2KB"]);
+    assert!(small != default && small["fold"] == true && default["fold"] == false, "{small} {default}");
+    let free = ["--tables", "3", "--rows", "5", "--segments", "7", "--fold", "--importance", "luminance"];
+    let expected = serde_json::json!({
+        "sampler": "half-vector", "tables": 3, "rows": 5, "segments": 7, "fold": true, "importance": "luminance",
+    });
+    assert_eq!(spec(&free), expected);
+    let mut unfolded = small;
+    unfolded["fold"] = false.into();
+    assert_eq!(spec(&["--table-size", "2KB", "--no-fold"]), unfolded);
+}
+
+#[test]
+fn commands_without_a_sampler_draw_by_the_half_vector_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| succeeds(run_in(folder.path(), arguments, ""));
+    let settings = ["--sampler", "half-vector"];
+    let sample = ["sample", "nickel", "--theta", "50", "--count", "20"];
+    assert_eq!(run(&sample), run(&[&sample[..], &settings].concat()));
+    let picture = |settings: &[&str]| {
+        let render = ["render", "nickel", "--spp", "1", "--size", "8x8", "--force"];
+        run(&[&render, settings].concat());
+        std::fs::read(folder.path().join("render.exr")).unwrap()
+    };
+    let default = picture(&[]);
+    assert!(default == picture(&settings) && default != picture(&["--sampler", "cosine"]));
+    let report = run(&["report", "nickel", "--tables", "2", "--draws", "500"]);
+    assert_eq!(report.matches("| half-vector 2×").count(), 3, "three sizes:\n{report}");
+}
+
+#[test]
+fn info_tells_what_a_sampler_file_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| run_in(folder.path(), arguments, "");
+    succeeds(run(&["build", "nickel", "-o", "s", "--table-size", "4KB", "--lookup", "linear"]));
+    let text = succeeds(run(&["info", "s", "teflon"]));
+    for word in ["sampler file", "half-vector 4KB", "nickel (embedded)", "linear", "albedo at 80°"] {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+    let mut bytes = std::fs::read(folder.path().join("s")).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    std::fs::write(folder.path().join("s"), bytes).unwrap();
+    assert!(fails(run(&["info", "s"])).contains("damaged or edited"));
+}
+
+#[test]
+fn samples_tell_what_they_were_drawn_from() {
+    let sample = ["sample", "nickel", "--theta", "50", "--phi", "20", "--count", "30"];
+    let bare = succeeds(run(&sample, ""));
+    let text = succeeds(run(&[&sample[..], &["--with-points"]].concat(), ""));
+    let (mut first, mut points) = (None, std::collections::BTreeSet::new());
+    for (line, bare) in text.lines().zip(bare.lines()) {
+        let fields: Vec<&str> = line.splitn(6, ',').collect();
+        assert_eq!(fields[5], bare);
+        if let [Ok(x), Ok(y), Ok(z), Ok(u), Ok(v)] = [0, 1, 2, 3, 4].map(|i| fields[i].parse::<f32>()) {
+            assert_eq!(*first.get_or_insert((x, y, z)), (x, y, z));
+            assert!((0.0..1.0).contains(&u) && (0.0..1.0).contains(&v), "{line}");
+            points.insert((u.to_bits(), v.to_bits()));
+        }
+    }
+    let (x, y, z) = first.unwrap();
+    assert!((z.acos().to_degrees() - 50.0).abs() < 1e-4 && (y.atan2(x).to_degrees() - 20.0).abs() < 1e-4);
+    assert_eq!((points.len(), text.lines().count()), (30, 31));
+    assert!(fails(run(&[&sample[..], &["--with-points", "--fit"]].concat(), "")).contains("--fit"));
 }
 
 #[test]
@@ -467,7 +567,7 @@ fn built_files_are_replaced_only_with_force() {
 fn files_and_draws_do_not_depend_on_threads() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| succeeds(run_in(folder.path(), arguments, ""));
-    for sampler in ["adaptive-disc", "cascade-cdf"] {
+    for sampler in ["half-vector", "adaptive-disc", "cascade-cdf"] {
         let settings = ["--sampler", sampler, "--tables", "5"];
         let results = ["1", "2"].map(|threads| {
             let common = [&settings[..], &["--threads", threads]].concat();

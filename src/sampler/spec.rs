@@ -86,6 +86,10 @@ fn cascade_label(s: &CascadeCdfSettings) -> String {
 }
 
 fn half_vector_label(s: &HalfVectorSettings) -> String {
+    let named = HalfVectorSettings { importance: Importance::default(), ..*s };
+    if let Some((size, _)) = HalfVectorSettings::PRESETS.iter().find(|p| p.1 == named) {
+        return format!("half-vector {size}");
+    }
     let folded = if s.fold { " folded" } else { "" };
     format!("half-vector {}×{}×{}{folded}", s.tables, s.rows, s.segments)
 }

@@ -1,10 +1,11 @@
 //! Which sampler, with which settings: the options of every command that builds one.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
 use merlkit::brdf::Importance;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, Carry, CascadeCdfSettings, Construction, LeafChoice, SamplerSpec, TableChoice,
-    ThetaSpacing,
+    AdaptiveDiscSettings, Carry, CascadeCdfSettings, Construction, HalfVectorSettings, LeafChoice,
+    SamplerSpec, TableChoice, ThetaSpacing,
 };
 
 use crate::args;
@@ -13,16 +14,18 @@ use crate::args;
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Sampler")]
 pub struct SamplerArgs {
-    /// Use the settings of the 2008 thesis instead of ours as defaults
+    /// adaptive-disc, cascade-cdf: use the settings of the 2008 thesis instead of ours as defaults
     #[arg(long)]
     as_published: bool,
-    /// Tables over the polar angle of wo, 1 to 4096 [default: adaptive-disc 20, cascade-cdf 16; as published 60, 32]
+    /// Tables over the polar angle of wo, 1 to 4096, of half-vector 1 to 1024 [default: half-vector by its table size,
+    /// adaptive-disc 20, cascade-cdf 16; as published 60, 32]
     #[arg(long, value_name = "N")]
     tables: Option<usize>,
-    /// What serves a wo between two tables [default: mixture; as published nearest]
+    /// adaptive-disc, cascade-cdf: what serves a wo between two tables [default: mixture; as published nearest]
     #[arg(long, value_name = "HOW", value_parser = args::named(&[("nearest", TableChoice::Nearest), ("mixture", TableChoice::Mixture)]))]
     choice: Option<TableChoice>,
-    /// Share of draws that follow the cosine, so that no direction is left out, 0 to 1 [default: 0.001; as published 0]
+    /// adaptive-disc, cascade-cdf: share of draws that follow the cosine, so that no direction is left out, 0 to 1
+    /// [default: 0.001; as published 0]
     #[arg(long, value_name = "SHARE")]
     floor: Option<f64>,
     /// Scalar that draws are proportional to [default: mean (of red, green, blue)]
@@ -64,10 +67,40 @@ pub struct SamplerArgs {
     /// cascade-cdf: spacing of cells over θh, by its root as MERL's bins or uniform [default: merl; as published uniform]
     #[arg(long, value_name = "SPACING", value_parser = args::named(&[("merl", ThetaSpacing::Merl), ("uniform", ThetaSpacing::Uniform)]))]
     spacing: Option<ThetaSpacing>,
+    /// half-vector: settings that fill this many bytes [default: 64KB]
+    #[arg(long, value_name = "BYTES", ignore_case = true, value_parser = preset())]
+    table_size: Option<HalfVectorSettings>,
+    /// half-vector: rows over θh, 2 to 79 [default: by table size]
+    #[arg(long, value_name = "N")]
+    rows: Option<usize>,
+    /// half-vector: segments over the azimuth, 1 to 256 [default: by table size]
+    #[arg(long, value_name = "N")]
+    segments: Option<usize>,
+    /// half-vector: let one side of the plane of incidence stand for both [default: by table size]
+    #[arg(long, conflicts_with = "no_fold")]
+    fold: bool,
+    /// half-vector: tell the two sides of the plane of incidence apart [default: by table size]
+    #[arg(long)]
+    no_fold: bool,
 }
 
-/// Names of the samplers that can be built.
-pub const SAMPLERS: [&str; 3] = ["adaptive-disc", "cascade-cdf", "cosine"];
+/// Parses the name of one of [`HalfVectorSettings::PRESETS`].
+fn preset() -> impl TypedValueParser<Value = HalfVectorSettings> {
+    PossibleValuesParser::new(HalfVectorSettings::PRESETS.map(|p| p.0)).map(|name| preset_called(&name))
+}
+
+/// The preset of that name in any case, or the default.
+fn preset_called(name: &str) -> HalfVectorSettings {
+    let same = |p: &&(&str, HalfVectorSettings)| p.0.eq_ignore_ascii_case(name);
+    HalfVectorSettings::PRESETS.iter().find(same).map_or_else(HalfVectorSettings::default, |p| p.1)
+}
+
+/// Names of the samplers that can be built, the default first.
+pub const SAMPLERS: [&str; 4] = [DEFAULT, "adaptive-disc", "cascade-cdf", "cosine"];
+/// The sampler of a command that is told none.
+pub const DEFAULT: &str = "half-vector";
+/// Sizes of the half-vector table that are compared with the other samplers.
+pub const COMPARED: [&str; 3] = ["2KB", "64KB", "1MB"];
 
 impl SamplerArgs {
     /// The sampler called `name`, one of [`SAMPLERS`], with these settings.
@@ -84,6 +117,7 @@ impl SamplerArgs {
         match name {
             "adaptive-disc" => SamplerSpec::AdaptiveDisc(self.disc()),
             "cascade-cdf" => SamplerSpec::CascadeCdf(self.cascade()),
+            "half-vector" => SamplerSpec::HalfVector(self.half_vector()),
             _ => SamplerSpec::Cosine,
         }
     }
@@ -92,9 +126,12 @@ impl SamplerArgs {
     fn refuse_foreign(&self, names: &[&str]) -> Result<(), Error> {
         let unless = |names_it: bool, option: Option<&'static str>| option.filter(|_| !names_it);
         let (disc, cdf) = (names.contains(&"adaptive-disc"), names.contains(&"cascade-cdf"));
+        let square = names.contains(&"half-vector");
         let foreign = unless(disc, self.disc_only())
             .or(unless(cdf, self.cdf_only()))
-            .or(unless(disc || cdf, self.tables_only()));
+            .or(unless(square, self.square_only()))
+            .or(unless(disc || cdf, self.thesis_only()))
+            .or(unless(disc || cdf || square, self.tables_only()));
         match foreign {
             Some(option) => Err(Error::argument(
                 format!("{option} is no setting of {}", names.join(" or ")),
@@ -104,28 +141,46 @@ impl SamplerArgs {
         }
     }
 
-    /// The samplers called `names`, or all of them: cosine, the adaptive disc, and the cascade CDF whole and compressed.
+    /// The samplers called `names`, or all of them: the half-vector table in each of `sizes` unless told which, cosine, the
+    /// adaptive disc, and the cascade CDF whole and compressed.
     ///
     /// # Errors
     /// As [`Self::spec`].
-    pub fn specs(&self, names: &[String]) -> Result<Vec<SamplerSpec>, Error> {
+    pub fn specs(&self, names: &[String], sizes: &[&str]) -> Result<Vec<SamplerSpec>, Error> {
         if !names.is_empty() {
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             self.refuse_foreign(&names)?;
             return Ok(names.iter().map(|n| self.lenient(n)).collect());
         }
         let whole = Self { uncompressed: true, ..self.clone() };
-        let mut specs =
-            vec![SamplerSpec::Cosine, self.lenient("adaptive-disc"), whole.lenient("cascade-cdf")];
+        let mut specs = self.half_vectors(sizes);
+        specs.extend([SamplerSpec::Cosine, self.lenient("adaptive-disc"), whole.lenient("cascade-cdf")]);
         if !self.uncompressed {
             specs.push(self.lenient("cascade-cdf"));
         }
         Ok(specs)
     }
 
+    /// The half-vector table in the size given, or else in each of `sizes`; those that come out the same once.
+    fn half_vectors(&self, sizes: &[&str]) -> Vec<SamplerSpec> {
+        if self.table_size.is_some() {
+            return vec![self.lenient("half-vector")];
+        }
+        let of_size = |size: &&str| {
+            Self { table_size: Some(preset_called(size)), ..self.clone() }.lenient("half-vector")
+        };
+        let mut specs: Vec<SamplerSpec> = sizes.iter().map(of_size).collect();
+        specs.dedup();
+        specs
+    }
+
     /// The first setting given, by its option.
     pub fn first_given(&self) -> Option<&'static str> {
-        self.disc_only().or(self.cdf_only()).or(self.tables_only())
+        self.disc_only()
+            .or(self.cdf_only())
+            .or(self.square_only())
+            .or(self.thesis_only())
+            .or(self.tables_only())
     }
 
     fn disc(&self) -> AdaptiveDiscSettings {
@@ -170,6 +225,17 @@ impl SamplerArgs {
         }
     }
 
+    fn half_vector(&self) -> HalfVectorSettings {
+        let d = self.table_size.unwrap_or_default();
+        HalfVectorSettings {
+            tables: self.tables.unwrap_or(d.tables),
+            rows: self.rows.unwrap_or(d.rows),
+            segments: self.segments.unwrap_or(d.segments),
+            fold: self.fold || (d.fold && !self.no_fold),
+            importance: self.importance.unwrap_or(d.importance),
+        }
+    }
+
     /// The first option given that only the adaptive disc has.
     fn disc_only(&self) -> Option<&'static str> {
         given(&[
@@ -193,15 +259,29 @@ impl SamplerArgs {
         ])
     }
 
-    /// The first option given that only samplers with tables have.
-    fn tables_only(&self) -> Option<&'static str> {
+    /// The first option given that only the half-vector table has.
+    fn square_only(&self) -> Option<&'static str> {
+        given(&[
+            (self.table_size.is_some(), "--table-size"),
+            (self.rows.is_some(), "--rows"),
+            (self.segments.is_some(), "--segments"),
+            (self.fold, "--fold"),
+            (self.no_fold, "--no-fold"),
+        ])
+    }
+
+    /// The first option given that only the thesis's two samplers have.
+    fn thesis_only(&self) -> Option<&'static str> {
         given(&[
             (self.as_published, "--as-published"),
-            (self.tables.is_some(), "--tables"),
             (self.choice.is_some(), "--choice"),
             (self.floor.is_some(), "--floor"),
-            (self.importance.is_some(), "--importance"),
         ])
+    }
+
+    /// The first option given that only samplers with tables have.
+    fn tables_only(&self) -> Option<&'static str> {
+        given(&[(self.tables.is_some(), "--tables"), (self.importance.is_some(), "--importance")])
     }
 }
 

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use crate::sampler_args::SamplerArgs;
+use crate::sampler_args::{DEFAULT, SamplerArgs};
 use crate::{args, output};
 
 /// Build samplers and store them as files
@@ -25,7 +25,7 @@ pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
     /// Sampler to build
-    #[arg(long, value_name = "NAME", value_parser = ["adaptive-disc", "cascade-cdf"])]
+    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = [DEFAULT, "adaptive-disc", "cascade-cdf"])]
     sampler: String,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]

@@ -10,7 +10,7 @@ use merlkit::report::{CheckResult, Sheet, write_json};
 use crate::failure::Outcome;
 use crate::output::{self, Destination};
 use crate::progress::Progress;
-use crate::sampler_args::{SAMPLERS, SamplerArgs};
+use crate::sampler_args::{COMPARED, SAMPLERS, SamplerArgs};
 use crate::{args, table};
 
 /// Prove that samplers are right: densities, draws and estimates
@@ -23,7 +23,8 @@ use crate::{args, table};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
-    /// Sampler to check; may be repeated [default: all, the cascade CDF both whole and compressed]
+    /// Sampler to check; may be repeated [default: all, the half-vector table at 2KB, 64KB and 1MB,
+    /// the cascade CDF both whole and compressed]
     #[arg(long = "sampler", value_name = "NAME", value_parser = SAMPLERS)]
     samplers: Vec<String>,
     /// What the table says between its samples
@@ -59,7 +60,7 @@ pub fn run(args: &Args) -> Outcome {
         return Err(merlkit::Error::argument(what, fix).into());
     }
     let materials = args.materials.resolve()?;
-    let specs = args.settings.specs(&args.samplers)?;
+    let specs = args.settings.specs(&args.samplers, &COMPARED)?;
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {
         destination.check(overwrite)?;

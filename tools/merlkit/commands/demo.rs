@@ -69,8 +69,8 @@ pub fn run(args: &Args) -> Outcome {
 
 /// Each sampler and the files of its picture.
 fn samplers(folder: &Path) -> Result<Vec<(SamplerSpec, Files)>, Error> {
-    let names = ["cosine", "adaptive-disc", "cascade-cdf-whole", "cascade-cdf-compressed"];
-    let specs = SamplerArgs::default().specs(&[])?;
+    let names = ["half-vector", "cosine", "adaptive-disc", "cascade-cdf-whole", "cascade-cdf-compressed"];
+    let specs = SamplerArgs::default().specs(&[], &["64KB"])?;
     Ok(specs
         .into_iter()
         .zip(names)

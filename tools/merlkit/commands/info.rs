@@ -1,24 +1,30 @@
 //! `merlkit info`
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
+use merlkit::Error;
 use merlkit::brdf::{LookupRule, Measured};
 use merlkit::measure::facts;
 use merlkit::merl::{Material, Source};
-use merlkit::report::{Info, write_json};
+use merlkit::report::{Info, Sheet, write_json};
+use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
+use serde::Serialize;
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::output::{self, Destination};
 use crate::progress::Progress;
 use crate::{args, table};
 
 /// Print what a material's table holds: size, gaps, range, directional albedo, symmetry
+///
+/// Of a sampler file: which sampler, with which settings, of which material.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or names of embedded materials
-    #[arg(required = true, value_name = "MATERIAL")]
-    materials: Vec<String>,
+    /// Paths to MERL binaries or sampler files, or names of embedded materials
+    #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
+    sources: Vec<String>,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
@@ -31,15 +37,15 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let materials = args::resolve(&args.materials)?;
+    let subjects = args.sources.iter().map(|s| Subject::of(s)).collect::<Result<Vec<_>, _>>()?;
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {
         destination.check(overwrite)?;
     }
-    let progress = Progress::new("measuring", materials.len());
+    let progress = Progress::new("measuring", subjects.len());
     let mut results = Vec::new();
-    for material in &materials {
-        let info = measure(material, args.lookup)?;
+    for subject in subjects {
+        let info = subject.describe(args.lookup)?;
         if args.json != Some(Destination::Stdout) {
             progress.aside(|| output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet()))))?;
         }
@@ -52,7 +58,80 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Failure> {
+/// What an argument names.
+enum Subject {
+    Material(Material),
+    Sampler(SamplerDescription),
+}
+
+impl Subject {
+    fn of(argument: &str) -> Result<Self, Error> {
+        let path = Path::new(argument);
+        if path.is_file() && looks_like_sampler_file(path) {
+            return Ok(Self::Sampler(SamplerDescription::read(path)?));
+        }
+        Material::resolve(argument).map(Self::Material)
+    }
+
+    fn describe(self, lookup: LookupRule) -> Result<Description, Error> {
+        match self {
+            Self::Material(material) => measure(&material, lookup).map(Description::Material),
+            Self::Sampler(sampler) => Ok(Description::Sampler(sampler)),
+        }
+    }
+}
+
+/// What is printed of an argument.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Description {
+    Material(Info),
+    Sampler(SamplerDescription),
+}
+
+impl Description {
+    fn sheet(&self) -> Sheet {
+        match self {
+            Self::Material(info) => info.sheet(),
+            Self::Sampler(sampler) => sampler.sheet(),
+        }
+    }
+}
+
+/// A sampler file and what it says of itself.
+#[derive(Serialize)]
+struct SamplerDescription {
+    sampler_file: String,
+    file_bytes: u64,
+    #[serde(flatten)]
+    record: Record,
+}
+
+impl SamplerDescription {
+    fn read(path: &Path) -> Result<Self, Error> {
+        let file_bytes = path.metadata().map_err(|e| Error::io(path, "read", e))?.len();
+        let record = SamplerFile::open(path)?.record().clone();
+        Ok(Self { sampler_file: path.display().to_string(), file_bytes, record })
+    }
+
+    fn sheet(&self) -> Sheet {
+        let mut sheet = Sheet::new(&["sampler file", &self.sampler_file]);
+        let source = self.record.path.as_deref().unwrap_or("embedded");
+        for (name, value) in [
+            ("sampler", self.record.spec.label()),
+            ("material", format!("{} ({source})", self.record.material)),
+            ("lookup", self.record.lookup.name().to_owned()),
+            ("bytes", self.file_bytes.to_string()),
+            ("layout version", self.record.version.to_string()),
+            ("SHA-256 of the material", self.record.source_sha256.clone()),
+        ] {
+            sheet.push(vec![name.to_owned(), value]);
+        }
+        sheet
+    }
+}
+
+fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Error> {
     let brdf = Measured::new(Arc::new(material.load()?), lookup);
     let source = match material.source() {
         Source::File(path) => path.display().to_string(),

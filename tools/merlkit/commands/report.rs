@@ -10,7 +10,7 @@ use merlkit::report::{SamplerReport, thesis_legend, write_json};
 use crate::failure::Outcome;
 use crate::output::{self, Destination};
 use crate::progress::Progress;
-use crate::sampler_args::{SAMPLERS, SamplerArgs};
+use crate::sampler_args::{COMPARED, SAMPLERS, SamplerArgs};
 use crate::{args, table};
 
 /// Measure memory, time and accuracy of samplers, with the thesis's figures beside them
@@ -22,7 +22,8 @@ use crate::{args, table};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
-    /// Sampler to measure; may be repeated [default: all, the cascade CDF both whole and compressed]
+    /// Sampler to measure; may be repeated [default: all, the half-vector table at 2KB, 64KB and
+    /// 1MB, the cascade CDF both whole and compressed]
     #[arg(long = "sampler", value_name = "NAME", value_parser = SAMPLERS)]
     samplers: Vec<String>,
     /// What the table says between its samples
@@ -60,7 +61,7 @@ fn refuse_meaningless(args: &Args) -> Result<(), Error> {
 
 pub fn run(args: &Args) -> Outcome {
     let materials = args.materials.resolve()?;
-    let specs = args.settings.specs(&args.samplers)?;
+    let specs = args.settings.specs(&args.samplers, &COMPARED)?;
     let overwrite = output::overwrite(args.force);
     let destinations = [&args.json, &args.csv];
     refuse_meaningless(args)?;

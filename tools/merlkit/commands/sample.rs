@@ -15,7 +15,7 @@ use merlkit::sampler::store::{SamplerFile, looks_like_sampler_file};
 use merlkit::sampler::{DirectionSample, DirectionSampler, Sampler};
 
 use crate::failure::Outcome;
-use crate::sampler_args::{SAMPLERS, SamplerArgs};
+use crate::sampler_args::{DEFAULT, SAMPLERS, SamplerArgs};
 use crate::{args, output};
 
 /// Draw directions and print them with density and value
@@ -28,7 +28,7 @@ pub struct Args {
     /// Path to a MERL binary or a sampler file, or name of an embedded material
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]
     source: String,
-    /// Sampler to build [default: adaptive-disc; a sampler file brings its own]
+    /// Sampler to build [default: half-vector; a sampler file brings its own]
     #[arg(long, value_name = "NAME", value_parser = SAMPLERS)]
     sampler: Option<String>,
     /// Material of a sampler file [default: the one it names]
@@ -55,6 +55,9 @@ pub struct Args {
     /// Write a FIT point cloud: only draws that succeeded, with mean RGB as the value
     #[arg(long)]
     fit: bool,
+    /// Begin each line with what it was drawn from, wo_x,wo_y,wo_z,u_x,u_y, to compare another implementation
+    #[arg(long, conflicts_with = "fit")]
+    with_points: bool,
     #[command(flatten)]
     settings: SamplerArgs,
 }
@@ -73,7 +76,7 @@ pub fn run(args: &Args) -> Outcome {
     };
     output::stdout(|out| match args.fit {
         true => write_fit(out, &name, (args.theta, args.phi), &draws, &sampler, &brdf),
-        false => write_csv(out, &draws, &sampler, &brdf),
+        false => write_csv(out, &draws, &sampler, &brdf, args.with_points),
     })?;
     Ok(ExitCode::SUCCESS)
 }
@@ -104,7 +107,7 @@ fn load(args: &Args) -> Result<(String, Sampler, Arc<Measured>), Error> {
         return Err(Error::argument("--material goes with a sampler file", "leave it out"));
     }
     let material = Material::resolve(&args.source)?;
-    let spec = args.settings.spec(args.sampler.as_deref().unwrap_or("adaptive-disc"))?;
+    let spec = args.settings.spec(args.sampler.as_deref().unwrap_or(DEFAULT))?;
     let brdf = Arc::new(Measured::new(Arc::new(material.load()?), args.lookup.unwrap_or_default()));
     Ok((material.name().into(), spec.build(&brdf)?, brdf))
 }
@@ -117,17 +120,29 @@ struct Draws {
 }
 
 impl Draws {
-    fn iter(&self, sampler: &Sampler) -> impl Iterator<Item = Option<DirectionSample>> {
+    /// Points and what they are mapped to.
+    fn iter(&self, sampler: &Sampler) -> impl Iterator<Item = (Vec2, Option<DirectionSample>)> {
         (0..self.count).map(move |i| {
             let u: Vec2 = self.points.point(self.seed, i, 0);
-            sampler.sample(self.wo, u)
+            (u, sampler.sample(self.wo, u))
         })
     }
 }
 
-fn write_csv(out: &mut dyn Write, draws: &Draws, sampler: &Sampler, brdf: &Measured) -> io::Result<()> {
-    writeln!(out, "wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b")?;
-    for draw in draws.iter(sampler) {
+fn write_csv(
+    out: &mut dyn Write,
+    draws: &Draws,
+    sampler: &Sampler,
+    brdf: &Measured,
+    with_points: bool,
+) -> io::Result<()> {
+    let points = if with_points { "wo_x,wo_y,wo_z,u_x,u_y," } else { "" };
+    writeln!(out, "{points}wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b")?;
+    for (u, draw) in draws.iter(sampler) {
+        if with_points {
+            let wo = draws.wo;
+            write!(out, "{:?},{:?},{:?},{:?},{:?},", wo.x, wo.y, wo.z, u.x, u.y)?;
+        }
         let Some(DirectionSample { wi, pdf }) = draw else {
             writeln!(out, "0,0,0,0,0,0,0")?;
             continue;
@@ -148,7 +163,7 @@ fn write_fit(
     brdf: &Measured,
 ) -> io::Result<()> {
     writeln!(out, "measured \"{name}\"\nviewer ({theta}, {phi})\nbegin")?;
-    for DirectionSample { wi, .. } in draws.iter(sampler).flatten() {
+    for DirectionSample { wi, .. } in draws.iter(sampler).filter_map(|(_, draw)| draw) {
         writeln!(out, "  ({},{},{}) {}", wi.x, wi.y, wi.z, color::mean(brdf.eval(draws.wo, wi)))?;
     }
     writeln!(out, "end")
