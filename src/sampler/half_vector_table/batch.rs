@@ -5,13 +5,26 @@
 use glam::{Vec2, Vec3};
 
 use super::square::Place;
+use super::tables::{Blend, Mixed, Mixture};
 use super::{About, Choice, Found};
 use crate::sampler::DirectionSample;
 
 /// Draws that go through the stages together: their arrays fit the fastest cache.
 const LANES: usize = 64;
 
-pub(super) fn sample(about: &About, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
+/// Draws that pay for mixing the tables beforehand.
+const MANY: usize = 256;
+
+/// A draw from each of `points`.
+pub(super) fn sample(about: &About<Blend>, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
+    if points.len() < MANY {
+        return in_stages(about, points);
+    }
+    let About { table, square, per_segment, unit, .. } = *about;
+    in_stages(&About { table, square, blend: Mixed::new(&about.blend), per_segment, unit }, points)
+}
+
+fn in_stages<M: Mixture>(about: &About<M>, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
     let mut samples = Vec::with_capacity(points.len());
     for points in points.chunks(LANES) {
         let mut choices = [Choice::default(); LANES];

@@ -23,7 +23,7 @@ use crate::brdf::{Brdf, Importance};
 use crate::geom::is_upper;
 use crate::{Error, Result};
 use square::{PARTS, Place, Square};
-use tables::{Blend, Row, Segment, below_on_slope, find_in, find_on_slope};
+use tables::{Blend, Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
 
 pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS};
 pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Stored, Tables};
@@ -158,7 +158,7 @@ impl HalfVectorTable {
 
     /// What depends on `wo` alone.
     #[inline]
-    fn about(&self, wo: Vec3) -> About<'_> {
+    fn about(&self, wo: Vec3) -> About<'_, Blend<'_>> {
         let square = Square::about(wo);
         let blend = self.tables.at(square.cos_o());
         let (segments, unit) = blend.scale();
@@ -167,11 +167,12 @@ impl HalfVectorTable {
     }
 }
 
-/// The table about one `wo`.
-struct About<'a> {
+/// The table about one `wo`. Mixing its tables beforehand halves the time of a draw and takes as long as some hundred (`cargo
+/// bench --bench sample`): for large batches.
+struct About<'a, M> {
     table: &'a HalfVectorTable,
     square: Square,
-    blend: Blend<'a>,
+    blend: M,
     per_segment: f32,
     /// Unit of densities at nodes, per unit of the azimuth's share.
     unit: f32,
@@ -204,7 +205,7 @@ struct Found {
     share: f32,
 }
 
-impl About<'_> {
+impl<M: Mixture> About<'_, M> {
     /// Where a row begins, and its width, in caps.
     #[inline(always)]
     fn span(&self, row: usize) -> (f32, f32) {

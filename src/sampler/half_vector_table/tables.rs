@@ -90,6 +90,12 @@ pub struct Row {
 }
 
 impl Row {
+    /// Probability below its end, in units of a blend.
+    #[inline(always)]
+    fn end(&self) -> u32 {
+        self.below + self.mass
+    }
+
     /// Its probability.
     #[inline(always)]
     pub fn mass(&self) -> f32 {
@@ -103,7 +109,7 @@ impl Row {
 }
 
 /// A segment between two nodes, and a probability within it, all in units of a blend.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Segment {
     /// Which.
     pub index: f32,
@@ -195,43 +201,28 @@ impl Blend<'_> {
         self.both(&tables.stored.nodes, tables.row_count(), row, tables.stored.width)
     }
 
-    /// The row in which the probability passes `u` in [0, 1), and the share of it below `u`, in [0, 1].
-    #[inline]
-    pub fn find_row(&self, u: f32) -> (Row, f32) {
+    #[inline(always)]
+    fn row_index(&self, target: u32) -> usize {
         let n = self.tables.row_count();
         let (first, second) = self.both(&self.tables.stored.rows, 1, 0, n);
-        let target = (f64::from(u) * ROW_TOTAL) as u32;
         let passed = |i: usize| usize::from(self.mix(first[i], second[i]) <= target);
         // Two counts of independent comparisons are sooner done than a search whose steps wait for each other.
         let coarse = (1..=(n - 1) / STRIDE).map(|k| passed(k * STRIDE - 1)).sum::<usize>() * STRIDE;
-        let index = coarse + (coarse..(coarse + STRIDE - 1).min(n - 1)).map(passed).sum::<usize>();
-        let row = self.row(index);
-        (row, (target.saturating_sub(row.below) as f32 / row.mass as f32).min(1.0))
+        coarse + (coarse..(coarse + STRIDE - 1).min(n - 1)).map(passed).sum::<usize>()
     }
 
-    /// Row `index`.
-    #[inline]
-    pub fn row(&self, index: usize) -> Row {
+    #[inline(always)]
+    fn row_between(&self, index: usize) -> Row {
         let (first, second) = self.both(&self.tables.stored.rows, 1, 0, self.tables.row_count());
         let to = |i: usize| self.mix(first[i], second[i]);
         let below = if index == 0 { 0 } else { to(index - 1) };
         Row { index, below, mass: to(index) - below }
     }
 
-    /// Slope of the density over a row, in (−1, 1).
-    #[inline]
-    pub fn slope(&self, row: usize) -> f32 {
-        let (first, second) = self.both(&self.tables.stored.slopes, self.tables.row_count(), row, 1);
-        let (first, second) = (i32::from(first[0]), i32::from(second[0]));
-        let mixed = first * (SHARES - self.share) as i32 + second * self.share as i32;
-        mixed as f32 * (SLOPE_UNIT / SHARES as f32)
-    }
-
-    /// The segment of a row in which the azimuth's probability passes `u` in [0, 1], and what is left of it within.
-    #[inline]
-    pub fn find_segment(&self, row: usize, u: f32) -> (Segment, f32) {
+    /// The segment of a row in which the sum passes `target`, and the sum below it.
+    #[inline(always)]
+    fn segment_index(&self, row: usize, target: u32) -> (usize, u32) {
         let (first, second) = self.nodes(row);
-        let target = (f64::from(u) * NODE_TOTAL) as u32;
         let (block, mut below) = self.find_block(row, target);
         let mut index = block * BLOCK;
         let (mut low, mut sum) = (self.mix(first[index], second[index]), below);
@@ -245,7 +236,7 @@ impl Blend<'_> {
             index += usize::from(passed);
             below = if passed { sum } else { below };
         }
-        (self.segment(row, index), target.saturating_sub(below) as f32)
+        (index, below)
     }
 
     /// The block in which the sum passes `target`, and the sum below it.
@@ -263,37 +254,187 @@ impl Blend<'_> {
         (block, below)
     }
 
-    /// Segment `index` of a row.
+    /// Segments a row, and the unit that makes densities at nodes 1 on average over [0, 1].
     #[inline]
-    fn segment(&self, row: usize, index: usize) -> Segment {
-        let (first, second) = self.nodes(row);
-        let [low, high] = [index, index + 1].map(|i| self.mix(first[i], second[i]) as f32);
-        Segment { index: index as f32, low, high }
+    pub fn scale(&self) -> (f32, f32) {
+        let segments = (self.tables.stored.width - 1) as f32;
+        (segments, 2.0 * segments * NODE_UNIT)
+    }
+}
+
+/// What draws and densities ask of the mixture of two tables, mixed at every question or beforehand: the same bits.
+pub trait Mixture {
+    /// Segments of a row.
+    fn segments(&self) -> usize;
+    /// The row in which the probability passes `target`, in units of a blend.
+    fn index_of(&self, target: u32) -> usize;
+    /// Row `index`.
+    fn row(&self, index: usize) -> Row;
+    /// Slope of the density over a row, in (−1, 1).
+    fn slope(&self, row: usize) -> f32;
+    /// The segment of a row in which the sum passes `target`, and the sum below it, in units of a blend.
+    fn segment_of(&self, row: usize, target: u32) -> (usize, u32);
+    /// Segment `index` of a row.
+    fn segment(&self, row: usize, index: usize) -> Segment;
+
+    /// The row in which the probability passes `u` in [0, 1), and the share of it below `u`, in [0, 1].
+    #[inline(always)]
+    fn find_row(&self, u: f32) -> (Row, f32) {
+        let target = (f64::from(u) * ROW_TOTAL) as u32;
+        let row = self.row(self.index_of(target));
+        (row, (target.saturating_sub(row.below) as f32 / row.mass as f32).min(1.0))
+    }
+
+    /// The segment of a row in which the azimuth's probability passes `u` in [0, 1], and what is left of it within.
+    #[inline(always)]
+    fn find_segment(&self, row: usize, u: f32) -> (Segment, f32) {
+        let target = (f64::from(u) * NODE_TOTAL) as u32;
+        let (index, below) = self.segment_of(row, target);
+        (self.segment(row, index), target.saturating_sub(below) as f32)
     }
 
     /// The segment at `y` in [0, 1] of a row's azimuth, and the position within it.
-    #[inline]
-    pub fn segment_at(&self, row: usize, y: f32) -> (Segment, f32) {
-        let segments = self.tables.stored.width - 1;
-        let at = y * segments as f32;
-        let index = (at as usize).min(segments - 1);
+    #[inline(always)]
+    fn segment_at(&self, row: usize, y: f32) -> (Segment, f32) {
+        let at = y * self.segments() as f32;
+        let index = (at as usize).min(self.segments() - 1);
         (self.segment(row, index), at - index as f32)
     }
 
     /// Probability of a row's azimuths below `y`: the inverse of [`Self::find_segment`] and [`find_in`].
-    pub fn azimuth_below(&self, row: usize, y: f32) -> f64 {
+    fn azimuth_below(&self, row: usize, y: f32) -> f64 {
         let (here, share) = self.segment_at(row, y);
         let (low, high, share) = (f64::from(here.low), f64::from(here.high), f64::from(share));
         let before = (0..here.index as usize).map(|i| self.segment(row, i));
         let below: f64 = before.map(|s| f64::from(s.low) + f64::from(s.high)).sum();
         (below + share * (2.0 * low + (high - low) * share)) / NODE_TOTAL
     }
+}
 
-    /// Segments a row, and the unit that makes densities at nodes 1 on average over [0, 1].
-    #[inline]
-    pub fn scale(&self) -> (f32, f32) {
-        let segments = (self.tables.stored.width - 1) as f32;
-        (segments, 2.0 * segments * NODE_UNIT)
+impl Mixture for Blend<'_> {
+    #[inline(always)]
+    fn segments(&self) -> usize {
+        self.tables.stored.width - 1
+    }
+
+    #[inline(always)]
+    fn index_of(&self, target: u32) -> usize {
+        self.row_index(target)
+    }
+
+    #[inline(always)]
+    fn row(&self, index: usize) -> Row {
+        self.row_between(index)
+    }
+
+    #[inline(always)]
+    fn slope(&self, row: usize) -> f32 {
+        let (first, second) = self.both(&self.tables.stored.slopes, self.tables.row_count(), row, 1);
+        let (first, second) = (i32::from(first[0]), i32::from(second[0]));
+        let mixed = first * (SHARES - self.share) as i32 + second * self.share as i32;
+        mixed as f32 * (SLOPE_UNIT / SHARES as f32)
+    }
+
+    #[inline(always)]
+    fn segment_of(&self, row: usize, target: u32) -> (usize, u32) {
+        self.segment_index(row, target)
+    }
+
+    #[inline(always)]
+    fn segment(&self, row: usize, index: usize) -> Segment {
+        let (first, second) = self.nodes(row);
+        let [low, high] = [index, index + 1].map(|i| self.mix(first[i], second[i]) as f32);
+        Segment { index: index as f32, low, high }
+    }
+}
+
+/// A blend mixed beforehand: for many draws about one `wo`.
+#[derive(Clone, Debug)]
+pub struct Mixed {
+    segments: usize,
+    /// The first row that the guide's cell can mean.
+    guide: [u8; GUIDE],
+    rows: Vec<Row>,
+    slopes: Vec<f32>,
+    /// `[row, node]`.
+    nodes: Vec<f32>,
+    /// `[row, segment]`: sums up to and with each.
+    sums: Vec<u32>,
+}
+
+/// Cells of the guide; a power of two.
+const GUIDE: usize = 256;
+const GUIDE_SHIFT: u32 = u32::BITS - GUIDE.trailing_zeros();
+
+impl Mixed {
+    /// Mixes all of a blend.
+    pub fn new(blend: &Blend) -> Self {
+        let (n, segments) = (blend.tables.row_count(), blend.segments());
+        let rows: Vec<Row> = (0..n).map(|i| blend.row(i)).collect();
+        let (mut nodes, mut sums) =
+            (Vec::with_capacity(n * (segments + 1)), Vec::with_capacity(n * segments));
+        for row in 0..n {
+            let (first, second) = blend.nodes(row);
+            let (mut sum, mut last) = (0, None);
+            for (&a, &b) in first.iter().zip(second) {
+                let node = blend.mix(a, b);
+                nodes.push(node as f32);
+                if let Some(last) = last.replace(node) {
+                    sum += last + node;
+                    sums.push(sum);
+                }
+            }
+        }
+        let mut guide = [0; GUIDE];
+        let mut row = 0;
+        for (cell, first) in guide.iter_mut().enumerate() {
+            let target = (cell as u32) << GUIDE_SHIFT;
+            while row + 1 < n && rows[row].end() <= target {
+                row += 1;
+            }
+            *first = row as u8;
+        }
+        Self { segments, guide, slopes: (0..n).map(|i| blend.slope(i)).collect(), rows, nodes, sums }
+    }
+}
+
+impl Mixture for Mixed {
+    #[inline(always)]
+    fn segments(&self) -> usize {
+        self.segments
+    }
+
+    #[inline(always)]
+    fn index_of(&self, target: u32) -> usize {
+        let mut row = usize::from(self.guide[(target >> GUIDE_SHIFT) as usize]);
+        while row + 1 < self.rows.len() && self.rows[row].end() <= target {
+            row += 1;
+        }
+        row
+    }
+
+    #[inline(always)]
+    fn row(&self, index: usize) -> Row {
+        self.rows[index]
+    }
+
+    #[inline(always)]
+    fn slope(&self, row: usize) -> f32 {
+        self.slopes[row]
+    }
+
+    #[inline(always)]
+    fn segment_of(&self, row: usize, target: u32) -> (usize, u32) {
+        let sums = &self.sums[row * self.segments..][..self.segments];
+        let passed = |sum: &u32| u32::from(*sum <= target);
+        let index = sums[..self.segments - 1].iter().map(passed).sum::<u32>() as usize;
+        (index, if index > 0 { sums[index - 1] } else { 0 })
+    }
+
+    #[inline(always)]
+    fn segment(&self, row: usize, index: usize) -> Segment {
+        let nodes = &self.nodes[row * (self.segments + 1) + index..][..2];
+        Segment { index: index as f32, low: nodes[0], high: nodes[1] }
     }
 }
 
@@ -437,6 +578,23 @@ mod tests {
                 let slope = blend.slope(row.index);
                 let back = below_on_slope(slope, find_on_slope(slope, u));
                 assert!((back - f64::from(u)).abs() < 1e-6, "{slope} {u}: {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn mixing_beforehand_changes_no_bit() {
+        let tables = example();
+        for cos_o in [1.0, 0.77, 0.3, 0.01] {
+            let blend = tables.at(cos_o);
+            let mixed = Mixed::new(&blend);
+            for i in 0..2000 {
+                let u = if i == 1999 { 1f32.next_down() } else { i as f32 / 2000.0 };
+                let ((a, x), (b, y)) = (blend.find_row(u), mixed.find_row(u));
+                assert_eq!((a.index, a.below, a.mass, x), (b.index, b.below, b.mass, y), "{u}");
+                assert_eq!(blend.slope(a.index), mixed.slope(a.index));
+                assert_eq!(blend.find_segment(i % 11, u), mixed.find_segment(i % 11, u), "{u}");
+                assert_eq!(blend.segment_at(i % 11, u), mixed.segment_at(i % 11, u), "{u}");
             }
         }
     }
