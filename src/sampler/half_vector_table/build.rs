@@ -12,9 +12,9 @@ use crate::color::Rgb;
 use crate::geom::spherical;
 
 /// Points a part over its cap. Each is turned by its share of a column, so that together they resolve the azimuth finer.
-const CAP_POINTS: usize = 4;
+const CAP_POINTS: usize = 3;
 /// Least number of columns that the azimuth is tabulated in; some to a segment of the tables.
-const COLUMNS: usize = 64;
+const COLUMNS: usize = 48;
 /// Share of every table that follows the cosine: what a table sees nothing of, its neighbours in angle may still show.
 const COSINE_SHARE: f64 = 1e-4;
 
@@ -22,6 +22,8 @@ const COSINE_SHARE: f64 = 1e-4;
 pub(super) struct Tabulated {
     /// `[part, column]`; > 0.
     pub mass: Array2<f64>,
+    /// Sums of the parts.
+    pub part: Vec<f64>,
     /// Mean position of each part's mass on its cap, 0 to 1.
     pub centre: Vec<f64>,
     /// Widths of the parts in caps.
@@ -138,8 +140,9 @@ fn blend(f: Sums, cosine: Sums, width: Vec<f64>) -> Tabulated {
     };
     let first = f.first.iter().zip(&cosine.first).map(|(f, c)| f * of_f + c * of_cosine);
     let mass = f.mass * of_f + cosine.mass * of_cosine;
-    let centre = first.zip(mass.axis_iter(Axis(0))).map(|(first, row)| first / row.sum()).collect();
-    Tabulated { mass, centre, width }
+    let part = mass.sum_axis(Axis(1)).to_vec();
+    let centre = first.zip(&part).map(|(first, sum)| first / sum).collect();
+    Tabulated { mass, part, centre, width }
 }
 
 /// A row before it is quantised.
@@ -168,7 +171,7 @@ impl Row {
 pub(super) fn slope_of(tabulated: &Tabulated, parts: std::ops::Range<usize>) -> f64 {
     let (mut mass, mut first, mut start) = (0.0, 0.0, 0.0);
     for part in parts {
-        let m = tabulated.mass.row(part).sum();
+        let m = tabulated.part[part];
         first += m * (start + tabulated.centre[part] * tabulated.width[part]);
         start += tabulated.width[part];
         mass += m;

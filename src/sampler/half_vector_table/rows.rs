@@ -1,7 +1,5 @@
 //! Which parts of the square share a row: the choice that adds least variance, by dynamic programming.
 
-use ndarray::Array2;
-
 use super::build::{Tabulated, slope_of};
 use super::square::{MERL_PARTS, PARTS};
 
@@ -44,40 +42,33 @@ pub(super) fn choose(tables: &[Tabulated], count: usize) -> Vec<usize> {
 /// A tabulation in few columns.
 struct Coarse<'a> {
     tabulated: &'a Tabulated,
-    mass: Array2<f64>,
+    /// Masses of each part's columns.
+    mass: Vec<[f64; COLUMNS]>,
 }
 
 impl<'a> Coarse<'a> {
     fn of(tabulated: &'a Tabulated) -> Self {
-        let mut mass = Array2::zeros((PARTS, COLUMNS));
+        let mut mass = vec![[0.0; COLUMNS]; PARTS];
         let columns = tabulated.mass.ncols();
         for ((part, column), m) in tabulated.mass.indexed_iter() {
-            mass[[part, column * COLUMNS / columns]] += m;
+            mass[part][column * COLUMNS / columns] += m;
         }
         Self { tabulated, mass }
     }
 
     /// ∫ f²/p over a row of parts, less its mass, which is what p = f would give.
     fn cost(&self, start: usize, stop: usize) -> f64 {
-        let mut columns = [0.0; COLUMNS];
-        for part in start..stop {
-            columns.iter_mut().zip(self.mass.row(part)).for_each(|(c, m)| *c += m);
-        }
-        let mass: f64 = columns.iter().sum();
-        let width: f64 = self.tabulated.width[start..stop].iter().sum();
+        let (mass, width) = (&self.mass[start..stop], &self.tabulated.width[start..stop]);
+        let columns = mass.iter().fold([0.0; COLUMNS], |sum, m| std::array::from_fn(|c| sum[c] + m[c]));
+        let inverse = columns.map(|c| if c > 0.0 { 1.0 / c } else { 0.0 });
+        let per_width = 1.0 / width.iter().sum::<f64>();
         let slope = slope_of(self.tabulated, start..stop).clamp(-0.95, 0.95);
-        let (mut x, mut cost) = (0.0, -mass);
-        for part in start..stop {
-            let step = self.tabulated.width[part] / width;
+        let (mut x, mut cost) = (0.0, -columns.iter().sum::<f64>());
+        for (m, w) in mass.iter().zip(width) {
+            let step = w * per_width;
             let p = step * (1.0 + slope * (2.0 * x + step - 1.0));
             x += step;
-            let shape: f64 = columns
-                .iter()
-                .zip(self.mass.row(part))
-                .filter(|(c, _)| **c > 0.0)
-                .map(|(c, m)| m * m / c)
-                .sum();
-            cost += shape / p;
+            cost += m.iter().zip(&inverse).map(|(m, i)| m * m * i).sum::<f64>() / p;
         }
         cost
     }
@@ -86,12 +77,14 @@ impl<'a> Coarse<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ndarray::{Array2, Axis};
 
     /// A density over the parts, the same at every azimuth.
     fn tabulated(density: impl Fn(usize) -> f64) -> Tabulated {
         let mut mass = Array2::from_shape_fn((PARTS, 16), |(part, _)| density(part));
         mass /= mass.sum();
-        Tabulated { mass, centre: vec![0.5; PARTS], width: vec![1.0; PARTS] }
+        let part = mass.sum_axis(Axis(1)).to_vec();
+        Tabulated { mass, part, centre: vec![0.5; PARTS], width: vec![1.0; PARTS] }
     }
 
     #[test]
