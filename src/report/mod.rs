@@ -7,12 +7,14 @@ mod check;
 mod info;
 mod profile;
 mod sheet;
+mod summary;
 mod thesis;
 
 pub use check::CheckResult;
 pub use info::Info;
 pub use profile::{SamplerReport, thesis_legend};
 pub use sheet::Sheet;
+pub use summary::summary;
 pub use thesis::{ThesisFigures, thesis_figures, thesis_uniform_memory};
 
 use serde::Serialize;

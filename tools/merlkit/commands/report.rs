@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use merlkit::Error;
 use merlkit::brdf::LookupRule;
 use merlkit::measure::profile::{ProfileSettings, profile};
-use merlkit::report::{SamplerReport, thesis_legend, write_json};
+use merlkit::report::{SamplerReport, summary, thesis_legend, write_json};
 
 use crate::failure::Outcome;
 use crate::output::{self, Destination};
@@ -83,6 +83,9 @@ pub fn run(args: &Args) -> Outcome {
         reports.push(report);
     }
     drop(progress);
+    if tables && reports.len() > 1 {
+        output::stdout(|out| writeln!(out, "{}", table::render(&summary(&reports))))?;
+    }
     if tables && reports.iter().any(|r| !r.thesis.is_empty()) {
         output::stdout(|out| writeln!(out, "{}", thesis_legend()))?;
     }
