@@ -4,8 +4,10 @@
 
 use glam::{Vec2, Vec3};
 
+use super::mixed::Mixed;
+use super::mixture::Mixture;
 use super::square::Place;
-use super::tables::{Blend, Mixed, Mixture};
+use super::tables::Blend;
 use super::{About, Choice, Found};
 use crate::sampler::DirectionSample;
 

@@ -3,9 +3,10 @@
 use ndarray::{Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 
+use super::quantise::{quantise_nodes, quantise_rows};
 use super::rows;
 use super::square::{Edge, PARTS, Square};
-use super::tables::{SLOPE_UNIT, STEEPEST, Stored, quantise_nodes, quantise_rows};
+use super::tables::{SLOPE_UNIT, STEEPEST, Stored};
 use super::{HalfVectorSettings, knot_cosines};
 use crate::brdf::Brdf;
 use crate::color::Rgb;

@@ -10,6 +10,9 @@
 
 mod batch;
 mod build;
+mod mixed;
+mod mixture;
+mod quantise;
 mod rows;
 mod square;
 mod tables;
@@ -22,8 +25,9 @@ use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance};
 use crate::geom::is_upper;
 use crate::{Error, Result};
+use mixture::{Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
 use square::{PARTS, Place, Square};
-use tables::{Blend, Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
+use tables::Blend;
 
 pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS};
 pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Stored, Tables};

@@ -3,6 +3,7 @@
 //! Integers make the tables small and the sums exact: a mixture of two normalised tables is normalised to the last bit, and
 //! rising probabilities stay rising.
 
+use super::mixture::{Mixture, NODE_UNIT, Row, Segment};
 use super::square::{Edge, PARTS};
 
 /// Probability 1 of a cumulative table.
@@ -15,13 +16,7 @@ pub const SLOPE_UNIT: f32 = 1.0 / 128.0;
 pub const STEEPEST: i8 = 122;
 
 /// Shares of two tables are in units of 2⁻¹⁶.
-const SHARES: u32 = 1 << 16;
-/// Units of a blend's row probabilities.
-const ROW_TOTAL: f64 = ONE as f64 * SHARES as f64;
-const ROW_UNIT: f32 = (1.0 / ROW_TOTAL) as f32;
-/// Units of a blend's node densities.
-const NODE_TOTAL: f64 = NODE_SUM as f64 * SHARES as f64;
-const NODE_UNIT: f32 = (1.0 / NODE_TOTAL) as f32;
+pub const SHARES: u32 = 1 << 16;
 
 /// What a file holds: one table for each of a few `wo`.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,51 +67,10 @@ pub const fn bytes(tables: usize, rows: usize, segments: usize) -> usize {
 /// Two tables and their shares.
 #[derive(Clone, Copy, Debug)]
 pub struct Blend<'a> {
-    tables: &'a Tables,
+    pub(super) tables: &'a Tables,
     first: usize,
     second: usize,
     share: u32,
-}
-
-/// A row of a blend.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// Which.
-    pub index: usize,
-    /// Probability below it, in units of a blend.
-    below: u32,
-    /// Its own probability.
-    mass: u32,
-}
-
-impl Row {
-    /// Probability below its end, in units of a blend.
-    #[inline(always)]
-    fn end(&self) -> u32 {
-        self.below + self.mass
-    }
-
-    /// Its probability.
-    #[inline(always)]
-    pub fn mass(&self) -> f32 {
-        self.mass as f32 * ROW_UNIT
-    }
-
-    /// Probability below a share of it.
-    pub fn probability(&self, share: f64) -> f64 {
-        (f64::from(self.below) + f64::from(self.mass) * share) / ROW_TOTAL
-    }
-}
-
-/// A segment between two nodes, and a probability within it, all in units of a blend.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Segment {
-    /// Which.
-    pub index: f32,
-    /// Densities at its ends.
-    pub low: f32,
-    /// Densities at its ends.
-    pub high: f32,
 }
 
 impl Tables {
@@ -151,7 +105,7 @@ impl Tables {
 
     /// Number of rows.
     #[inline]
-    fn row_count(&self) -> usize {
+    pub(super) fn row_count(&self) -> usize {
         self.lines.len() - 1
     }
 
@@ -184,7 +138,7 @@ impl Tables {
 impl Blend<'_> {
     /// Exact: both factors fit 32 bits together.
     #[inline(always)]
-    fn mix(&self, first: u16, second: u16) -> u32 {
+    pub(super) fn mix(&self, first: u16, second: u16) -> u32 {
         u32::from(first) * (SHARES - self.share) + u32::from(second) * self.share
     }
 
@@ -196,7 +150,7 @@ impl Blend<'_> {
     }
 
     #[inline(always)]
-    fn nodes(&self, row: usize) -> (&[u16], &[u16]) {
+    pub(super) fn nodes(&self, row: usize) -> (&[u16], &[u16]) {
         let tables = self.tables;
         self.both(&tables.stored.nodes, tables.row_count(), row, tables.stored.width)
     }
@@ -262,55 +216,6 @@ impl Blend<'_> {
     }
 }
 
-/// What draws and densities ask of the mixture of two tables, mixed at every question or beforehand: the same bits.
-pub trait Mixture {
-    /// Segments of a row.
-    fn segments(&self) -> usize;
-    /// The row in which the probability passes `target`, in units of a blend.
-    fn index_of(&self, target: u32) -> usize;
-    /// Row `index`.
-    fn row(&self, index: usize) -> Row;
-    /// Slope of the density over a row, in (−1, 1).
-    fn slope(&self, row: usize) -> f32;
-    /// The segment of a row in which the sum passes `target`, and the sum below it, in units of a blend.
-    fn segment_of(&self, row: usize, target: u32) -> (usize, u32);
-    /// Segment `index` of a row.
-    fn segment(&self, row: usize, index: usize) -> Segment;
-
-    /// The row in which the probability passes `u` in [0, 1), and the share of it below `u`, in [0, 1].
-    #[inline(always)]
-    fn find_row(&self, u: f32) -> (Row, f32) {
-        let target = (f64::from(u) * ROW_TOTAL) as u32;
-        let row = self.row(self.index_of(target));
-        (row, (target.saturating_sub(row.below) as f32 / row.mass as f32).min(1.0))
-    }
-
-    /// The segment of a row in which the azimuth's probability passes `u` in [0, 1], and what is left of it within.
-    #[inline(always)]
-    fn find_segment(&self, row: usize, u: f32) -> (Segment, f32) {
-        let target = (f64::from(u) * NODE_TOTAL) as u32;
-        let (index, below) = self.segment_of(row, target);
-        (self.segment(row, index), target.saturating_sub(below) as f32)
-    }
-
-    /// The segment at `y` in [0, 1] of a row's azimuth, and the position within it.
-    #[inline(always)]
-    fn segment_at(&self, row: usize, y: f32) -> (Segment, f32) {
-        let at = y * self.segments() as f32;
-        let index = (at as usize).min(self.segments() - 1);
-        (self.segment(row, index), at - index as f32)
-    }
-
-    /// Probability of a row's azimuths below `y`: the inverse of [`Self::find_segment`] and [`find_in`].
-    fn azimuth_below(&self, row: usize, y: f32) -> f64 {
-        let (here, share) = self.segment_at(row, y);
-        let (low, high, share) = (f64::from(here.low), f64::from(here.high), f64::from(share));
-        let before = (0..here.index as usize).map(|i| self.segment(row, i));
-        let below: f64 = before.map(|s| f64::from(s.low) + f64::from(s.high)).sum();
-        (below + share * (2.0 * low + (high - low) * share)) / NODE_TOTAL
-    }
-}
-
 impl Mixture for Blend<'_> {
     #[inline(always)]
     fn segments(&self) -> usize {
@@ -348,199 +253,20 @@ impl Mixture for Blend<'_> {
     }
 }
 
-/// A blend mixed beforehand: for many draws about one `wo`.
-#[derive(Clone, Debug)]
-pub struct Mixed {
-    segments: usize,
-    /// The first row that the guide's cell can mean.
-    guide: [u8; GUIDE],
-    rows: Vec<Row>,
-    slopes: Vec<f32>,
-    /// `[row, node]`.
-    nodes: Vec<f32>,
-    /// `[row, segment]`: sums up to and with each.
-    sums: Vec<u32>,
-}
-
-/// Cells of the guide; a power of two.
-const GUIDE: usize = 256;
-const GUIDE_SHIFT: u32 = u32::BITS - GUIDE.trailing_zeros();
-
-impl Mixed {
-    /// Mixes all of a blend.
-    pub fn new(blend: &Blend) -> Self {
-        let (n, segments) = (blend.tables.row_count(), blend.segments());
-        let rows: Vec<Row> = (0..n).map(|i| blend.row(i)).collect();
-        let (mut nodes, mut sums) =
-            (Vec::with_capacity(n * (segments + 1)), Vec::with_capacity(n * segments));
-        for row in 0..n {
-            let (first, second) = blend.nodes(row);
-            let (mut sum, mut last) = (0, None);
-            for (&a, &b) in first.iter().zip(second) {
-                let node = blend.mix(a, b);
-                nodes.push(node as f32);
-                if let Some(last) = last.replace(node) {
-                    sum += last + node;
-                    sums.push(sum);
-                }
-            }
-        }
-        let mut guide = [0; GUIDE];
-        let mut row = 0;
-        for (cell, first) in guide.iter_mut().enumerate() {
-            let target = (cell as u32) << GUIDE_SHIFT;
-            while row + 1 < n && rows[row].end() <= target {
-                row += 1;
-            }
-            *first = row as u8;
-        }
-        Self { segments, guide, slopes: (0..n).map(|i| blend.slope(i)).collect(), rows, nodes, sums }
-    }
-}
-
-impl Mixture for Mixed {
-    #[inline(always)]
-    fn segments(&self) -> usize {
-        self.segments
-    }
-
-    #[inline(always)]
-    fn index_of(&self, target: u32) -> usize {
-        let mut row = usize::from(self.guide[(target >> GUIDE_SHIFT) as usize]);
-        while row + 1 < self.rows.len() && self.rows[row].end() <= target {
-            row += 1;
-        }
-        row
-    }
-
-    #[inline(always)]
-    fn row(&self, index: usize) -> Row {
-        self.rows[index]
-    }
-
-    #[inline(always)]
-    fn slope(&self, row: usize) -> f32 {
-        self.slopes[row]
-    }
-
-    #[inline(always)]
-    fn segment_of(&self, row: usize, target: u32) -> (usize, u32) {
-        let sums = &self.sums[row * self.segments..][..self.segments];
-        let passed = |sum: &u32| u32::from(*sum <= target);
-        let index = sums[..self.segments - 1].iter().map(passed).sum::<u32>() as usize;
-        (index, if index > 0 { sums[index - 1] } else { 0 })
-    }
-
-    #[inline(always)]
-    fn segment(&self, row: usize, index: usize) -> Segment {
-        let nodes = &self.nodes[row * (self.segments + 1) + index..][..2];
-        Segment { index: index as f32, low: nodes[0], high: nodes[1] }
-    }
-}
-
 /// Rows that one comparison of the first count stands for.
 const STRIDE: usize = 8;
 
-/// Where on [0, 1] a segment's probability passes `rest`.
-#[inline(always)]
-pub fn find_in(segment: Segment, rest: f32) -> f32 {
-    let (low, high) = (segment.low, segment.high);
-    (rest / (low + (low * low + (high - low) * rest).max(0.0).sqrt())).min(1.0)
-}
-
-/// Where on [0, 1] the probability of a density 1 + slope·(2x − 1) passes `u`.
-#[inline(always)]
-pub fn find_on_slope(slope: f32, u: f32) -> f32 {
-    let start = 1.0 - slope;
-    (2.0 * u / (start + (start * start + 4.0 * slope * u).max(0.0).sqrt())).min(1.0)
-}
-
-/// Probability below `x` of that density.
-pub fn below_on_slope(slope: f32, x: f32) -> f64 {
-    let (slope, x) = (f64::from(slope), f64::from(x));
-    x * (1.0 - slope + slope * x)
-}
-
-/// Cumulative probabilities of `masses`, which sum to 1 and are ≥ 0, each at least one unit: nothing is left out.
-pub fn quantise_rows(masses: &[f64]) -> Vec<u16> {
-    let (n, mut sum, mut last) = (masses.len(), 0.0, 0u32);
-    let room = |i: usize| u32::from(ONE) - (n - 1 - i) as u32;
-    let step = |(i, mass): (usize, &f64)| {
-        sum += mass;
-        let at = if i + 1 == n { u32::from(ONE) } else { (sum * f64::from(ONE)).round() as u32 };
-        last = at.clamp(last + 1, room(i));
-        last as u16
-    };
-    masses.iter().enumerate().map(step).collect()
-}
-
-/// Nodes of a density, ≥ 0 and not all 0, scaled to [`NODE_SUM`] and each at least one unit.
-pub fn quantise_nodes(density: &[f64]) -> Vec<u16> {
-    let last = density.len() - 1;
-    // The two ends count once, the others twice.
-    let weight = |i: usize| if i == 0 || i == last { 1 } else { 2 };
-    let sum: f64 = density.iter().enumerate().map(|(i, d)| d * f64::from(weight(i))).sum();
-    let scale = f64::from(NODE_SUM) / sum;
-    let (mut nodes, mut spent, mut exact) = (Vec::with_capacity(last + 1), 0u32, 0.0);
-    for (i, d) in density[..last].iter().enumerate() {
-        let w = f64::from(weight(i));
-        exact += d * scale * w;
-        // What rounding took from the nodes before goes to this one.
-        let node = ((exact - f64::from(spent)) / w).round().max(1.0) as u32;
-        spent += node * weight(i);
-        nodes.push(node);
-    }
-    // The last node takes the rest; if others at their least have used it up, the largest gives some back.
-    while spent >= NODE_SUM {
-        let largest = (0..last).max_by_key(|&i| nodes[i]).unwrap_or(0);
-        nodes[largest] -= 1;
-        spent -= weight(largest);
-    }
-    nodes.push(NODE_SUM - spent);
-    nodes.into_iter().map(|n| n as u16).collect()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::mixed::Mixed;
+    use super::super::mixture::{below_on_slope, find_in, find_on_slope};
+    use super::super::quantise::{quantise_nodes, quantise_rows};
     use super::*;
     use crate::points::Stream;
 
     fn random(count: usize, seed: u64) -> Vec<f64> {
         let mut stream = Stream::new(seed);
         (0..count).map(|_| stream.next_f64().powi(8)).collect()
-    }
-
-    #[test]
-    fn rows_rise_to_one_whatever_the_masses() {
-        let spike = |at: usize| (0..79).map(|i| f64::from(u8::from(i == at))).collect::<Vec<_>>();
-        for masses in [spike(0), spike(40), spike(78), vec![1.0 / 79.0; 79], vec![1.0]] {
-            let rows = quantise_rows(&masses);
-            assert!(rows[0] > 0 && rows.is_sorted_by(|a, b| a < b));
-            assert_eq!(*rows.last().unwrap(), ONE);
-        }
-        let rows = quantise_rows(&[0.25, 0.0, 0.75]);
-        assert_eq!(rows, [16384, 16385, ONE]);
-    }
-
-    #[test]
-    fn nodes_keep_their_sum_and_their_shape() {
-        for width in [2, 3, 4, 9, 17, 65, 256] {
-            for (seed, end) in [(1, 0.0), (2, 0.0), (3, 1e6)] {
-                let mut density = random(width, seed + 100 * width as u64);
-                density[0] += end + 1e-9;
-                let nodes = quantise_nodes(&density);
-                let sum: u32 = nodes.windows(2).map(|p| u32::from(p[0]) + u32::from(p[1])).sum();
-                assert_eq!(sum, NODE_SUM, "{width} {seed}");
-                let total: f64 = density.windows(2).map(|p| p[0] + p[1]).sum();
-                for (n, d) in nodes.iter().zip(&density) {
-                    let exact = d / total * f64::from(NODE_SUM);
-                    assert!(
-                        *n >= 1 && (f64::from(*n) - exact).abs() <= 3.0 + 2.0 * width as f64,
-                        "{width} {seed}: {n} {exact}"
-                    );
-                }
-            }
-        }
     }
 
     fn example() -> Tables {
