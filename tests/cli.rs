@@ -565,7 +565,15 @@ fn a_line_without_end_is_refused_while_it_arrives() {
     let text = fails(run(&["eval", "nickel"], &"1".repeat(1 << 20)));
     assert!(text.contains("line 1") && text.contains("without an end"), "{text}");
     // Not text, empty fields, too many fields, numbers that are none.
-    for line in ["\0\0\0", ",,,,,", "0,0,1,0,0,1,", "nan,0,1,0,0,1", "inf,0,1,0,0,1", "1e999,0,0,0,0,1", "0x0,0,1,0,0,1"] {
+    for line in [
+        "\0\0\0",
+        ",,,,,",
+        "0,0,1,0,0,1,",
+        "nan,0,1,0,0,1",
+        "inf,0,1,0,0,1",
+        "1e999,0,0,0,0,1",
+        "0x0,0,1,0,0,1",
+    ] {
         let text = fails(run(&["eval", "nickel"], line));
         assert!(text.contains("line 1"), "{line}: {text}");
     }

@@ -82,8 +82,7 @@ const PIXELS_PER_BYTE: u64 = 256;
 
 /// Reads the headers alone, so that no picture's memory is taken on the word of a damaged file.
 fn check_headers<R: Read>(source: R, len: u64, path: &Path) -> Result<()> {
-    let meta =
-        ::exr::meta::MetaData::read_from_buffered(source, false).map_err(|e| read_error(path, e))?;
+    let meta = ::exr::meta::MetaData::read_from_buffered(source, false).map_err(|e| read_error(path, e))?;
     for header in &meta.headers {
         let Vec2(width, height) = header.layer_size;
         let pixels = width.checked_mul(height);

@@ -214,7 +214,11 @@ fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
             return fail("cdf", range.start, format!("curve {k} that does not rise from 0 to 1"));
         }
         if !fits(&curves, &range, cells) {
-            return fail("position", range.start, format!("curve {k} whose knots do not rise from 0 to {cells}"));
+            return fail(
+                "position",
+                range.start,
+                format!("curve {k} whose knots do not rise from 0 to {cells}"),
+            );
         }
     }
     Ok(curves)

@@ -77,8 +77,8 @@ impl TensorsOut {
 impl Tensors {
     /// Finds all tensors, and the metadata, in a file's bytes. Nothing is copied.
     ///
-    /// The header is checked here rather than by `SafeTensors::deserialize`, which adds up offsets that a file may choose to
-    /// overflow.
+    /// The header is checked here rather than by `SafeTensors::deserialize`, which adds to an offset that a file may choose,
+    /// and so overflows.
     pub fn read(bytes: Vec<u8>, path: &Path) -> Result<(Self, HashMap<String, String>)> {
         let (data_start, header) = read_header(&bytes, path)?;
         let metadata = header.metadata().clone().unwrap_or_default();
