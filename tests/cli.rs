@@ -60,8 +60,17 @@ fn list_names_the_hundred_materials() {
 
 #[test]
 fn the_version_is_the_packages() {
+    let version = format!("merlkit {}", env!("CARGO_PKG_VERSION"));
+    assert_eq!(succeeds(run(&["-V"], "")).trim(), version);
     let text = succeeds(run(&["--version"], ""));
-    assert_eq!(text.trim(), format!("merlkit {}", env!("CARGO_PKG_VERSION")));
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], version);
+    assert_eq!(lines[1], "features: cli");
+    assert!(
+        lines[2].starts_with(&format!("target: {} {}", std::env::consts::ARCH, std::env::consts::OS)),
+        "{text}"
+    );
+    assert_eq!(lines[3].contains("debug"), cfg!(debug_assertions), "{text}");
 }
 
 #[test]
@@ -75,7 +84,7 @@ fn every_command_has_help() {
         let name = line.split_whitespace().next().unwrap();
         let about = line.split_whitespace().nth(1);
         assert!(about.is_some(), "{name} is not described");
-        succeeds(run(&["help", name], ""));
+        assert!(succeeds(run(&["help", name], "")).contains("--threads"), "{name}");
     }
 }
 

@@ -12,4 +12,4 @@ mod replace;
 
 pub use map::Mapped;
 pub use regular::RegularFile;
-pub use replace::{Overwrite, check_writable, write_new};
+pub use replace::{Overwrite, abandon_unfinished, check_writable, write_new};

@@ -235,7 +235,7 @@ fn rises(cdf: &[u16]) -> bool {
 /// A knot at every position of the grid, or knots that rise over it.
 fn fits(curves: &Curves, range: &std::ops::Range<usize>, cells: usize) -> bool {
     if curves.positions.is_empty() {
-        return range.len() == cells + 1;
+        return range.len() - 1 == cells;
     }
     let p = &curves.positions[range.clone()];
     p[0] == 0 && usize::from(p[p.len() - 1]) == cells && p.is_sorted_by(|a, b| a < b)
