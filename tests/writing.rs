@@ -56,7 +56,7 @@ fn a_full_disk_leaves_nothing_behind() {
         (&json, "r.json"),
         (&["list", "--json", "names.json"], "names.json"),
     ] {
-        let blocks = if file.ends_with(".json") { 0 } else { 8 };
+        let blocks = if file.ends_with(".json") { 0 } else { 1 };
         let text = refused(&on_a_full_disk(folder.path(), blocks, arguments));
         assert!(text.contains(file) && text.contains("cannot write"), "{text}");
         assert_eq!(names(folder.path()), NONE, "{arguments:?}");

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use ::exr::error::Error as ExrError;
 use ::exr::image::Image as ExrImage;
+use ::exr::meta::BlockDescription;
+use ::exr::meta::header::Header;
 use ::exr::prelude::{ReadChannels, ReadLayers, SpecificChannels, Vec2, WritableImage};
 
 use super::{Image, MAX_PIXELS};
@@ -102,8 +104,34 @@ fn check_headers<R: Read>(source: R, len: u64, path: &Path) -> Result<()> {
                 "fetch the file again: it is damaged or cut off",
             ));
         }
+        check_block(header, len, path)?;
     }
     Ok(())
+}
+
+/// Bytes that a block of pixels may always have: a tile of 1024 × 1024 RGB at 32 bits.
+const ANY_BLOCK: u64 = 12 << 20;
+
+/// The reader takes a block's memory before it reads the block, and a tile may be larger than the picture.
+fn check_block(header: &Header, len: u64, path: &Path) -> Result<()> {
+    let Vec2(width, height) = match header.blocks {
+        BlockDescription::Tiles(tiles) => tiles.tile_size,
+        BlockDescription::ScanLines => Vec2(header.layer_size.0, header.compression.scan_lines_per_block()),
+    };
+    let bytes = (width as u64)
+        .checked_mul(height as u64)
+        .and_then(|pixels| pixels.checked_mul(header.channels.bytes_per_pixel as u64));
+    let most = ANY_BLOCK.max(len.saturating_mul(12 * PIXELS_PER_BYTE));
+    if bytes.is_some_and(|b| b <= most) {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        path,
+        len,
+        format!("blocks of {width} × {height} pixels in {} channels", header.channels.list.len()),
+        format!("a file of {len} bytes, which can't hold one"),
+        "fetch the file again: it is damaged or cut off",
+    ))
 }
 
 fn check_pixels(path: &Path, width: usize, pixels: &[Rgb]) -> Result<()> {
