@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use merlkit::files::Overwrite;
-use merlkit::merl::{decode_embedded, load, write};
+use merlkit::merl::{decode_embedded, load, load_mapped, write};
 
 fn benches(c: &mut Criterion) {
     let folder = tempfile::tempdir().unwrap();
@@ -15,6 +15,7 @@ fn benches(c: &mut Criterion) {
     let mut group = c.benchmark_group("load");
     group.sample_size(40);
     group.bench_function("warm file", |b| b.iter(|| load(black_box(&path)).unwrap()));
+    group.bench_function("warm file, mapped", |b| b.iter(|| load_mapped(black_box(&path)).unwrap()));
     group.bench_function("embedded", |b| b.iter(|| decode_embedded(black_box("nickel")).unwrap()));
     group.finish();
 }

@@ -60,8 +60,17 @@ fn list_names_the_hundred_materials() {
 
 #[test]
 fn the_version_is_the_packages() {
+    let version = format!("merlkit {}", env!("CARGO_PKG_VERSION"));
+    assert_eq!(succeeds(run(&["-V"], "")).trim(), version);
     let text = succeeds(run(&["--version"], ""));
-    assert_eq!(text.trim(), format!("merlkit {}", env!("CARGO_PKG_VERSION")));
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], version);
+    assert_eq!(lines[1], "features: cli");
+    assert!(
+        lines[2].starts_with(&format!("target: {} {}", std::env::consts::ARCH, std::env::consts::OS)),
+        "{text}"
+    );
+    assert_eq!(lines[3].contains("debug"), cfg!(debug_assertions), "{text}");
 }
 
 #[test]
@@ -75,7 +84,7 @@ fn every_command_has_help() {
         let name = line.split_whitespace().next().unwrap();
         let about = line.split_whitespace().nth(1);
         assert!(about.is_some(), "{name} is not described");
-        succeeds(run(&["help", name], ""));
+        assert!(succeeds(run(&["help", name], "")).contains("--threads"), "{name}");
     }
 }
 
@@ -658,4 +667,23 @@ fn check_tells_right_from_wrong_by_its_status() {
     assert_eq!(outcomes.len(), 13 * 7);
     let failed: Vec<_> = outcomes.iter().filter(|o| o["pass"] == false).map(|o| &o["check"]).collect();
     assert_eq!(failed, ["positivity", "positivity"]);
+}
+
+#[test]
+fn a_line_without_end_is_refused_while_it_arrives() {
+    let text = fails(run(&["eval", "nickel"], &"1".repeat(1 << 20)));
+    assert!(text.contains("line 1") && text.contains("without an end"), "{text}");
+    // Not text, empty fields, too many fields, numbers that are none.
+    for line in [
+        "\0\0\0",
+        ",,,,,",
+        "0,0,1,0,0,1,",
+        "nan,0,1,0,0,1",
+        "inf,0,1,0,0,1",
+        "1e999,0,0,0,0,1",
+        "0x0,0,1,0,0,1",
+    ] {
+        let text = fails(run(&["eval", "nickel"], line));
+        assert!(text.contains("line 1"), "{line}: {text}");
+    }
 }

@@ -395,17 +395,21 @@ fn forged_half_vector_tables_are_refused() {
         ("rows that do not begin at 0", |f| f.set_u16("row.edge", 0, 1), "from 0 to 79"),
         ("rows past the end", |f| f.set_u16("row.edge", 22, 80), "from 0 to 79"),
         ("edges that fall", |f| f.set_u16("row.edge", 2, 1), "from 0 to 79"),
-        ("an empty first row", |f| f.set_u16("row.cdf", 0, 0), "row.cdf of each table"),
-        ("a probability below 1", |f| f.set_u16("row.cdf", 21, 65534), "row.cdf of each table"),
-        ("probabilities that fall", |f| f.set_u16("row.cdf", 30, 1), "row.cdf of each table"),
+        ("an empty first row", |f| f.set_u16("row.cdf", 0, 0), "tensor \"row.cdf\""),
+        ("a probability below 1", |f| f.set_u16("row.cdf", 21, 65534), "tensor \"row.cdf\""),
+        ("probabilities that fall", |f| f.set_u16("row.cdf", 30, 1), "tensor \"row.cdf\""),
         ("a slope that is too steep", |f| f.bytes("row.slope")[5] = 123, "row.slope"),
         ("the steepest slope downwards", |f| f.bytes("row.slope")[5] = 128, "row.slope"),
         ("a density of 0", |f| f.set_u16("row.density", 7, 0), "row.density"),
         ("a density that is too large", |f| f.set_u16("row.density", 7, 65535), "row.density"),
-        ("a short tensor", |f| f.cut("row.slope", 1), "154 values in row.slope"),
-        ("a shorter one", |f| f.cut("row.density", 2), "values in row.density"),
-        ("another number of tables", |f| f.settings("tables", 8.into()), "8 values in knot.cosine"),
-        ("another number of rows", |f| f.settings("rows", 23.into()), "24 values in row.edge"),
+        ("a short tensor", |f| f.cut("row.slope", 1), "154 values in tensor \"row.slope\""),
+        ("a shorter one", |f| f.cut("row.density", 2), "values in tensor \"row.density\""),
+        (
+            "another number of tables",
+            |f| f.settings("tables", 8.into()),
+            "8 values in tensor \"knot.cosine\"",
+        ),
+        ("another number of rows", |f| f.settings("rows", 23.into()), "24 values in tensor \"row.edge\""),
         ("no segments", |f| f.settings("segments", 0.into()), "0 segments"),
         ("more segments than can be", |f| f.settings("segments", u64::MAX.into()), "segments"),
         (
@@ -419,4 +423,56 @@ fn forged_half_vector_tables_are_refused() {
     ];
     forgeries.extend(COMMON.into_iter().filter(|f| f.0 != "a floor above 1"));
     assert_each_is_refused(SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1), &forgeries);
+}
+
+/// A file of the given header, JSON, and bytes of tensors.
+fn with_header(json: &str, data: &[u8]) -> Vec<u8> {
+    [&(json.len() as u64).to_le_bytes()[..], json.as_bytes(), data].concat()
+}
+
+fn refusal(bytes: Vec<u8>) -> (u64, String) {
+    match SamplerFile::from_bytes(bytes, Path::new("forged")) {
+        Err(merlkit::Error::Invalid { offset, found, .. }) => (offset, found),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn headers_that_lie_are_refused_with_their_place() {
+    assert_eq!(refusal(vec![1, 2, 3]).0, 3);
+    assert_eq!(refusal(u64::MAX.to_le_bytes().to_vec()).0, 0);
+    assert_eq!(refusal(with_header("{", b"")).0, 8);
+    assert_eq!(refusal(with_header("{\"a\":7}", b"")).0, 8 + 6);
+    assert_eq!(refusal(with_header("{}", b"trailing")).0, 10);
+    // The sum of what the tensors claim and of what stands before them passes 2⁶⁴.
+    let part = (1u64 << 61) - 1;
+    let mut tensors: Vec<String> = (0..8).map(|k| tensor(&format!("t{k}"), part, k * part)).collect();
+    tensors.push(tensor("u", 7, 8 * part));
+    let (_, found) = refusal(with_header(&format!("{{{}}}", tensors.join(",")), b"few"));
+    assert!(found.contains("3 bytes of tensors"), "{found}");
+}
+
+fn tensor(name: &str, length: u64, start: u64) -> String {
+    format!(
+        "\"{name}\":{{\"dtype\":\"U8\",\"shape\":[{length}],\"data_offsets\":[{start},{}]}}",
+        start + length
+    )
+}
+
+#[test]
+fn a_bad_value_is_told_with_tensor_and_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, brdf, path) = built(specs()[0], folder.path());
+    let mut file = Forged::read(&std::fs::read(&path).unwrap());
+    let marker = f32::from_bits(0xffc1_2345);
+    file.set_f32("leaf.bound", 2, marker);
+    let bytes = file.write();
+    let at = bytes.windows(4).position(|w| w == marker.to_le_bytes()).unwrap() as u64;
+    match SamplerFile::from_bytes(bytes, &path).and_then(|f| f.into_sampler(&brdf)) {
+        Err(merlkit::Error::Invalid { offset, expected, .. }) => {
+            assert_eq!(offset, at);
+            assert!(expected.contains("in tensor \"leaf.bound\""), "{expected}");
+        }
+        other => panic!("{other:?}"),
+    }
 }

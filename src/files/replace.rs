@@ -1,7 +1,11 @@
 //! Outputs are written beside their destination under a temporary name and renamed when complete.
 
+use std::collections::BTreeSet;
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tempfile::NamedTempFile;
 
 use crate::{Error, Result};
 
@@ -25,37 +29,93 @@ pub fn write_new(
     fill: impl FnOnce(&mut dyn WriteSeek) -> Result<()>,
 ) -> Result<()> {
     check_writable(path, overwrite)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".merlkit-").suffix(".tmp");
-    open_to_all(&mut builder);
-    let mut temporary = builder
-        .tempfile_in(folder_of(path))
-        .map_err(|e| Error::io(path, "create a temporary file beside", e))?;
-    {
-        let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file_mut());
-        fill(&mut out)?;
-        out.flush().map_err(|e| Error::io(path, "write", e))?;
+    let mut unfinished = Unfinished::create(path)?;
+    match unfinished.fill(path, fill) {
+        Ok(()) => unfinished.rename(path, overwrite),
+        Err(error) => {
+            unfinished.discard();
+            Err(error)
+        }
     }
-    match overwrite {
-        Overwrite::Replace => temporary.persist(path).map_err(|e| Error::io(path, "rename into", e.error))?,
-        Overwrite::Refuse => temporary.persist_noclobber(path).map_err(|e| {
-            if e.error.kind() == std::io::ErrorKind::AlreadyExists {
-                exists(path)
-            } else {
-                Error::io(path, "rename into", e.error)
-            }
-        })?,
-    };
-    Ok(())
+}
+
+/// Temporary files that are being written now.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of every [`write_new`] that has not finished. None begins or finishes any more: they wait for
+/// ever, so that this is for a program that is about to end, on Ctrl-C for example.
+pub fn abandon_unfinished() {
+    let files = unfinished();
+    for path in files.iter() {
+        // Nobody is left to tell if that fails.
+        let _ = std::fs::remove_file(path);
+    }
+    std::mem::forget(files);
+}
+
+/// A temporary file in the folder of its destination, which is removed unless it is renamed.
+struct Unfinished {
+    file: NamedTempFile,
+    name: PathBuf,
+}
+
+impl Unfinished {
+    fn create(path: &Path) -> Result<Self> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".merlkit-").suffix(".tmp");
+        open_to_all(&mut builder);
+        let mut files = unfinished();
+        let file = builder
+            .tempfile_in(folder_of(path))
+            .map_err(|e| Error::io(path, "create a temporary file beside", e))?;
+        let name = file.path().to_owned();
+        files.insert(name.clone());
+        drop(files);
+        Ok(Self { file, name })
+    }
+
+    fn fill(&mut self, path: &Path, fill: impl FnOnce(&mut dyn WriteSeek) -> Result<()>) -> Result<()> {
+        let mut out = BufWriter::with_capacity(1 << 20, self.file.as_file_mut());
+        fill(&mut out)?;
+        out.flush().map_err(|e| Error::io(path, "write", e))
+    }
+
+    fn discard(self) {
+        let mut files = unfinished();
+        files.remove(&self.name);
+        drop(self.file);
+    }
+
+    fn rename(self, path: &Path, overwrite: Overwrite) -> Result<()> {
+        let mut files = unfinished();
+        files.remove(&self.name);
+        let renamed = match overwrite {
+            Overwrite::Replace => self.file.persist(path),
+            Overwrite::Refuse => self.file.persist_noclobber(path),
+        };
+        renamed.map(drop).map_err(|e| match e.error.kind() {
+            std::io::ErrorKind::AlreadyExists => exists(path),
+            _ => Error::io(path, "rename into", e.error),
+        })
+    }
 }
 
 /// Refuses early what [`write_new`] would refuse after the work is done: a missing folder, or an existing file.
 ///
 /// # Errors
-/// [`Error::Argument`] if `path` is a folder, its folder is missing, or it exists and `overwrite` refuses.
+/// [`Error::Argument`] if `path` is a folder, pipe or device, its folder is missing, or it exists and `overwrite` refuses.
 pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<()> {
     if path.is_dir() {
         return Err(Error::argument(format!("{} is a folder", path.display()), "name a file"));
+    }
+    if path.metadata().is_ok_and(|m| !m.is_file()) {
+        // It would be replaced by a file.
+        let what = format!("{} is a pipe or device", path.display());
+        return Err(Error::argument(what, "name a file"));
     }
     if !folder_of(path).is_dir() {
         let what = format!("{}: there is no folder {}", path.display(), folder_of(path).display());

@@ -3,7 +3,7 @@
 mod exr;
 mod png;
 
-pub use exr::{read_exr, write_exr};
+pub use exr::{decode_exr, read_exr, write_exr};
 pub use png::{tone_map, write_png};
 
 use crate::color::Rgb;

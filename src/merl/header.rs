@@ -21,17 +21,18 @@ impl Header {
     /// Bytes of the header: three little-endian `i32`.
     pub const BYTES: usize = 12;
 
-    /// Reads the header of a file's bytes and checks the file's length against it, before anything is allocated.
+    /// Reads the header from the first bytes of a file of `file_bytes`, and checks that length against it, before anything
+    /// is allocated. `path` is for messages.
     ///
     /// # Errors
     /// [`Error::Invalid`] with the offset where the file stops being a MERL file.
-    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self> {
+    pub fn parse(bytes: &[u8], file_bytes: u64, path: &Path) -> Result<Self> {
         let Some(head) = bytes.get(..Self::BYTES) else {
             return Err(Error::invalid(
                 path,
                 bytes.len() as u64,
                 "a 12-byte header (three 32-bit dimensions)",
-                format!("the end of a file of {} bytes", bytes.len()),
+                format!("the end of a file of {file_bytes} bytes"),
                 "fetch the file again: it is empty or cut off",
             ));
         };
@@ -51,9 +52,9 @@ impl Header {
             }
         };
         let expected = header.file_bytes();
-        if bytes.len() as u64 != expected {
-            let (short, fix) = if (bytes.len() as u64) < expected {
-                (bytes.len() as u64, "fetch the file again: it is cut off")
+        if file_bytes != expected {
+            let (short, fix) = if file_bytes < expected {
+                (file_bytes, "fetch the file again: it is cut off")
             } else {
                 (expected, "remove what follows the table, or fetch the file again")
             };
@@ -61,7 +62,7 @@ impl Header {
                 path,
                 short,
                 format!("{expected} bytes for 90 × 90 × {}", header.phi_d_bins),
-                format!("{} bytes", bytes.len()),
+                format!("{file_bytes} bytes"),
                 fix,
             ));
         }

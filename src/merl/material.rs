@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::{MerlTable, embedded, load};
-use crate::files::Mapped;
+use crate::files::RegularFile;
 use crate::{Error, Result};
 
 /// Where a material's values come from.
@@ -78,11 +78,24 @@ impl Material {
     /// [`Error::Io`] if the file can't be read.
     pub fn sha256(&self) -> Result<String> {
         let digest = match &self.source {
-            Source::File(path) => Sha256::digest(Mapped::open(path)?.bytes()),
+            Source::File(path) => digest_of(RegularFile::open(path)?)?,
             Source::Embedded(name) => Sha256::digest(embedded::weights(name).unwrap_or_default()),
         };
         Ok(digest.iter().map(|b| format!("{b:02x}")).collect())
     }
+}
+
+/// Of the file's length when it was opened, so that one that grows meanwhile has an end.
+fn digest_of(mut file: RegularFile) -> Result<sha2::digest::Output<Sha256>> {
+    let (mut hash, mut buffer) = (Sha256::new(), vec![0; 1 << 16]);
+    let mut at = 0;
+    while at < file.len() {
+        let piece = (file.len() - at).min(buffer.len() as u64) as usize;
+        file.read_at(at, &mut buffer[..piece])?;
+        hash.update(&buffer[..piece]);
+        at += piece as u64;
+    }
+    Ok(hash.finalize())
 }
 
 /// "did you mean …?", with the three nearest embedded names.

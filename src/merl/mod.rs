@@ -9,7 +9,7 @@ mod material;
 mod table;
 mod write;
 
-pub use decode::load;
+pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use header::{Header, THETA_D_BINS, THETA_H_BINS};
 pub use material::{Material, Source};

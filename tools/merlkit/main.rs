@@ -3,11 +3,13 @@
 mod args;
 mod commands;
 mod failure;
+mod interrupt;
 mod output;
 mod picture;
 mod progress;
 mod sampler_args;
 mod table;
+mod version;
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -19,9 +21,10 @@ use failure::{Failure, Outcome};
 #[derive(Parser)]
 #[command(
     version,
+    long_version = version::long(),
     max_term_width = 100,
     after_help = "A MATERIAL is a path to a MERL binary or the name of an embedded material (`merlkit list`).\n\
-                  Exit status: 0 done, 1 a check failed, 2 wrong usage or input."
+                  Exit status: 0 done, 1 a check failed, 2 wrong usage or input, 130 interrupted."
 )]
 struct Cli {
     /// Worker threads, at most 1024; results don't depend on it [default: all cores]
@@ -33,7 +36,10 @@ struct Cli {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    match run(cli) {
+    interrupt::install();
+    let outcome = run(cli);
+    interrupt::wait_if_stopping();
+    match outcome {
         Ok(status) => status,
         // Whoever read our output has seen enough.
         Err(Failure::ReaderGone) => ExitCode::SUCCESS,

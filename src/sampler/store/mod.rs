@@ -1,8 +1,8 @@
 //! Samplers as files: safetensors, with a record of what they were built from.
 //!
-//! A file holds the tensors of one sampler and one metadata entry, `merlkit`: JSON of [`Record`]. Reading maps the file,
-//! checks structure, version, checksum and every invariant that sampling relies on, and copies the tensors; the sampler
-//! then draws the same bits as the one that was saved.
+//! A file holds the tensors of one sampler and one metadata entry, `merlkit`: JSON of [`Record`]. Reading checks structure,
+//! version, checksum and every invariant that sampling relies on; the sampler then draws the same bits as the one that was
+//! saved.
 
 mod parts;
 mod tensors;
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Sampler, SamplerSpec};
 use crate::brdf::{LookupRule, Measured};
-use crate::files::{Mapped, Overwrite, write_new};
+use crate::files::{Overwrite, RegularFile, write_new};
 use crate::merl::{Material, Source};
 use crate::{Error, Result};
 use tensors::{Tensors, TensorsOut};
@@ -23,6 +23,8 @@ use tensors::{Tensors, TensorsOut};
 /// Layout version written and read.
 const VERSION: u32 = 2;
 const KEY: &str = "merlkit";
+/// Bytes of the longest file that is read.
+const LONGEST: u64 = 1 << 32;
 
 /// What a sampler file says of itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -111,17 +113,26 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
 
 /// Whether `path` begins like a sampler file: a length, then JSON. A MERL binary begins with its dimensions.
 pub fn looks_like_sampler_file(path: &Path) -> bool {
-    Mapped::open(path).is_ok_and(|m| m.bytes().get(8) == Some(&b'{'))
+    let mut ninth = [0];
+    RegularFile::open(path).and_then(|mut f| f.read_at(8, &mut ninth)).is_ok() && ninth == [b'{']
 }
 
 impl SamplerFile {
-    /// Maps and reads a sampler file.
+    /// Reads a sampler file.
     ///
     /// # Errors
-    /// [`Error::Io`], or [`Error::Invalid`] naming what does not fit.
+    /// [`Error::Io`]; [`Error::Unsupported`] for what is no regular file or longer than any sampler; otherwise as
+    /// [`Self::from_bytes`].
     pub fn open(path: &Path) -> Result<Self> {
-        let mapped = Mapped::open(path)?;
-        let (tensors, metadata) = Tensors::read(mapped.bytes(), path)?;
+        Self::from_bytes(RegularFile::open(path)?.read_all(LONGEST)?, path)
+    }
+
+    /// A sampler file from its bytes; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming what does not fit, and where.
+    pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Self> {
+        let (tensors, metadata) = Tensors::read(bytes, path)?;
         let record: Record = metadata
             .get(KEY)
             .ok_or_else(|| tensors.invalid("a metadata entry \"merlkit\"", "none"))

@@ -57,13 +57,16 @@ fn read_warps(tensors: &Tensors, tables: usize) -> Result<Warps> {
     let starts = tensors.get::<u32>("tree.start")?;
     if inner.len() != first.len() || split.len() != 3 * first.len() {
         let lengths = format!("{}, {} and {}", split.len(), inner.len(), first.len());
-        return Err(tensors.invalid("three splits, a mask and a first child for each node", lengths));
+        let expected = "three splits, a mask and a first child for each node";
+        return Err(tensors.invalid_in("node.split", 0, expected, lengths));
     }
     if starts.len() != tables.saturating_add(1) {
-        return Err(tensors.invalid(format!("{tables} trees"), format!("{} starts", starts.len())));
+        let found = format!("{} starts", starts.len());
+        return Err(tensors.invalid_in("tree.start", 0, &format!("{tables} trees"), found));
     }
     if starts[0] != 0 || !starts.is_sorted() || starts[tables] as usize != first.len() {
-        return Err(tensors.invalid(format!("starts that partition {} nodes", first.len()), "others"));
+        let expected = format!("starts that partition {} nodes", first.len());
+        return Err(tensors.invalid_in("tree.start", 0, &expected, "others"));
     }
     let nodes: Vec<Node> = split
         .chunks_exact(3)
@@ -80,7 +83,8 @@ fn read_warps(tensors: &Tensors, tables: usize) -> Result<Warps> {
         };
         if let Some(i) = (range[0]..range[1]).find(|&i| !sound(i)) {
             let found = format!("{:?}", nodes[i as usize]);
-            return Err(tensors.invalid(format!("a sound node {i} of tree {k}"), found));
+            let expected = format!("a sound node {i} of tree {k}");
+            return Err(tensors.invalid_in("node.first", i as usize, &expected, found));
         }
     }
     Ok(Warps { nodes, starts })
@@ -93,14 +97,15 @@ fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
     let integrals = tensors.get::<f32>("tree.integral")?;
     if bound.len() != upper.len() || code.len() != upper.len() {
         let lengths = format!("{}, {} and {}", upper.len(), bound.len(), code.len());
-        return Err(tensors.invalid("leaf tensors of equal length", lengths));
+        return Err(tensors.invalid_in("leaf.upper", 0, "leaf tensors of equal length", lengths));
     }
     if integrals.len() != tables || starts.len() != integrals.len() + 1 {
         let found = format!("{} starts and {} integrals", starts.len(), integrals.len());
-        return Err(tensors.invalid(format!("{} trees", tables), found));
+        return Err(tensors.invalid_in("tree.start", 0, &format!("{tables} trees"), found));
     }
     if starts[0] != 0 || !starts.is_sorted() || starts[tables] as usize != upper.len() {
-        return Err(tensors.invalid(format!("starts that partition {} leaves", upper.len()), "others"));
+        let expected = format!("starts that partition {} leaves", upper.len());
+        return Err(tensors.invalid_in("tree.start", 0, &expected, "others"));
     }
     let leaves: Vec<Leaf> = upper
         .iter()
@@ -109,37 +114,36 @@ fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
         .map(|((&upper, &bound), &code)| Leaf { upper, bound, code })
         .collect();
     for (k, (range, &integral)) in starts.windows(2).zip(&integrals).enumerate() {
-        check_tree(tensors, k, &leaves[range[0] as usize..range[1] as usize], integral)?;
+        check_tree(tensors, k, range[0] as usize, &leaves[range[0] as usize..range[1] as usize], integral)?;
     }
     Ok(Forest::new(leaves, starts, integrals))
 }
 
-/// Leaves that can be drawn and whose draws can be accepted.
-fn check_tree(tensors: &Tensors, k: usize, leaves: &[Leaf], integral: f32) -> Result<()> {
+/// Leaves, of which `first` is the first, that can be drawn and whose draws can be accepted.
+fn check_tree(tensors: &Tensors, k: usize, first: usize, leaves: &[Leaf], integral: f32) -> Result<()> {
     if !integral.is_finite() || integral < 0.0 || (integral > 0.0) == leaves.is_empty() {
-        return Err(tensors.invalid(
-            format!("an integral of tree {k} that is finite, and > 0 if it has leaves"),
-            format!("{integral} with {} leaves", leaves.len()),
-        ));
+        let expected = format!("an integral of tree {k} that is finite, and > 0 if it has leaves");
+        let found = format!("{integral} with {} leaves", leaves.len());
+        return Err(tensors.invalid_in("tree.integral", k, &expected, found));
     }
     if leaves.len() > MOST_LEAVES || leaves.last().is_some_and(|l| l.upper != WHOLE) {
-        return Err(tensors.invalid(
-            format!("at most {MOST_LEAVES} leaves in tree {k}, whose probabilities sum to 1"),
-            format!("{} leaves", leaves.len()),
-        ));
+        let expected = format!("at most {MOST_LEAVES} leaves in tree {k}, whose probabilities sum to 1");
+        return Err(tensors.invalid_in("leaf.upper", first, &expected, format!("{} leaves", leaves.len())));
     }
     let sound = |l: &Leaf| {
         let (depth, places) = (l.code >> 28, [l.code >> 14 & 0x3fff, l.code & 0x3fff]);
         let bound = l.bound.is_finite() && l.bound > 0.0;
         bound && depth <= DEEPEST && places.iter().all(|&p| p >> depth == 0)
     };
-    match leaves.iter().position(|l| !sound(l)) {
-        Some(i) => Err(tensors.invalid(format!("a sound leaf {i} of tree {k}"), format!("{:?}", leaves[i]))),
-        None if !leaves.is_sorted_by_key(|l| l.upper) => {
-            Err(tensors.invalid(format!("probabilities of tree {k} that rise"), "some that fall"))
-        }
-        None => Ok(()),
+    if let Some(i) = leaves.iter().position(|l| !sound(l)) {
+        let expected = format!("a sound leaf {i} of tree {k}");
+        return Err(tensors.invalid_in("leaf.bound", first + i, &expected, format!("{:?}", leaves[i])));
     }
+    if let Some(i) = leaves.windows(2).position(|l| l[0].upper > l[1].upper) {
+        let expected = format!("probabilities of tree {k} that rise");
+        return Err(tensors.invalid_in("leaf.upper", first + i + 1, &expected, "one that falls"));
+    }
+    Ok(())
 }
 
 pub(super) fn write_tables(tables: &Tables, out: &mut TensorsOut) {
@@ -154,32 +158,30 @@ pub(super) fn read_cascade(tensors: &Tensors, settings: CascadeCdfSettings) -> R
     let marginal = read_curves(tensors, "marginal", settings.theta_h)?;
     let conditional = read_curves(tensors, "conditional", settings.phi_h)?;
     if marginal.len() != settings.tables {
-        return Err(tensors.invalid(format!("{} marginals", settings.tables), format!("{}", marginal.len())));
+        let expected = format!("{} marginals", settings.tables);
+        return Err(tensors.invalid_in("marginal.start", 0, &expected, marginal.len().to_string()));
     }
     let pieces: usize = (0..marginal.len()).map(|k| marginal.segments(k)).sum();
     if pieces != conditional.len() {
-        return Err(tensors.invalid(
-            format!("a conditional for each of {pieces} pieces of the marginals"),
-            format!("{}", conditional.len()),
-        ));
+        let expected = format!("a conditional for each of {pieces} pieces of the marginals");
+        return Err(tensors.invalid_in("conditional.start", 0, &expected, conditional.len().to_string()));
     }
-    if let Some((k, piece)) = piece_without_conditional(&marginal, &conditional) {
-        return Err(tensors.invalid(
-            format!("piece {piece} of marginal {k} to have a conditional with mass"),
-            "an empty one".to_owned(),
-        ));
+    if let Some((k, piece, curve)) = piece_without_conditional(&marginal, &conditional) {
+        let expected = format!("piece {piece} of marginal {k} to have a conditional with mass");
+        let at = conditional.starts[curve] as usize;
+        return Err(tensors.invalid_in("conditional.cdf", at, &expected, "an empty one"));
     }
     CascadeCdf::from_parts(settings, Tables::new(marginal, conditional))
 }
 
-/// A piece of a marginal that can be drawn though its conditional is empty.
-fn piece_without_conditional(marginal: &Curves, conditional: &Curves) -> Option<(usize, usize)> {
+/// A piece of a marginal that can be drawn though its conditional is empty: marginal, piece and conditional.
+fn piece_without_conditional(marginal: &Curves, conditional: &Curves) -> Option<(usize, usize, usize)> {
     let mut next = 0;
     for k in 0..marginal.len() {
         for piece in 0..marginal.segments(k) {
             let s = marginal.segment(k, piece);
             if s.c1 > s.c0 && conditional.is_void(next) {
-                return Some((k, piece));
+                return Some((k, piece, next));
             }
             next += 1;
         }
@@ -192,38 +194,51 @@ fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
     let starts = tensors.get(&format!("{name}.start"))?;
     let positions = tensors.get(&format!("{name}.position"))?;
     let curves = Curves::from_parts(starts, positions, tensors.get(&format!("{name}.cdf"))?);
-    let fail = |what: String| Err(tensors.invalid(format!("{name} curves over {cells} cells"), what));
+    let fail = |part: &str, at: usize, what: String| {
+        let expected = format!("{name} curves over {cells} cells");
+        Err(tensors.invalid_in(&format!("{name}.{part}"), at, &expected, what))
+    };
     if curves.starts.first() != Some(&0)
         || curves.starts.last().map(|&s| s as usize) != Some(curves.cdf.len())
         || !curves.starts.is_sorted()
     {
-        return fail("starts that do not partition the knots".into());
+        return fail("start", 0, "starts that do not partition the knots".into());
     }
-    let every = curves.positions.is_empty();
-    if !every && curves.positions.len() != curves.cdf.len() {
-        return fail(format!("{} positions for {} values", curves.positions.len(), curves.cdf.len()));
+    if !curves.positions.is_empty() && curves.positions.len() != curves.cdf.len() {
+        let found = format!("{} positions for {} values", curves.positions.len(), curves.cdf.len());
+        return fail("position", 0, found);
     }
     for k in 0..curves.len() {
         let range = curves.starts[k] as usize..curves.starts[k + 1] as usize;
-        let cdf = &curves.cdf[range.clone()];
-        let ends = match cdf {
-            [0, .., last] => *last == dist::WHOLE || cdf.iter().all(|&c| c == 0),
-            _ => false,
-        };
-        if !ends || !cdf.is_sorted() {
-            return fail(format!("curve {k} that does not rise from 0 to 1"));
+        if !rises(&curves.cdf[range.clone()]) {
+            return fail("cdf", range.start, format!("curve {k} that does not rise from 0 to 1"));
         }
-        let fits = if every {
-            cdf.len() - 1 == cells
-        } else {
-            let p = &curves.positions[range];
-            p[0] == 0 && usize::from(p[p.len() - 1]) == cells && p.is_sorted_by(|a, b| a < b)
-        };
-        if !fits {
-            return fail(format!("curve {k} whose knots do not rise from 0 to {cells}"));
+        if !fits(&curves, &range, cells) {
+            return fail(
+                "position",
+                range.start,
+                format!("curve {k} whose knots do not rise from 0 to {cells}"),
+            );
         }
     }
     Ok(curves)
+}
+
+/// From 0 to 1, or 0 throughout.
+fn rises(cdf: &[u16]) -> bool {
+    match cdf {
+        [0, .., last] => cdf.is_sorted() && (*last == dist::WHOLE || *last == 0),
+        _ => false,
+    }
+}
+
+/// A knot at every position of the grid, or knots that rise over it.
+fn fits(curves: &Curves, range: &std::ops::Range<usize>, cells: usize) -> bool {
+    if curves.positions.is_empty() {
+        return range.len() - 1 == cells;
+    }
+    let p = &curves.positions[range.clone()];
+    p[0] == 0 && usize::from(p[p.len() - 1]) == cells && p.is_sorted_by(|a, b| a < b)
 }
 
 pub(super) fn write_half_vector(tables: &square::Stored, out: &mut TensorsOut) {
@@ -253,17 +268,17 @@ pub(super) fn read_half_vector(tensors: &Tensors, settings: HalfVectorSettings) 
         ("row.density", rows * tables.width, tables.nodes.len()),
     ] {
         if expected != found {
-            return Err(tensors.invalid(format!("{expected} values in {name}"), format!("{found}")));
+            return Err(tensors.invalid_in(name, 0, &format!("{expected} values"), found.to_string()));
         }
     }
     match broken_rule(&tables) {
-        Some(rule) => Err(tensors.invalid(rule, "others")),
+        Some((name, rule)) => Err(tensors.invalid_in(name, 0, rule, "others")),
         None => Ok(HalfVectorTable::from_parts(settings, tables)),
     }
 }
 
-/// What the values of a half-vector table must be and are not.
-fn broken_rule(tables: &square::Stored) -> Option<&'static str> {
+/// The tensor of a half-vector table whose values are not what they must be, and what that is.
+fn broken_rule(tables: &square::Stored) -> Option<(&'static str, &'static str)> {
     let c = &tables.cosines;
     let rows = tables.edges.len() - 1;
     let cosines = c[0] == 1.0 && c[c.len() - 1] > 0.0 && c.is_sorted_by(|a, b| a > b);
@@ -274,13 +289,13 @@ fn broken_rule(tables: &square::Stored) -> Option<&'static str> {
     let sum = |row: &[u16]| row.windows(2).map(|p| u32::from(p[0]) + u32::from(p[1])).sum::<u32>();
     let whole = |row: &[u16]| row.iter().all(|&n| n > 0) && sum(row) == NODE_SUM;
     [
-        (cosines, "knot.cosine to fall from 1 and stay above 0"),
-        (edges, "row.edge to rise from 0 to 79 by way of 63"),
-        (tables.rows.chunks(rows).all(rise), "row.cdf of each table to rise from above 0 to 65535"),
-        (tables.slopes.iter().all(|s| s.unsigned_abs() <= STEEPEST as u8), "row.slope within ±122"),
-        (tables.nodes.chunks(tables.width).all(whole), "row.density above 0 and each row normalised"),
+        (cosines, "knot.cosine", "values that fall from 1 and stay above 0"),
+        (edges, "row.edge", "values that rise from 0 to 79 by way of 63"),
+        (tables.rows.chunks(rows).all(rise), "row.cdf", "tables that rise from above 0 to 65535"),
+        (tables.slopes.iter().all(|s| s.unsigned_abs() <= STEEPEST as u8), "row.slope", "values within ±122"),
+        (tables.nodes.chunks(tables.width).all(whole), "row.density", "rows above 0 that are normalised"),
     ]
     .into_iter()
     .find(|rule| !rule.0)
-    .map(|rule| rule.1)
+    .map(|rule| (rule.1, rule.2))
 }

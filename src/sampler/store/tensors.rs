@@ -1,25 +1,27 @@
 //! Named arrays of numbers, there and back, little-endian.
 
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use safetensors::{Dtype, SafeTensors, serialize, tensor::TensorView};
+use safetensors::tensor::{Metadata, TensorView};
+use safetensors::{Dtype, serialize};
 use sha2::{Digest, Sha256};
 
 use crate::{Error, Result};
 
-/// One-dimensional tensors by name, as bytes.
-type Map = BTreeMap<String, (Dtype, Vec<u8>)>;
-
-/// Tensors to be written.
+/// One-dimensional tensors to be written, by name, as bytes.
 #[derive(Default)]
-pub(super) struct TensorsOut(Map);
+pub(super) struct TensorsOut(BTreeMap<String, (Dtype, Vec<u8>)>);
 
-/// Tensors read from a file, and where they came from.
+/// Tensors in a file's bytes, and where these came from.
 #[derive(Debug)]
 pub(super) struct Tensors {
     path: PathBuf,
-    map: Map,
+    bytes: Vec<u8>,
+    /// Where the ranges below count from.
+    data_start: usize,
+    map: BTreeMap<String, (Dtype, Range<usize>)>,
 }
 
 /// Numbers that tensors hold.
@@ -55,7 +57,7 @@ impl TensorsOut {
     }
 
     pub fn sha256(&self) -> String {
-        sha256(&self.0)
+        sha256(self.0.iter().map(|(name, (dtype, bytes))| (name.as_str(), *dtype, bytes.as_slice())))
     }
 
     pub fn serialize(&self, metadata: HashMap<String, String>) -> Result<Vec<u8>> {
@@ -73,20 +75,19 @@ impl TensorsOut {
 }
 
 impl Tensors {
-    /// Reads all tensors and the metadata of a file's bytes. Offsets are checked against the file before anything is copied.
-    pub fn read(bytes: &[u8], path: &Path) -> Result<(Self, HashMap<String, String>)> {
-        let wrong = |e: safetensors::SafeTensorError| {
-            let fix = "name a file written by `merlkit build`, or build it again";
-            Error::invalid(path, 0, "a safetensors file", e.to_string(), fix)
-        };
-        let (_, header) = SafeTensors::read_metadata(bytes).map_err(wrong)?;
+    /// Finds all tensors, and the metadata, in a file's bytes. Nothing is copied.
+    ///
+    /// The header is checked here rather than by `SafeTensors::deserialize`, which adds to an offset that a file may choose,
+    /// and so overflows.
+    pub fn read(bytes: Vec<u8>, path: &Path) -> Result<(Self, HashMap<String, String>)> {
+        let (data_start, header) = read_header(&bytes, path)?;
         let metadata = header.metadata().clone().unwrap_or_default();
-        let map = SafeTensors::deserialize(bytes)
-            .map_err(wrong)?
-            .iter()
-            .map(|(name, view)| (name.to_owned(), (view.dtype(), view.data().to_vec())))
+        let map = header
+            .tensors()
+            .into_iter()
+            .map(|(name, info)| (name, (info.dtype, info.data_offsets.0..info.data_offsets.1)))
             .collect();
-        Ok((Self { path: path.to_owned(), map }, metadata))
+        Ok((Self { path: path.to_owned(), bytes, data_start, map }, metadata))
     }
 
     /// The file they were read from.
@@ -95,29 +96,73 @@ impl Tensors {
     }
 
     pub fn sha256(&self) -> String {
-        sha256(&self.map)
+        sha256(self.map.iter().map(|(name, (dtype, range))| (name.as_str(), *dtype, self.data(range))))
     }
 
     /// An array of the file.
     pub fn get<T: Element>(&self, name: &str) -> Result<Vec<T>> {
-        let (dtype, bytes) =
+        let (dtype, range) =
             self.map.get(name).ok_or_else(|| self.invalid(format!("a tensor \"{name}\""), "none"))?;
         if *dtype != T::DTYPE {
-            return Err(self.invalid(format!("tensor \"{name}\" of {:?}", T::DTYPE), format!("{dtype:?}")));
+            let expected = format!("tensor \"{name}\" of {:?}", T::DTYPE);
+            return Err(self.error(self.data_start + range.start, expected, format!("{dtype:?}")));
         }
-        Ok(bytes.chunks_exact(size_of::<T>()).filter_map(T::get).collect())
+        Ok(self.data(range).chunks_exact(size_of::<T>()).filter_map(T::get).collect())
     }
 
-    /// The error for content that does not fit.
+    fn data(&self, range: &Range<usize>) -> &[u8] {
+        self.bytes[self.data_start..].get(range.clone()).unwrap_or_default()
+    }
+
+    /// The error for a header or metadata that does not fit.
     pub fn invalid(&self, expected: impl Into<String>, found: impl Into<String>) -> Error {
-        Error::invalid(&self.path, 0, expected, found, "build the sampler file again with `merlkit build`")
+        self.error(LENGTH, expected.into(), found.into())
+    }
+
+    /// The error for tensor `name` whose value `index` does not fit, or that as a whole does not (0).
+    pub fn invalid_in(&self, name: &str, index: usize, expected: &str, found: impl Into<String>) -> Error {
+        let offset = self.map.get(name).map_or(LENGTH, |(dtype, range)| {
+            self.data_start + (range.start + index * dtype.bitsize() / 8).min(range.end)
+        });
+        self.error(offset, format!("{expected} in tensor \"{name}\""), found.into())
+    }
+
+    fn error(&self, offset: usize, expected: String, found: String) -> Error {
+        Error::invalid(&self.path, offset as u64, expected, found, "build it again with `merlkit build`")
     }
 }
 
+/// Where a header's JSON begins, behind its length.
+const LENGTH: usize = 8;
+
+/// Checks the header against the file: tensors follow each other without gaps and end where the file ends.
+fn read_header(bytes: &[u8], path: &Path) -> Result<(usize, Metadata)> {
+    let wrong = |offset: usize, found: String| {
+        let fix = "name a file written by `merlkit build`, or build it again";
+        Error::invalid(path, offset as u64, "a safetensors file", found, fix)
+    };
+    let Some((length, rest)) = bytes.split_first_chunk::<LENGTH>() else {
+        return Err(wrong(bytes.len(), format!("the end of a file of {} bytes", bytes.len())));
+    };
+    let length = u64::from_le_bytes(*length);
+    let Some(json) = usize::try_from(length).ok().and_then(|n| rest.get(..n)) else {
+        return Err(wrong(0, format!("a header of {length} bytes in a file of {}", bytes.len())));
+    };
+    // A header is one line, so that the column is the place.
+    let metadata: Metadata = serde_json::from_slice(json)
+        .map_err(|e| wrong(LENGTH + e.column().saturating_sub(1).min(json.len()), e.to_string()))?;
+    let data = rest.len() - json.len();
+    if metadata.data_len() != data {
+        let found = format!("{data} bytes of tensors where the header counts {}", metadata.data_len());
+        return Err(wrong(LENGTH + json.len(), found));
+    }
+    Ok((LENGTH + json.len(), metadata))
+}
+
 /// Over names, types and bytes, in the order of names.
-fn sha256(map: &Map) -> String {
+fn sha256<'a>(tensors: impl Iterator<Item = (&'a str, Dtype, &'a [u8])>) -> String {
     let mut hash = Sha256::new();
-    for (name, (dtype, bytes)) in map {
+    for (name, dtype, bytes) in tensors {
         hash.update(format!("{name}:{dtype:?}:{}:", bytes.len()));
         hash.update(bytes);
     }

@@ -1,8 +1,9 @@
 //! `merlkit build`
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use merlkit::Error;
 use merlkit::brdf::{LookupRule, Measured};
@@ -12,6 +13,7 @@ use merlkit::sampler::{SamplerSpec, store};
 use rayon::prelude::*;
 
 use crate::failure::{Failure, Outcome};
+use crate::interrupt;
 use crate::progress::Progress;
 use crate::sampler_args::{DEFAULT, SamplerArgs};
 use crate::{args, output};
@@ -50,21 +52,26 @@ pub fn run(args: &Args) -> Outcome {
         check_writable(path, overwrite)?;
     }
     let progress = Progress::new("building", jobs.len());
-    let mut written = Vec::new();
+    let written = Arc::new(Mutex::new(BTreeMap::new()));
+    let lines = written.clone();
+    // At the end, on failure and on Ctrl-C alike: a file that is listed is complete.
+    interrupt::at_end(move || {
+        let lines = lines.lock().unwrap_or_else(PoisonError::into_inner);
+        output::stdout(|out| lines.values().try_for_each(|line: &String| writeln!(out, "{line}")))
+    });
+    let jobs: Vec<_> = jobs.into_iter().enumerate().collect();
     // One chunk at a time holds at most one table a thread in memory.
-    for chunk in jobs.chunks(rayon::current_num_threads()) {
-        let lines: Vec<String> = chunk
-            .par_iter()
-            .map(|(material, path)| {
-                let line = build(material, spec, args.lookup, path, overwrite)?;
-                progress.advance();
-                Ok::<_, Error>(line)
-            })
-            .collect::<Result<_, _>>()?;
-        written.extend(lines);
-    }
+    let outcome = jobs.chunks(rayon::current_num_threads()).try_for_each(|chunk| {
+        chunk.par_iter().try_for_each(|(number, (material, path))| {
+            let line = build(material, spec, args.lookup, path, overwrite)?;
+            written.lock().unwrap_or_else(PoisonError::into_inner).insert(*number, line);
+            progress.advance();
+            Ok::<_, Error>(())
+        })
+    });
     drop(progress);
-    output::stdout(|out| written.iter().try_for_each(|line| writeln!(out, "{line}")))?;
+    interrupt::finish()?;
+    outcome?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,6 +1,6 @@
 //! `merlkit eval`
 
-use std::io::{self, BufRead, Write};
+use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -37,6 +37,8 @@ pub struct Args {
 }
 
 const HEADING: &str = "wo_x,wo_y,wo_z,wi_x,wi_y,wi_z";
+/// Bytes of a line that are read before it is refused; six numbers need some hundred.
+const LONGEST_LINE: u64 = 4096;
 /// How far a direction's length may be from 1; files with three decimals pass.
 const UNIT_SLACK: f64 = 1e-3;
 
@@ -99,10 +101,16 @@ impl<R: BufRead> Pairs<R> {
     fn next_line(&mut self) -> Option<Result<String, Error>> {
         loop {
             self.line.clear();
-            match self.input.read_until(b'\n', &mut self.line) {
+            match self.input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.line) {
                 Ok(0) => return None,
                 Ok(_) => self.number += 1,
                 Err(e) => return Some(Err(Error::io(Path::new("standard input"), "read", e))),
+            }
+            if self.line.len() as u64 == LONGEST_LINE {
+                return Some(Err(Error::argument(
+                    format!("standard input, line {}: {LONGEST_LINE} bytes without an end", self.number),
+                    "write one pair of directions a line",
+                )));
             }
             let text = String::from_utf8_lossy(&self.line);
             let text = text.trim_start_matches('\u{feff}').trim();

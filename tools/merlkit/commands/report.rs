@@ -1,13 +1,16 @@
 //! `merlkit report`
 
 use std::process::ExitCode;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use merlkit::Error;
 use merlkit::brdf::LookupRule;
+use merlkit::files::Overwrite;
 use merlkit::measure::profile::{ProfileSettings, profile};
 use merlkit::report::{SamplerReport, summary, thesis_legend, write_json};
 
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
+use crate::interrupt;
 use crate::output::{self, Destination};
 use crate::progress::Progress;
 use crate::sampler_args::{COMPARED, SAMPLERS, SamplerArgs};
@@ -18,6 +21,7 @@ use crate::{args, table};
 /// For each material and sampler: bytes of its tables (counted) and of its file, seconds to build, nanoseconds a draw and a
 /// density, and at seven angles between the samplers' own: spread of the weights, by quadrature, and bias of the albedo, by
 /// draws. Every figure but the thesis's is measured in this run.
+/// Ctrl-C writes the files with the materials that are finished.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -71,7 +75,10 @@ pub fn run(args: &Args) -> Outcome {
     let tables = !destinations.into_iter().flatten().any(|d| *d == Destination::Stdout);
     let settings = ProfileSettings { draws: args.draws, seed: args.seed, ..ProfileSettings::default() };
     let progress = Progress::new("measuring", materials.len() * specs.len());
-    let mut reports = Vec::new();
+    let reports = Arc::new(Mutex::new(Vec::new()));
+    let files = (args.json.clone(), args.csv.clone());
+    let finished = reports.clone();
+    interrupt::at_end(move || write_files(&finished, &files, overwrite));
     for material in &materials {
         let figures = profile(material, args.lookup, &specs, &settings, &|| progress.advance())?;
         let report = SamplerReport::new(figures);
@@ -80,20 +87,39 @@ pub fn run(args: &Args) -> Outcome {
                 output::stdout(|out| writeln!(out, "{}\n{}", report.legend(), table::render(&report.sheet())))
             })?;
         }
-        reports.push(report);
+        lock(&reports).push(report);
     }
     drop(progress);
-    if tables && reports.len() > 1 {
-        output::stdout(|out| writeln!(out, "{}", table::render(&summary(&reports))))?;
+    if tables && lock(&reports).len() > 1 {
+        let sheet = summary(&lock(&reports));
+        output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
     }
-    if tables && reports.iter().any(|r| !r.thesis.is_empty()) {
+    if tables && lock(&reports).iter().any(|r| !r.thesis.is_empty()) {
         output::stdout(|out| writeln!(out, "{}", thesis_legend()))?;
     }
-    if let Some(destination) = &args.json {
-        destination.write(overwrite, |out| write_json(out, "report", &reports))?;
-    }
-    if let Some(destination) = &args.csv {
-        destination.write(overwrite, |out| SamplerReport::csv(&reports).write_csv(out))?;
-    }
+    interrupt::finish()?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn lock(reports: &Mutex<Vec<SamplerReport>>) -> MutexGuard<'_, Vec<SamplerReport>> {
+    reports.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// JSON and CSV of the materials that are finished; none if none is.
+fn write_files(
+    reports: &Mutex<Vec<SamplerReport>>,
+    (json, csv): &(Option<Destination>, Option<Destination>),
+    overwrite: Overwrite,
+) -> Result<(), Failure> {
+    let reports = &*lock(reports);
+    if reports.is_empty() {
+        return Ok(());
+    }
+    if let Some(destination) = json {
+        destination.write(overwrite, |out| write_json(out, "report", reports))?;
+    }
+    if let Some(destination) = csv {
+        destination.write(overwrite, |out| SamplerReport::csv(reports).write_csv(out))?;
+    }
+    Ok(())
 }

@@ -1,0 +1,37 @@
+//! What this binary is, for reports of faults.
+
+use std::env::consts::{ARCH, OS};
+use std::sync::LazyLock;
+
+/// Optional features of the package, and whether they were built in.
+const FEATURES: [(&str, bool); 1] = [("cli", cfg!(feature = "cli"))];
+
+/// Instructions that the compiler was allowed to use beyond the architecture's least, of those that matter here.
+const INSTRUCTIONS: [(&str, bool); 4] = [
+    ("avx2", cfg!(target_feature = "avx2")),
+    ("fma", cfg!(target_feature = "fma")),
+    ("avx512f", cfg!(target_feature = "avx512f")),
+    ("neon", cfg!(target_feature = "neon")),
+];
+
+/// Version, features, target and profile, one a line.
+pub fn long() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(text);
+    &TEXT
+}
+
+fn text() -> String {
+    let profile = if cfg!(debug_assertions) { "debug (with assertions)" } else { "release" };
+    format!(
+        "{}\nfeatures: {}\ntarget: {ARCH} {OS}, {} bits, instructions: {}\nprofile: {profile}",
+        env!("CARGO_PKG_VERSION"),
+        chosen(&FEATURES),
+        usize::BITS,
+        chosen(&INSTRUCTIONS),
+    )
+}
+
+fn chosen(list: &[(&str, bool)]) -> String {
+    let names: Vec<&str> = list.iter().filter(|f| f.1).map(|f| f.0).collect();
+    if names.is_empty() { "the least".into() } else { names.join(", ") }
+}
