@@ -4,12 +4,14 @@
 //! business.
 
 mod check;
+mod hard;
 mod info;
 mod profile;
 mod sheet;
 mod thesis;
 
 pub use check::CheckResult;
+pub use hard::HardSheets;
 pub use info::Info;
 pub use profile::{SamplerReport, thesis_legend};
 pub use sheet::Sheet;

@@ -23,7 +23,7 @@ pub(super) fn integrals(
     sampler: &dyn DirectionSampler,
 ) -> Vec<HardOutcome> {
     let mut out: Vec<HardOutcome> = Vec::new();
-    for &degrees in subject.thoroughness.angles() {
+    for &degrees in subject.angles {
         let [mass, energy] = at(subject, hard, sampler, degrees);
         if out.is_empty() {
             out = vec![mass, energy];

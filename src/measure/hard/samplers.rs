@@ -26,7 +26,7 @@ pub fn hard_samplers() -> Vec<HardSampler> {
 }
 
 fn discs() -> [HardSampler; 5] {
-    let small = AdaptiveDiscSettings { tables: 5, ..Default::default() };
+    let small = AdaptiveDiscSettings { tables: 3, ..Default::default() };
     let published = AdaptiveDiscSettings {
         tables: 3,
         construction: Construction::Grid(200),
@@ -38,7 +38,7 @@ fn discs() -> [HardSampler; 5] {
         ("disc, one shallow tree", AdaptiveDiscSettings { tables: 1, depth: 1, ..small }, true),
         (
             "disc, rejection-free, no waste",
-            AdaptiveDiscSettings { tables: 2, leaves: LeafChoice::Warp, waste: 0.0, depth: 9, ..small },
+            AdaptiveDiscSettings { tables: 2, leaves: LeafChoice::Warp, waste: 0.0, depth: 7, ..small },
             true,
         ),
         ("disc as published", published, false),
