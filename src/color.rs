@@ -3,12 +3,20 @@
 /// Linear RGB: red, green, blue in `x`, `y`, `z`; the unit is that of the quantity it carries.
 pub type Rgb = glam::Vec3;
 
-/// Relative luminance of linear sRGB primaries (ITU-R BT.709 weights).
+/// Relative luminance of linear sRGB primaries (ITU-R BT.709 weights); finite for finite channels.
+#[inline]
 pub fn luminance(c: Rgb) -> f32 {
-    0.212_671 * c.x + 0.715_160 * c.y + 0.072_169 * c.z
+    finite(0.212_671 * c.x + 0.715_160 * c.y + 0.072_169 * c.z, c)
 }
 
-/// Mean of the three channels.
+/// Mean of the three channels; finite for finite channels.
+#[inline]
 pub fn mean(c: Rgb) -> f32 {
-    (c.x + c.y + c.z) * (1.0 / 3.0)
+    finite((c.x + c.y + c.z) * (1.0 / 3.0), c)
+}
+
+/// A mean of channels ≥ 0; where the sum of the largest f32 overflowed, the largest channel stands for the mean.
+#[inline]
+fn finite(mean: f32, c: Rgb) -> f32 {
+    if mean < f32::INFINITY { mean } else { c.max_element() }
 }

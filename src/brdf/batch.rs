@@ -11,6 +11,7 @@ use super::coordinates::CoordinateTables;
 use super::interpolate::Neighbours;
 use super::tangents::Tangents;
 use crate::color::Rgb;
+use crate::geom::unit_upper;
 use crate::merl::MerlTable;
 
 /// Pairs that go through the passes together: all their arrays stay in the first level of cache.
@@ -63,6 +64,7 @@ impl Batch {
     fn fill(&mut self, pairs: &mut impl Iterator<Item = (Vec3, Vec3)>, limit: usize) -> usize {
         let mut count = 0;
         for (k, (wo, wi)) in (0..limit.min(LANES)).zip(pairs) {
+            let [wo, wi] = [wo, wi].map(|w| unit_upper(w).unwrap_or(Vec3::NAN));
             for axis in 0..3 {
                 self.wo[axis][k] = wo[axis];
                 self.wi[axis][k] = wi[axis];

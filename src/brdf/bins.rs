@@ -92,7 +92,9 @@ fn azimuth_bin(x: f32, y: f32, phi_d_bins: usize) -> usize {
 
 /// Azimuth in degrees from 0 to `phi_d_bins`; π is 0 for a table of 180.
 pub(super) fn azimuth(x: f32, y: f32, phi_d_bins: usize) -> f64 {
-    let degrees = f64::from(y).atan2(f64::from(x)).to_degrees();
+    // Opposite azimuths are one in a table of 180: rounding must not tell them apart.
+    let sign = if phi_d_bins == 180 && (y < 0.0 || (y == 0.0 && x < 0.0)) { -1.0 } else { 1.0 };
+    let degrees = (sign * f64::from(y)).atan2(sign * f64::from(x)).to_degrees();
     let positive = if degrees < 0.0 { degrees + phi_d_bins as f64 } else { degrees };
     if phi_d_bins == 180 && positive == 180.0 { 0.0 } else { positive }
 }

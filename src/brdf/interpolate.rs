@@ -75,7 +75,8 @@ impl Neighbours {
         })
     }
 
-    /// Mean of the valid neighbours by their shares, which are renormalised; zero if none is valid.
+    /// Mean of the valid neighbours by their shares, which are renormalised; zero if none is valid. Rounding that would carry
+    /// the mean past the largest f32 leaves it there.
     #[inline(always)]
     pub fn mean(&self, table: &MerlTable) -> Rgb {
         let cells = table.cells();
@@ -87,7 +88,7 @@ impl Neighbours {
         let along_theta_d =
             |h| mix(along_phi(h, self.theta_d.low), along_phi(h, self.theta_d.high), self.theta_d.share);
         let sum = mix(along_theta_d(self.theta_h.low), along_theta_d(self.theta_h.high), self.theta_h.share);
-        if sum.w > 0.0 { (sum / sum.w).truncate() } else { Rgb::ZERO }
+        if sum.w > 0.0 { (sum / sum.w).truncate().min(Rgb::splat(f32::MAX)) } else { Rgb::ZERO }
     }
 }
 

@@ -9,6 +9,7 @@ use super::interpolate::Neighbours;
 use super::tangents::Tangents;
 use super::{BinIndex, Brdf, batch};
 use crate::color::Rgb;
+use crate::geom::unit_upper;
 use crate::merl::MerlTable;
 
 /// What a table says between its samples. The rule changes the albedo of metals by up to a quarter, so reports name it.
@@ -81,6 +82,9 @@ impl Measured {
 impl Brdf for Measured {
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
+            return Rgb::ZERO;
+        };
         match self.rule {
             LookupRule::Floor => self.floor(wo, wi),
             LookupRule::Linear => self.trilinear(0.0, wo, wi),

@@ -18,10 +18,12 @@ pub use measured::{LookupRule, Measured};
 use glam::Vec3;
 
 use crate::color::Rgb;
+use crate::geom::unit_upper;
 
 /// A reflectance function f_r(wo, wi) in the local frame.
 pub trait Brdf: Send + Sync {
     /// f_r in sr⁻¹, without the cosine. Zero, never NaN, for a direction that is not finite or not above the horizon.
+    /// Directions of other lengths than 1 are renormalised ([`crate::geom::unit_upper`]).
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb;
 
     /// f_r for one `wo` and many `wi`: `out[k]` becomes `eval(wo, wi[k])`, to the bit. As many as the shorter slice holds
@@ -42,7 +44,7 @@ pub trait Brdf: Send + Sync {
 
     /// f_r·cosθᵢ in sr⁻¹.
     fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.eval(wo, wi) * wi.z.max(0.0)
+        self.eval(wo, wi) * unit_upper(wi).map_or(0.0, |wi| wi.z)
     }
 
     /// Whether turning both directions about the normal leaves f_r as it is.

@@ -1,8 +1,9 @@
 //! Directions in the local frame and the maps between their domains.
 //!
 //! The crate's one convention: `wo` is given (towards the viewer), `wi` is sampled (towards the light), both leave the
-//! surface, and `+z` is the normal. Angles are radians. A direction is valid when its components are finite and `z > 0`;
-//! lengths may differ from 1 by rounding only.
+//! surface, and `+z` is the normal. Angles are radians. A direction is valid when its components are finite and `z > 0`.
+//! BRDFs and samplers take directions of any length and renormalise those whose length is not 1 up to rounding
+//! ([`unit_upper`]); anything else, and NaN, is no direction: f_r and pdf are 0 and nothing is drawn.
 //!
 //! Evaluation of BRDFs and choice of samples are its neighbours' business ([`crate::brdf`], [`crate::sampler`]).
 
@@ -31,6 +32,22 @@ pub fn spherical(theta: f64, phi: f64) -> DVec3 {
 /// Polar angle and azimuth in (−π, π] of a direction of any length; the inverse of [`spherical`].
 pub fn to_spherical(w: DVec3) -> (f64, f64) {
     (w.x.hypot(w.y).atan2(w.z), w.y.atan2(w.x))
+}
+
+/// Squared lengths this near to 1 are left as they are.
+const LENGTH_SLACK: f32 = 1e-5;
+
+/// `w` at unit length: itself where it is so up to rounding, renormalised elsewhere. `None` unless it is finite and above
+/// the horizon; a height that is nothing to f32 beside the length is not.
+#[inline]
+pub fn unit_upper(w: Vec3) -> Option<Vec3> {
+    if (w.length_squared() - 1.0).abs() <= LENGTH_SLACK { (w.z > 0.0).then_some(w) } else { renormalised(w) }
+}
+
+#[cold]
+fn renormalised(w: Vec3) -> Option<Vec3> {
+    // The square of any f32 is an ordinary f64.
+    is_upper(w).then(|| w.as_dvec3().normalize().as_vec3()).filter(|unit| unit.z > 0.0)
 }
 
 /// Finite and above the horizon: the domain of every BRDF and sampler here.

@@ -54,7 +54,8 @@ impl Quadrature {
     /// disagree, finer ones are taken, until the differences of all bins add up to at most `tolerance` of the integral.
     ///
     /// The points per bin run from 21 to 10,946, whatever this quadrature's own number. For values ≥ 0 from a measured table
-    /// the error is a tenth of `tolerance`; where values are noise, two lattices can agree by chance.
+    /// the error is a tenth of `tolerance`. Where values are noise two lattices can agree by chance, so a quarter of the
+    /// difference before the last counts too.
     pub fn integrate_refined(&self, tolerance: f64, mut value: impl FnMut(Vec3) -> f64) -> f64 {
         let Some(domain) = &self.domain else {
             return 0.0;
@@ -65,19 +66,18 @@ impl Quadrature {
             piece.for_each(domain, lattice, |wi, d_sigma| sum += value(wi) * d_sigma);
             sum
         };
-        let first = self.pieces.iter().map(|piece| (0, over(piece, 0), f64::INFINITY));
-        let mut states: Vec<(usize, f64, f64)> = first.collect();
+        let first = self.pieces.iter().map(|piece| State::first(over(piece, 0)));
+        let mut states: Vec<State> = first.collect();
         loop {
-            let total: f64 = states.iter().map(|s| s.1).sum();
-            let error: f64 = states.iter().map(|s| s.2).sum();
+            let total: f64 = states.iter().map(|s| s.value).sum();
+            let error: f64 = states.iter().map(|s| s.error).sum();
             let allowed = tolerance * total.abs() / states.len().max(1) as f64;
             let mut settled = error <= tolerance * total.abs();
             if !settled {
                 settled = true;
                 for (piece, state) in self.pieces.iter().zip(&mut states) {
-                    if state.2 > allowed && state.0 + 1 < LEVELS.len() {
-                        let finer = over(piece, state.0 + 1);
-                        *state = (state.0 + 1, finer, (finer - state.1).abs());
+                    if state.error > allowed && state.level + 1 < LEVELS.len() {
+                        *state = state.refined(over(piece, state.level + 1));
                         settled = false;
                     }
                 }
@@ -103,6 +103,26 @@ impl Quadrature {
         let mut sum = 0.0;
         self.for_each(|wi, d_sigma| sum += value(wi) * d_sigma);
         sum
+    }
+}
+
+/// How far the refined integral over a piece has come.
+struct State {
+    level: usize,
+    value: f64,
+    /// Difference from the level before.
+    difference: f64,
+    error: f64,
+}
+
+impl State {
+    fn first(value: f64) -> Self {
+        Self { level: 0, value, difference: value.abs(), error: f64::INFINITY }
+    }
+
+    fn refined(&self, value: f64) -> Self {
+        let difference = (value - self.value).abs();
+        Self { level: self.level + 1, value, difference, error: difference.max(0.25 * self.difference) }
     }
 }
 

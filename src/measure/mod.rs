@@ -11,6 +11,7 @@ pub mod convergence;
 pub mod cost;
 mod expected;
 mod facts;
+pub mod hard;
 mod probe;
 pub mod profile;
 

@@ -4,6 +4,7 @@
 
 mod decode;
 mod embedded;
+mod hard;
 mod header;
 mod material;
 mod table;
@@ -11,6 +12,7 @@ mod write;
 
 pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
+pub use hard::HardCase;
 pub use header::{Header, THETA_D_BINS, THETA_H_BINS};
 pub use material::{Material, Source};
 pub use table::{Census, MerlTable};

@@ -4,7 +4,7 @@ use byteorder::{ByteOrder, LittleEndian};
 use std::io::Write;
 use std::path::Path;
 
-use super::MerlTable;
+use super::{Header, MerlTable};
 use crate::files::{Overwrite, write_new};
 use crate::{Error, Result};
 
@@ -15,16 +15,30 @@ use crate::{Error, Result};
 /// # Errors
 /// As [`write_new`].
 pub fn write(table: &MerlTable, path: &Path, overwrite: Overwrite) -> Result<()> {
-    write_new(path, overwrite, |out| fill(table, out).map_err(|e| Error::io(path, "write", e)))
+    write_raw(table.header(), path, overwrite, |cell, channel| table.raw(cell, channel))
 }
 
-fn fill<W: Write + ?Sized>(table: &MerlTable, out: &mut W) -> std::io::Result<()> {
-    out.write_all(&table.header().to_bytes())?;
-    let mut row = vec![0u8; 8 * table.phi_d_bins()];
+/// Writes `raw(cell, channel)`, in file order and in a file's units, as a MERL binary.
+pub(super) fn write_raw(
+    header: Header,
+    path: &Path,
+    overwrite: Overwrite,
+    raw: impl Fn(usize, usize) -> f64,
+) -> Result<()> {
+    write_new(path, overwrite, |out| fill(header, out, &raw).map_err(|e| Error::io(path, "write", e)))
+}
+
+fn fill<W: Write + ?Sized>(
+    header: Header,
+    out: &mut W,
+    raw: &impl Fn(usize, usize) -> f64,
+) -> std::io::Result<()> {
+    out.write_all(&header.to_bytes())?;
+    let mut row = vec![0u8; 8 * header.phi_d_bins];
     for channel in 0..3 {
-        for start in (0..table.cells().len()).step_by(table.phi_d_bins()) {
+        for start in (0..header.cells()).step_by(header.phi_d_bins) {
             for (k, bytes) in row.as_chunks_mut::<8>().0.iter_mut().enumerate() {
-                LittleEndian::write_f64(bytes, table.raw(start + k, channel));
+                LittleEndian::write_f64(bytes, raw(start + k, channel));
             }
             out.write_all(&row)?;
         }

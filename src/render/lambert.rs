@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use crate::brdf::Brdf;
 use crate::color::Rgb;
-use crate::geom::is_upper;
+use crate::geom::unit_upper;
 
 /// Equal radiance in all directions: f_r = reflectance/π.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +16,11 @@ pub struct Lambert {
 
 impl Brdf for Lambert {
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        if is_upper(wo) && is_upper(wi) { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
+        if unit_upper(wo).is_some() && unit_upper(wi).is_some() {
+            self.reflectance * FRAC_1_PI
+        } else {
+            Rgb::ZERO
+        }
     }
 
     fn is_isotropic(&self) -> bool {

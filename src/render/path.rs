@@ -33,7 +33,7 @@ pub struct Settings {
 ///
 /// Random numbers are functions of seed, pixel, sample and dimension, and each pixel's samples are summed in order, so that
 /// the film is the same, bit for bit, for any number of threads. `progress(n)` is called from any thread when `n` more
-/// pixels are done. A path whose weight exceeds the range of f64 is dropped.
+/// pixels are done. A path that carries more than 10¹⁴⁰ is dropped.
 ///
 /// # Errors
 /// [`Error::Argument`] for a picture without pixels or samples, or of more than [`MAX_PIXELS`] pixels.
@@ -61,6 +61,9 @@ pub fn render(
     });
     Ok(Film::new(width, height, pixels))
 }
+
+/// Radiance whose square, summed over any number of samples, is still an f64: what standard errors are made of.
+const BRIGHTEST: f64 = 1e140;
 
 /// The plan's switches, read once.
 struct Tracer<'a> {
@@ -184,7 +187,7 @@ impl<'a> Tracer<'a> {
             }
             ray = step.ray;
         }
-        if sum.is_finite() { sum } else { DVec3::ZERO }
+        if sum.max_element() <= BRIGHTEST { sum } else { DVec3::ZERO }
     }
 
     /// Radiance of lights with an extent that a drawn direction finds, as far as it counts.

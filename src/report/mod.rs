@@ -4,6 +4,7 @@
 //! business.
 
 mod check;
+mod hard;
 mod info;
 mod profile;
 mod sheet;
@@ -11,6 +12,7 @@ mod summary;
 mod thesis;
 
 pub use check::CheckResult;
+pub use hard::HardSheets;
 pub use info::Info;
 pub use profile::{SamplerReport, thesis_legend};
 pub use sheet::Sheet;

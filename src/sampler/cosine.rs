@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
 use super::{DirectionSample, DirectionSampler};
-use crate::geom::{cosine_hemisphere, is_upper};
+use crate::geom::{cosine_hemisphere, unit_upper};
 
 /// Density cosθ/π, whatever the material (thesis 5.1.1).
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,7 +18,7 @@ impl DirectionSampler for Cosine {
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if is_upper(wo) && is_upper(wi) { wi.z * FRAC_1_PI } else { 0.0 }
+        unit_upper(wo).and(unit_upper(wi)).map_or(0.0, |wi| wi.z * FRAC_1_PI)
     }
 
     fn bytes(&self) -> usize {

@@ -30,7 +30,8 @@ pub struct DirectionSample {
 
 /// A method that chooses `wi` given `wo`.
 ///
-/// `wo` is expected above the horizon; for any other, `sample` returns `None` and `pdf` returns 0.
+/// `wo` is expected above the horizon; for any other, and for NaN, `sample` returns `None` and `pdf` returns 0. Directions of
+/// other lengths than 1 are renormalised ([`crate::geom::unit_upper`]).
 pub trait DirectionSampler: Send + Sync {
     /// Draws a direction from a point of the unit square. `None` is a failed draw, which counts as a sample of weight 0.
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample>;

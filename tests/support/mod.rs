@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test file uses its own part
 
 pub mod naive;
+pub mod precise;
 
 use glam::Vec3;
 use merlkit::geom::spherical;

@@ -43,6 +43,11 @@ pub struct Materials {
 }
 
 impl Materials {
+    /// Whether `--all` was given.
+    pub fn are_all(&self) -> bool {
+        self.all
+    }
+
     /// Resolves all of them before any work begins.
     pub fn resolve(&self) -> Result<Vec<Material>, Error> {
         resolve(if self.all { embedded_names() } else { &self.materials })

@@ -7,7 +7,7 @@ use super::bounds::MaxTable;
 use super::square::{Rect, Square};
 use super::tree::{Forest, Grown, MOST_LEAVES};
 use super::warp::{self, WarpGrower, Warps};
-use super::{AdaptiveDiscSettings, Construction, LeafChoice, ThetaKnots, Trees};
+use super::{AdaptiveDiscSettings, Construction, LeafChoice, MOST_TRIALS, ThetaKnots, Trees};
 use crate::brdf::{Brdf, LookupRule, Measured};
 use crate::geom::{Quadrature, spherical};
 
@@ -22,6 +22,8 @@ fn points_a_side(leaves: LeafChoice) -> usize {
 
 /// How far lattices of ∫ f, which every density is divided by, may differ; the error is some tenth of it.
 const NORMALISER_STEP: f64 = 5e-4;
+/// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
+const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
 const SPARE: usize = 20;
 /// Nodes above this depth are split unseen.
@@ -43,7 +45,11 @@ fn warps(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) ->
             let slice = Slice::new(brdf, settings, Some(&bounds), knots.theta(k));
             // It only decides on divisions: a rough one will do.
             let integral = slice.integral(10.0 * NORMALISER_STEP);
-            WarpGrower { settings, slice: &slice, bounds: &bounds, integral }.grow()
+            if USABLE.contains(&integral) {
+                WarpGrower { settings, slice: &slice, bounds: &bounds, integral }.grow()
+            } else {
+                warp::Tree::void()
+            }
         })
         .collect();
     let mut warps = Warps::default();
@@ -60,14 +66,15 @@ fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
             let slice = Slice::new(brdf, settings, bounds.as_ref(), knots.theta(k));
             let integral = slice.integral(NORMALISER_STEP);
             let leaves = match (&settings.construction, &bounds) {
-                _ if integral <= 0.0 => Vec::new(),
+                _ if !USABLE.contains(&integral) => Vec::new(),
                 (Construction::Grid(side), _) => Grower::new(settings, Image::new(&slice, *side)).grow(),
                 (_, Some(bounds)) => Grower::new(settings, Points { slice: &slice, bounds, integral }).grow(),
                 (_, None) => Vec::new(),
             };
             let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
+            let volume: f64 = leaves.iter().map(Grown::volume).sum();
             match settings.leaves {
-                _ if leaves.is_empty() => (leaves, 0.0),
+                _ if leaves.is_empty() || volume > MOST_TRIALS * integral => (Vec::new(), 0.0),
                 LeafChoice::Integral => (leaves, drawn),
                 LeafChoice::Envelope | LeafChoice::Warp => (leaves, integral),
             }

@@ -4,7 +4,7 @@ use glam::{DVec2, Vec3};
 
 use super::tree::{Drawn, Forest};
 use super::{AdaptiveDisc, LeafChoice, MAX_TRIALS, View};
-use crate::geom::{cosine_hemisphere, is_upper};
+use crate::geom::{cosine_hemisphere, unit_upper};
 use crate::points::{PointSet, Stream};
 use crate::sampler::DirectionSample;
 
@@ -16,9 +16,9 @@ pub(super) fn sample_many(
     count: usize,
     seed: u64,
 ) -> Vec<Option<DirectionSample>> {
-    if !is_upper(wo) {
+    let Some(wo) = unit_upper(wo) else {
         return vec![None; count];
-    }
+    };
     let view = disc.view(wo);
     let mut random = Stream::new(seed);
     let floor = disc.settings.floor;

@@ -25,7 +25,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
 use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance, Measured};
-use crate::geom::{cosine_hemisphere, is_upper};
+use crate::geom::{cosine_hemisphere, is_upper, unit_upper};
 use crate::points::{PointSet, Stream};
 use crate::{Error, Result};
 
@@ -185,10 +185,13 @@ pub struct AdaptiveDisc {
     trees: Trees,
 }
 
-/// Trials after which a draw is given up, half a millisecond, which `pdf` does not know of. The mean is near `n_max`; only
-/// trees that are not allowed to be deep need as many as the peak of f exceeds its mean, and lose draws when that is
-/// thousands.
+/// Trials after which a draw is given up, half a millisecond, which `pdf` does not know of. The mean is near `n_max`, and no
+/// tree that needs more than [`MOST_TRIALS`] is kept, so that one draw in 10⁸ is lost at most.
 const MAX_TRIALS: u32 = 20_000;
+
+/// Most trials a draw may need on average. A tree that is not allowed to be deep enough for its material stands for the
+/// uniform disc instead.
+const MOST_TRIALS: f64 = 1000.0;
 
 /// `wo` as the trees see it: turned into the plane of φ = 0, with its neighbours among the knots.
 struct View {
@@ -361,9 +364,7 @@ impl AdaptiveDisc {
 
 impl DirectionSampler for AdaptiveDisc {
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        if !is_upper(wo) {
-            return None;
-        }
+        let wo = unit_upper(wo)?;
         let mut random = Stream::from_point(u);
         // A point of 24 bits a side would name only 2²⁴ leaves; the stream fills the lower bits.
         let fine = 1.0 / f64::from(1u32 << 24);
@@ -381,9 +382,9 @@ impl DirectionSampler for AdaptiveDisc {
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if !is_upper(wo) || !is_upper(wi) {
+        let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
             return 0.0;
-        }
+        };
         self.density(&self.view(wo), wi)
     }
 

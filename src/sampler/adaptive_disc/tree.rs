@@ -46,6 +46,13 @@ pub(super) struct Grown {
     pub weight: f64,
 }
 
+impl Grown {
+    /// Bound times area.
+    pub fn volume(&self) -> f64 {
+        self.square.inside_disc().map_or(0.0, |rect| rect.area() * f64::from(self.bound))
+    }
+}
+
 /// A leaf that was drawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drawn {

@@ -137,12 +137,24 @@ pub(super) struct Tree {
     children: Option<Box<[Tree; 4]>>,
 }
 
+impl Tree {
+    /// A tree without mass.
+    pub fn void() -> Self {
+        Self { mass: 0.0, children: None }
+    }
+}
+
 /// Points along each side of a square.
 const POINTS: usize = 4;
 /// Squares above this depth are divided unseen.
 const COARSEST: u32 = 3;
 /// A leaf may add this part of `waste` to the squared relative deviation of weights.
 const VARIANCE: f64 = 0.01;
+/// Most nodes of a tree: 786 KB. Where `waste` asks for more, as on white noise, it is raised until they are enough.
+const MOST_NODES: usize = 1 << 16;
+/// How often `waste` is raised fourfold before the depth is held to one at which a full tree fits.
+const RAISES: i32 = 16;
+const FULL: u32 = 8;
 
 /// Divides squares until f is even enough in each.
 pub(super) struct WarpGrower<'a> {
@@ -153,25 +165,45 @@ pub(super) struct WarpGrower<'a> {
     pub integral: f64,
 }
 
+/// What a tree may still grow by.
+struct Allowance {
+    waste: f64,
+    depth: u32,
+    nodes: usize,
+}
+
 impl WarpGrower<'_> {
     pub fn grow(&self) -> Tree {
-        self.visit(Rect { low: DVec2::ZERO, high: DVec2::ONE }, 0)
+        let (root, depth) = (Rect { low: DVec2::ZERO, high: DVec2::ONE }, self.settings.depth.min(DEEPEST));
+        let waste = |raise: i32| match raise {
+            0 => self.settings.waste,
+            _ => self.settings.waste.max(1e-6) * 4f64.powi(raise),
+        };
+        (0..=RAISES)
+            .map(|raise| (waste(raise), if raise < RAISES { depth } else { depth.min(FULL) }))
+            .find_map(|(waste, depth)| {
+                self.visit(root, 0, &mut Allowance { waste, depth, nodes: MOST_NODES })
+            })
+            .unwrap_or(Tree::void())
     }
 
-    fn visit(&self, cell: Rect, depth: u32) -> Tree {
+    /// The tree of a cell; `None` if the nodes run out.
+    fn visit(&self, cell: Rect, depth: u32, left: &mut Allowance) -> Option<Tree> {
         let area = PI * cell.area();
         if depth >= COARSEST.min(self.settings.depth) {
             let (mean, square) = self.moments(cell);
-            if depth >= self.settings.depth.min(DEEPEST) || !self.is_uneven(cell, area, mean, square) {
-                return Tree { mass: mean * area, children: None };
+            if depth >= left.depth || !self.is_uneven(cell, area, [mean, square], left.waste) {
+                return Some(Tree { mass: mean * area, children: None });
             }
         }
+        left.nodes = left.nodes.checked_sub(1)?;
         let half = (cell.high - cell.low) * 0.5;
-        let children = [0, 1, 2, 3].map(|i: u32| {
+        let mut child = |i: u32| {
             let low = cell.low + half * DVec2::new(f64::from(i & 1), f64::from(i >> 1));
-            self.visit(Rect { low, high: low + half }, depth + 1)
-        });
-        Tree { mass: children.iter().map(|c| c.mass).sum(), children: Some(Box::new(children)) }
+            self.visit(Rect { low, high: low + half }, depth + 1, left)
+        };
+        let children = [child(0)?, child(1)?, child(2)?, child(3)?];
+        Some(Tree { mass: children.iter().map(|c| c.mass).sum(), children: Some(Box::new(children)) })
     }
 
     /// Mean of f and of its square over a cell of the square.
@@ -188,13 +220,13 @@ impl WarpGrower<'_> {
     }
 
     /// Whether the weights of a cell spread enough to matter, or a peak that no point met may hide in it.
-    fn is_uneven(&self, cell: Rect, area: f64, mean: f64, square: f64) -> bool {
+    fn is_uneven(&self, cell: Rect, area: f64, [mean, square]: [f64; 2], waste: f64) -> bool {
         let spread = if mean > 0.0 { (square / mean - mean) * area } else { 0.0 };
-        if spread > VARIANCE * self.settings.waste * self.integral {
+        if spread > VARIANCE * waste * self.integral {
             return true;
         }
         let bound = f64::from(self.bounds.over(self.slice.wo.as_dvec3(), box_on_disc(cell)));
-        bound > self.settings.n_max * mean && (bound - mean) * area > self.settings.waste * self.integral
+        bound > self.settings.n_max * mean && (bound - mean) * area > waste * self.integral
     }
 }
 

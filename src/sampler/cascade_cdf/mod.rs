@@ -18,7 +18,7 @@ use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
 use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance};
 use crate::dist::Curves;
-use crate::geom::{approx, cosine_hemisphere, is_upper, reflect_about};
+use crate::geom::{approx, cosine_hemisphere, is_upper, reflect_about, unit_upper};
 use crate::{Error, Result};
 
 /// Settings of [`CascadeCdf::build`].
@@ -226,9 +226,7 @@ impl CascadeCdf {
 
 impl DirectionSampler for CascadeCdf {
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        if !is_upper(wo) {
-            return None;
-        }
+        let wo = unit_upper(wo)?;
         let near = self.knots.neighbours(wo);
         let (ignore_tables, x) = split_unit(f64::from(u.x), self.settings.floor);
         let (first, y) = split_unit(f64::from(u.y), 1.0 - near.share);
@@ -249,9 +247,9 @@ impl DirectionSampler for CascadeCdf {
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if !is_upper(wo) || !is_upper(wi) {
+        let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
             return 0.0;
-        }
+        };
         self.density(self.knots.neighbours(wo), wo.as_dvec3(), wi.as_dvec3())
     }
 

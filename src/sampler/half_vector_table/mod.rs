@@ -23,7 +23,7 @@ use glam::{Vec2, Vec3};
 
 use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance};
-use crate::geom::is_upper;
+use crate::geom::unit_upper;
 use crate::{Error, Result};
 use mixture::{Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
 use square::{PARTS, Place, Square};
@@ -146,9 +146,7 @@ impl HalfVectorTable {
     /// The point of the unit square that [`DirectionSampler::sample`] maps to `wi`, up to rounding; `None` unless both
     /// directions are above the horizon.
     pub fn invert(&self, wo: Vec3, wi: Vec3) -> Option<Vec2> {
-        if !is_upper(wo) || !is_upper(wi) {
-            return None;
-        }
+        let (wo, wi) = (unit_upper(wo)?, unit_upper(wi)?);
         let about = self.about(wo);
         let place = about.square.place(wi);
         let row = about.row(&place);
@@ -308,12 +306,12 @@ impl DirectionSampler for HalfVectorTable {
     /// Never fails for a `wo` above the horizon.
     #[inline]
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        is_upper(wo).then(|| self.about(wo).sample(u))
+        unit_upper(wo).map(|wo| self.about(wo).sample(u))
     }
 
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        if is_upper(wo) && is_upper(wi) { self.about(wo).pdf(wi) } else { 0.0 }
+        unit_upper(wo).zip(unit_upper(wi)).map_or(0.0, |(wo, wi)| self.about(wo).pdf(wi))
     }
 
     fn bytes(&self) -> usize {
@@ -321,6 +319,6 @@ impl DirectionSampler for HalfVectorTable {
     }
 
     fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        if is_upper(wo) { batch::sample(&self.about(wo), points) } else { vec![None; points.len()] }
+        unit_upper(wo).map_or_else(|| vec![None; points.len()], |wo| batch::sample(&self.about(wo), points))
     }
 }

@@ -52,6 +52,7 @@ impl Edge {
 /// The square about one direction. All its arithmetic is free of branches, so that loops over it become vector code.
 #[derive(Clone, Copy, Debug)]
 pub struct Square {
+    wo: Vec3,
     /// `wo` turned to azimuth 0.
     sin_o: f32,
     cos_o: f32,
@@ -66,8 +67,8 @@ pub struct Square {
 pub struct Place {
     /// Coordinate on the first axis.
     pub cap: f32,
-    /// tan²θh.
-    pub tan2: f32,
+    /// tan²θh, as lookups compute it: where a value jumps at the edge of a bin, the density must jump with it.
+    pub tan2: f64,
     /// Coordinate on the second axis, in [−1, 1].
     pub b: f32,
     /// dσ(wi) per dcap db, sr.
@@ -75,7 +76,7 @@ pub struct Place {
 }
 
 impl Square {
-    /// The square about `wo`, which must be above the horizon. Its length may differ from 1: it is normalised.
+    /// The square about `wo`, which must be above the horizon and of unit length up to rounding.
     #[inline]
     pub fn about(wo: Vec3) -> Self {
         let rho2 = wo.x * wo.x + wo.y * wo.y;
@@ -86,7 +87,7 @@ impl Square {
         let (sin_o, cos_o) = (rho * scale, wo.z * scale);
         // cos θmax = cos(π/4 + θo/2).
         let cos_max = cos_o / (2.0 * (1.0 + sin_o)).sqrt();
-        Self { sin_o, cos_o, azimuth, top: 0.5 * (1.0 - cos_max) }
+        Self { wo, sin_o, cos_o, azimuth, top: 0.5 * (1.0 - cos_max) }
     }
 
     /// Cosine of the polar angle of `wo`.
@@ -158,13 +159,15 @@ impl Square {
         let b = (quarter / widest).clamp(-1.0, 1.0);
         // dσ(wi) = 4 (wo·h) dσ(h), dσ(h) = 2 dcap dφ, dφ = 4 dq/(1 + q²), and wo·h is half the length of wo + wi.
         let jacobian = 16.0 * length * widest / (1.0 + quarter * quarter);
-        Place { cap, tan2: rho2 / (z * z), b, jacobian }
+        let sum = self.wo.as_dvec3() + wi.as_dvec3();
+        let tan2 = (sum.x * sum.x + sum.y * sum.y) / (sum.z * sum.z);
+        Place { cap, tan2, b, jacobian }
     }
 
     /// The part that holds a half vector, by its squared tangent below the last of MERL's bins, as lookups do.
     #[inline]
     pub fn part(&self, place: &Place) -> usize {
-        let bin = BinIndex::theta_h_of_tan2(f64::from(place.tan2));
+        let bin = BinIndex::theta_h_of_tan2(place.tan2);
         if bin < MERL_PARTS {
             return bin;
         }

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use merlkit::brdf::{LookupRule, Measured};
 use merlkit::measure::check::{CheckSettings, check_directions, check_sampler};
-use merlkit::report::{CheckResult, Sheet, write_json};
+use merlkit::measure::hard::{Thoroughness, check_hard};
+use merlkit::merl::HardCase;
+use merlkit::report::{CheckResult, HardSheets, Sheet, write_json};
 
 use crate::failure::Outcome;
 use crate::output::{self, Destination};
@@ -23,6 +25,10 @@ use crate::{args, table};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
+    /// Check hard cases instead of materials: ugly tables and extreme directions and numbers against every sampler, lookup
+    /// rule and light, under a minute on two cores; with --all every combination, some ten minutes
+    #[arg(long, conflicts_with_all = ["materials", "samplers", "draws", "significance", "lookup"])]
+    hard: bool,
     /// Sampler to check; may be repeated [default: all, the half-vector table at 2KB, 64KB and 1MB,
     /// the cascade CDF both whole and compressed]
     #[arg(long = "sampler", value_name = "NAME", value_parser = SAMPLERS)]
@@ -53,6 +59,9 @@ pub struct Args {
 const DRAWS: std::ops::RangeInclusive<usize> = 1000..=10_000_000;
 
 pub fn run(args: &Args) -> Outcome {
+    if args.hard {
+        return hard(args);
+    }
     let probability = args.significance > 0.0 && args.significance < 1.0;
     if !probability || !DRAWS.contains(&args.draws) {
         let what = format!("significance {}, {} draws", args.significance, args.draws);
@@ -92,6 +101,29 @@ pub fn run(args: &Args) -> Outcome {
     }
     let pass = results.iter().all(|r| r.report.pass());
     Ok(if pass { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+fn hard(args: &Args) -> Outcome {
+    let overwrite = output::overwrite(args.force);
+    if let Some(destination) = &args.json {
+        destination.check(overwrite)?;
+    }
+    let thoroughness = if args.materials.are_all() { Thoroughness::Full } else { Thoroughness::Quick };
+    let progress = Progress::new("checking", HardCase::ALL.len());
+    let outcomes = check_hard(&HardCase::ALL, thoroughness, args.seed, &|| progress.advance())?;
+    drop(progress);
+    if args.json != Some(Destination::Stdout) {
+        let sheets = HardSheets::of(&outcomes);
+        output::stdout(|out| {
+            writeln!(out, "{}\n{}", table::render(&sheets.cases), table::render(&sheets.samplers))?;
+            let failures = &sheets.failures;
+            if failures.rows.is_empty() { Ok(()) } else { writeln!(out, "{}", table::render(failures)) }
+        })?;
+    }
+    if let Some(destination) = &args.json {
+        destination.write(overwrite, |out| write_json(out, "check-hard", &outcomes))?;
+    }
+    Ok(if outcomes.iter().all(|o| o.pass) { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
 fn print(results: &[CheckResult]) -> Result<(), crate::failure::Failure> {

@@ -5,8 +5,10 @@ use std::process::ExitCode;
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable};
-use merlkit::merl::{Material, write};
+use merlkit::merl::{HardCase, Material, write};
 use rayon::prelude::*;
+
+use clap::builder::PossibleValuesParser;
 
 use crate::failure::Outcome;
 use crate::progress::Progress;
@@ -17,6 +19,10 @@ use crate::{args, output};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
+    /// Write a table that is hard on lookups and samplers instead; may be repeated
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["materials", "all"],
+          value_parser = PossibleValuesParser::new(HardCase::ALL.map(|case| case.name)))]
+    hard_case: Vec<String>,
     /// Folder for the files, which are called NAME.binary; made if missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -26,6 +32,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
+    if !args.hard_case.is_empty() {
+        return hard_cases(args);
+    }
     let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
@@ -41,6 +50,15 @@ pub fn run(args: &Args) -> Outcome {
             progress.advance();
             Ok::<_, Error>(())
         })?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn hard_cases(args: &Args) -> Outcome {
+    std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
+    for case in args.hard_case.iter().filter_map(|name| HardCase::named(name)) {
+        let path = args.output.join(format!("{}.binary", case.name));
+        case.write(&path, output::overwrite(args.force))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,0 +1,11 @@
+//! Ugly data and extreme directions: a right answer or a clear error.
+
+mod commands;
+mod crossing;
+mod degenerate;
+mod lengths;
+mod page;
+mod precision;
+mod reproducible;
+#[path = "../support/mod.rs"]
+mod support;

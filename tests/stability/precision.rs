@@ -1,0 +1,200 @@
+//! f32 and f64 arithmetic against oracles in f64 and in compensated sums.
+
+use std::f64::consts::FRAC_1_PI;
+use std::sync::{Arc, LazyLock};
+
+use glam::{DVec3, Vec3};
+use merlkit::brdf::{Brdf, LookupRule, Measured};
+use merlkit::dist::{Curves, Piecewise2d, WHOLE};
+use merlkit::geom::{Quadrature, half_vector, spherical};
+use merlkit::points::{PointSet, Stream};
+use merlkit::render::{EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, render};
+use merlkit::sampler::{Cosine, DirectionSampler, HalfVectorSettings, HalfVectorTable};
+
+use crate::support::precise::{Exact, ulp};
+use crate::support::{naive, noise_table, pairs};
+
+/// What was compared, its largest errors, and the bound.
+pub struct Row {
+    pub what: &'static str,
+    pub ulp: f64,
+    pub relative: f64,
+    pub bound: f64,
+}
+
+/// All rows, computed once.
+pub static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
+    let mut rows = vec![
+        eval("eval, linear, to the spread of its neighbours", LookupRule::Linear),
+        eval("eval, centred, to the spread of its neighbours", LookupRule::Centred),
+        cosine_pdf(),
+        half_vector_pdf(),
+        cdf_sums(),
+        curves(),
+        constant_pixel(),
+    ];
+    rows.extend(accumulation());
+    rows
+});
+
+/// On noise between 0 and 4 a coordinate's error of 10⁻⁶ bins is an error of 4·10⁻⁶ in f, whatever f is.
+fn eval(what: &'static str, rule: LookupRule) -> Row {
+    let table = Arc::new(noise_table(180, 0, 3));
+    let brdf = Measured::new(table.clone(), rule);
+    let mut row = Row { what, ulp: 0.0, relative: 0.0, bound: 2e-5 };
+    for (wo, wi) in pairs(200_000, 5) {
+        let (exact, weight) = naive::eval(&table, rule, wo, wi);
+        // Within rounding of the half vector's azimuth being undefined, neighbours in phi_d are any.
+        let steep = half_vector(wo.as_dvec3(), wi.as_dvec3()).is_none_or(|h| h.x.hypot(h.y) < 1e-5);
+        if weight == 0.0 || steep || (wo - wi).length() < 1e-5 {
+            continue;
+        }
+        let found = brdf.eval(wo, wi);
+        for channel in 0..3 {
+            row.ulp = row.ulp.max(
+                ulp(found[channel], exact[channel].max(1.0)).min(f64::MAX)
+                    * f64::from(u8::from(exact[channel] >= 1.0)),
+            );
+            row.relative = row.relative.max((f64::from(found[channel]) - exact[channel]).abs() / 4.0);
+        }
+    }
+    row
+}
+
+fn cosine_pdf() -> Row {
+    let mut row = Row { what: "pdf, cosine", ulp: 0.0, relative: 0.0, bound: 2e-7 };
+    for (wo, wi) in pairs(100_000, 6).filter(|(wo, wi)| wo.z > 0.0 && wi.z > 1e-30) {
+        let exact = f64::from(wi.z) * FRAC_1_PI;
+        let found = Cosine.pdf(wo, wi);
+        row.ulp = row.ulp.max(ulp(found, exact));
+        row.relative = row.relative.max((f64::from(found) / exact - 1.0).abs());
+    }
+    row
+}
+
+/// The half-vector table computes in f32. Its density is constant along curves through the rows; what is known exactly is its
+/// integral.
+fn half_vector_pdf() -> Row {
+    let brdf = Measured::new(Arc::new(merlkit::merl::decode_embedded("nickel").unwrap()), LookupRule::Floor);
+    let sampler = HalfVectorTable::build(&brdf, HalfVectorSettings::default()).unwrap();
+    let integral = |degrees: f64| {
+        let wo = spherical(degrees.to_radians(), 0.3).as_vec3();
+        Quadrature::new(wo, 987).integrate(|wi| f64::from(sampler.pdf(wo, wi)))
+    };
+    let relative =
+        [0.0, 20.0, 45.0, 70.0, 85.0].map(|d| (integral(d) - 1.0).abs()).into_iter().fold(0.0, f64::max);
+    Row {
+        what: "pdf, half-vector, its integral",
+        ulp: relative / f64::from(f32::EPSILON),
+        relative,
+        bound: 5e-4,
+    }
+}
+
+/// Masses of a million cells over twenty orders of magnitude.
+fn cdf_sums() -> Row {
+    let mut random = Stream::new(8);
+    let weights: Vec<f64> = (0..1000 * 1000).map(|_| 10f64.powf(20.0 * random.next_f64())).collect();
+    let density = Piecewise2d::new(1000, 1000, &weights).unwrap();
+    let mut total = Exact::default();
+    weights.iter().for_each(|&w| total.add(w));
+    let mut row = Row {
+        what: "CDF sums in f64, 10⁶ cells over 20 decades, of the whole",
+        ulp: 0.0,
+        relative: 0.0,
+        bound: 1e-12,
+    };
+    for (i, w) in weights.iter().enumerate() {
+        let (exact, found) = (w / total.value(), density.mass(i % 1000, i / 1000));
+        row.relative = row.relative.max((found - exact).abs());
+    }
+    row.ulp = row.relative / f64::from(f32::EPSILON);
+    row
+}
+
+/// 16-bit curves, whose density is the derivative of what is stored.
+fn curves() -> Row {
+    let mut random = Stream::new(9);
+    let (mut sum, mut exact) = (0.0, Exact::default());
+    let mut cumulated = vec![0.0];
+    let mut precise = vec![0.0];
+    for _ in 0..8192 {
+        let w = 10f64.powf(4.0 * random.next_f64());
+        sum += w;
+        exact.add(w);
+        cumulated.push(sum);
+        precise.push(exact.value());
+    }
+    let mut curves = Curves::new();
+    curves.push(&cumulated, None);
+    let relative = precise.iter().zip(&curves.cdf).fold(0.0, |worst: f64, (p, &c)| {
+        worst.max((f64::from(c) / f64::from(WHOLE) - p / exact.value()).abs())
+    });
+    Row {
+        what: "CDF curves of 8192 cells in 16 bits, of the whole",
+        ulp: relative / f64::from(f32::EPSILON),
+        relative,
+        bound: 0.13,
+    }
+}
+
+/// A picture of nothing but a uniform sky: every sample is the same but for the rounding of the sky's f32 interpolation.
+fn constant_pixel() -> Row {
+    let radiance = Vec3::new(0.1, 1e-30, 3e37);
+    let row = SceneSpec::row(&["none".into()], 1.0);
+    let lights = vec![LightSpec::Environment(EnvironmentSource::Uniform(radiance))];
+    let spec = SceneSpec { spheres: Vec::new(), materials: Vec::new(), lights, ..row };
+    let plan = EffectPlan::of(&spec);
+    let scene = Scene::build(&spec, &plan, |_, _| unreachable!()).unwrap();
+    let settings = Settings { width: 1, height: 1, samples: 1 << 22, seed: 1, points: PointSet::Random };
+    let film = render(&scene, &plan, &settings, &|_| {}).unwrap();
+    let relative = (film.mean(0, 0) / radiance.as_dvec3() - DVec3::ONE).abs().max_element();
+    let image = film.to_image().unwrap().at(0, 0);
+    let ulp = (0..3).map(|c| ulp(image[c], radiance[c].into())).fold(0.0, f64::max);
+    Row { what: "pixel of 4·10⁶ samples of a uniform sky, rendered", ulp, relative, bound: 1e-9 }
+}
+
+/// The film's running mean (Welford), from sample `first` on: what was before is exact.
+fn running_mean(first: u64, count: u64, sample: impl Fn(u64) -> f64) -> (f64, f64) {
+    let (mut before, mut after) = (Exact::default(), Exact::default());
+    // A period of the samples stands for all before.
+    for i in 0..PERIOD {
+        before.add(sample(i) / PERIOD as f64);
+    }
+    let mut mean = if first == 0 { 0.0 } else { before.value() };
+    for i in first..first + count {
+        mean += (sample(i % PERIOD) - mean) / (i + 1) as f64;
+        after.add(sample(i % PERIOD));
+    }
+    (mean, (before.value() * first as f64 + after.value()) / (first + count) as f64)
+}
+
+const PERIOD: u64 = 1_000_000;
+
+/// Ten million samples from the first, and ten million from sample 10⁹ on.
+fn accumulation() -> Vec<Row> {
+    let noise = |i: u64| PointSet::Random.point(3, i % 4096, 0).x.into();
+    let samples: [(&str, &str, &dyn Fn(u64) -> f64); 3] = [
+        ("running mean of 10⁷ equal samples", "the same at sample 10⁹", &|_| 0.1),
+        ("… of 10⁷ noisy samples", "the same at sample 10⁹ ", &noise),
+        ("… of 10⁷ samples, one in 10⁶ a spike of 10¹²", "the same at sample 10⁹  ", &|i| {
+            if i % PERIOD == 777_777 { 1e12 } else { 1e-3 }
+        }),
+    ];
+    let mut rows = Vec::new();
+    for (what, late, sample) in samples {
+        for (what, first) in [(what, 0), (late, 1_000_000_000)] {
+            let (found, exact) = running_mean(first, 10 * PERIOD, sample);
+            let relative = (found / exact - 1.0).abs();
+            rows.push(Row { what, ulp: relative / f64::from(f32::EPSILON), relative, bound: 1e-8 });
+        }
+    }
+    rows
+}
+
+#[test]
+fn errors_stay_below_their_bounds() {
+    for row in TABLE.iter() {
+        assert!(row.relative <= row.bound, "{}: {:.2e}, {:.2} ulp", row.what, row.relative, row.ulp);
+    }
+}
