@@ -84,7 +84,8 @@ fn every_command_has_help() {
         let name = line.split_whitespace().next().unwrap();
         let about = line.split_whitespace().nth(1);
         assert!(about.is_some(), "{name} is not described");
-        assert!(succeeds(run(&["help", name], "")).contains("--threads"), "{name}");
+        let text = succeeds(run(&["help", name], ""));
+        assert!(text.contains("--threads") || name == "help", "{name}");
     }
 }
 

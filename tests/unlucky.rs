@@ -74,7 +74,7 @@ fn a_file_without_permission_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("secret.binary");
     std::fs::write(&path, "x").unwrap();
-    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0)).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
     // The superuser may read everything.
     if std::fs::File::open(&path).is_err() {
         assert_all_say(&path, "cannot open");
@@ -103,7 +103,7 @@ fn pictures_larger_than_their_file_can_hold_are_refused() {
     write_exr(&path, &Image::from_fn(4, 4, |_, _| Rgb::ONE).unwrap(), Overwrite::Refuse).unwrap();
     let good = std::fs::read(&path).unwrap();
     for (width, height, word) in [
-        (8000, 8000, "can't hold it"),
+        (8000i32, 8000i32, "can't hold it"),
         (16_384, 8192, "can't hold it"),
         (65_536, 65_536, "not supported"),
         (i32::MAX, i32::MAX, "expected"),
@@ -114,8 +114,8 @@ fn pictures_larger_than_their_file_can_hold_are_refused() {
         let mut lie = good.clone();
         for window in [&b"dataWindow\0box2i\0"[..], b"displayWindow\0box2i\0"] {
             let at = lie.windows(window.len()).position(|w| w == window).unwrap() + window.len() + 4 + 8;
-            lie[at..at + 4].copy_from_slice(&(width as i32).wrapping_sub(1).to_le_bytes());
-            lie[at + 4..at + 8].copy_from_slice(&(height as i32).wrapping_sub(1).to_le_bytes());
+            lie[at..at + 4].copy_from_slice(&width.wrapping_sub(1).to_le_bytes());
+            lie[at + 4..at + 8].copy_from_slice(&height.wrapping_sub(1).to_le_bytes());
         }
         let message = decode_exr(&lie, Path::new("lie.exr")).unwrap_err().to_string();
         assert!(message.starts_with("lie.exr: ") && message.contains(word), "{width} × {height}: {message}");

@@ -1,0 +1,15 @@
+#![no_main]
+
+use std::sync::{Arc, LazyLock};
+
+use merlkit::brdf::Measured;
+
+#[allow(dead_code)] // each target uses its own part
+#[path = "../../tests/support/exercise.rs"]
+mod exercise;
+
+static BRDF: LazyLock<Arc<Measured>> = LazyLock::new(exercise::brdf);
+
+libfuzzer_sys::fuzz_target!(|input: &[u8]| {
+    exercise::sampler(input, &BRDF);
+});
