@@ -387,7 +387,10 @@ fn batches_are_stratified_and_unbiased() {
     ] {
         let sampler = spec.build(&brdf).unwrap();
         let exact = weight_spread(&sampler, &*brdf, &quadrature, Importance::Mean);
-        let independent = (exact.relstd * exact.mean).powi(2) / BATCH as f64;
+        // A pdf whose integral is 1 + ε makes the quadrature's variance too small by ε times the mean square.
+        let (relative2, excess) = (exact.relstd.powi(2), exact.pdf_integral - 1.0);
+        let variance = exact.mean.powi(2) * (relative2 + excess * (1.0 + relative2));
+        let independent = variance / BATCH as f64;
         let many = Batches::of(&brdf, wo, |seed| sampler.sample_many(wo, BATCH, seed));
         let single = Batches::of(&brdf, wo, |seed| {
             (0..BATCH as u64).map(|i| sampler.sample(wo, PointSet::Random.point(seed, i, 0))).collect()
@@ -407,7 +410,9 @@ fn batches_are_stratified_and_unbiased() {
         );
         let error = (independent / SEEDS as f64).sqrt();
         for mean in [many.mean, single.mean] {
-            assert!((mean - exact.mean).abs() < 4.5 * error, "{spec:?}: {mean} {error} {exact:?}");
+            // The disc's normaliser is settled to some 10⁻⁴, which is not chance.
+            let allowed = 4.5 * error + 2e-4 * exact.mean;
+            assert!((mean - exact.mean).abs() < allowed, "{spec:?}: {mean} {error} {exact:?}");
         }
     }
 }

@@ -169,12 +169,15 @@ fn running_mean(first: u64, count: u64, sample: impl Fn(u64) -> f64) -> (f64, f6
     (mean, (before.value() * first as f64 + after.value()) / (first + count) as f64)
 }
 
+/// What sample `i` adds to a pixel.
+type Samples<'a> = &'a dyn Fn(u64) -> f64;
+
 const PERIOD: u64 = 1_000_000;
 
 /// Ten million samples from the first, and ten million from sample 10⁹ on.
 fn accumulation() -> Vec<Row> {
     let noise = |i: u64| PointSet::Random.point(3, i % 4096, 0).x.into();
-    let samples: [(&str, &str, &dyn Fn(u64) -> f64); 3] = [
+    let samples: [(_, _, Samples); 3] = [
         ("running mean of 10⁷ equal samples", "the same at sample 10⁹", &|_| 0.1),
         ("… of 10⁷ noisy samples", "the same at sample 10⁹ ", &noise),
         ("… of 10⁷ samples, one in 10⁶ a spike of 10¹²", "the same at sample 10⁹  ", &|i| {

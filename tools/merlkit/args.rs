@@ -35,7 +35,8 @@ fn sin_cos_degrees(angle: f64) -> (f64, f64) {
 #[derive(clap::Args)]
 pub struct Materials {
     /// Paths to MERL binaries or names of embedded materials
-    #[arg(required_unless_present = "all", value_name = "MATERIAL")]
+    // An option that conflicts with it, as --all does, lifts the requirement.
+    #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// Take every embedded material
     #[arg(long, conflicts_with = "materials")]
