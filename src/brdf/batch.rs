@@ -11,7 +11,7 @@ use super::coordinates::CoordinateTables;
 use super::interpolate::Neighbours;
 use super::tangents::Tangents;
 use crate::color::Rgb;
-use crate::geom::unit_upper;
+use crate::geom::{is_unit_upper, unit_upper};
 use crate::merl::MerlTable;
 
 /// Pairs that go through the passes together: all their arrays stay in the first level of cache.
@@ -64,12 +64,16 @@ impl Batch {
     fn fill(&mut self, pairs: &mut impl Iterator<Item = (Vec3, Vec3)>, limit: usize) -> usize {
         let mut count = 0;
         for (k, (wo, wi)) in (0..limit.min(LANES)).zip(pairs) {
-            let [wo, wi] = [wo, wi].map(|w| unit_upper(w).unwrap_or(Vec3::NAN));
             for axis in 0..3 {
                 self.wo[axis][k] = wo[axis];
                 self.wi[axis][k] = wi[axis];
             }
             count = k + 1;
+        }
+        // Nearly all are unit directions: one count for all of them, without a branch for each.
+        let unit = |k: usize| is_unit_upper(at(&self.wo, k)) & is_unit_upper(at(&self.wi, k));
+        if (0..count.min(LANES)).map(|k| u32::from(!unit(k))).sum::<u32>() > 0 {
+            self.renormalise(count);
         }
         for k in 0..count.min(LANES) {
             let tan2 = Tangents::of(at(&self.wo, k), at(&self.wi, k));
@@ -79,6 +83,19 @@ impl Batch {
             self.half_turn[k] = tan2.half_turn;
         }
         count
+    }
+
+    /// Brings all to unit length, and what is no direction to NaN.
+    #[cold]
+    fn renormalise(&mut self, count: usize) {
+        for k in 0..count.min(LANES) {
+            for w in [&mut self.wo, &mut self.wi] {
+                let unit = unit_upper(at(w, k)).unwrap_or(Vec3::NAN);
+                for axis in 0..3 {
+                    w[axis][k] = unit[axis];
+                }
+            }
+        }
     }
 
     #[inline(always)]

@@ -37,6 +37,12 @@ pub fn to_spherical(w: DVec3) -> (f64, f64) {
 /// Squared lengths this near to 1 are left as they are.
 const LENGTH_SLACK: f32 = 1e-5;
 
+/// Whether [`unit_upper`] takes `w` as it is.
+#[inline(always)]
+pub fn is_unit_upper(w: Vec3) -> bool {
+    ((w.length_squared() - 1.0).abs() <= LENGTH_SLACK) & (w.z > 0.0)
+}
+
 /// `w` at unit length: itself where it is so up to rounding, renormalised elsewhere. `None` unless it is finite and above
 /// the horizon; a height that is nothing to f32 beside the length is not.
 #[inline]
