@@ -1,0 +1,8 @@
+//! The command line as a user types it.
+
+mod eval;
+mod materials;
+mod reports;
+mod run;
+mod samplers;
+mod usage;

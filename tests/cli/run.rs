@@ -1,0 +1,48 @@
+//! Runs the program and takes its answers apart.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Output, Stdio};
+
+use assert_cmd::cargo::cargo_bin;
+
+/// Runs `merlkit` in `folder` with `input` on standard input.
+pub fn run_in(folder: &Path, arguments: &[&str], input: &str) -> Output {
+    let mut child = std::process::Command::new(cargo_bin!("merlkit"))
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    // Beside reading the output: a command that has filled its pipe reads no further.
+    std::thread::scope(|scope| {
+        // A command that stops early closes its input, which is no concern of these tests.
+        scope.spawn(move || stdin.write_all(input.as_bytes()).ok());
+        child.wait_with_output().unwrap()
+    })
+}
+
+pub fn run(arguments: &[&str], input: &str) -> Output {
+    run_in(Path::new("."), arguments, input)
+}
+
+/// Standard output of a command that succeeds and has nothing to complain about.
+pub fn succeeds(output: Output) -> String {
+    let complaints = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{complaints}");
+    assert_eq!(complaints, "");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Standard error of a command that ends with status 2.
+pub fn fails(output: Output) -> String {
+    assert_eq!(output.status.code(), Some(2));
+    String::from_utf8(output.stderr).unwrap()
+}
+
+pub fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap()
+}
