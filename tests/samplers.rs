@@ -4,6 +4,8 @@
 //! Left out: the adaptive disc with leaves by integral. Its densities are as good as the integrals of its leaves, which are
 //! estimates from points, so it is approximate and is not held to these checks; the published settings below show it.
 
+mod support;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -20,6 +22,8 @@ use merlkit::sampler::{
     AdaptiveDiscSettings, Carry, CascadeCdfSettings, DirectionSample, DirectionSampler, LeafChoice, Sampler,
     SamplerSpec, TableChoice,
 };
+
+use support::tampered::Tampered;
 
 /// Upper bound of how often [`assert_passes`] is called in this file: together they err once in a hundred seeds.
 const CALLS: usize = 100;
@@ -79,7 +83,7 @@ fn assert_all_pass(name: &str, seed: u64) {
     let brdf = measured(name, LookupRule::Floor);
     let nearest = match seed.is_multiple_of(2) {
         true => [disc(Nearest), cascade(Nearest)],
-        false => [whole(Nearest), rejection_free(Nearest)],
+        false => [whole(Nearest), coarse(Nearest)],
     };
     let mixtures =
         [disc(Mixture), rejection_free(Mixture), cascade(Mixture), whole(Mixture), coarse(Mixture)];
@@ -145,36 +149,6 @@ fn other_lookup_rules_pass() {
         {
             assert_passes(spec, &brdf, &settings(2200 + seed as u64));
         }
-    }
-}
-
-/// Draws of one sampler with the densities of another; those are asked for at a `wo` whose polar angle is `shift` larger.
-struct Tampered<'a> {
-    draws: &'a Sampler,
-    claims: &'a Sampler,
-    shift: f64,
-}
-
-impl Tampered<'_> {
-    fn claim(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let (theta, phi) = merlkit::geom::to_spherical(wo.as_dvec3());
-        let wo = if self.shift == 0.0 { wo } else { spherical(theta + self.shift, phi).as_vec3() };
-        self.claims.pdf(wo, wi)
-    }
-}
-
-impl DirectionSampler for Tampered<'_> {
-    fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        let DirectionSample { wi, .. } = self.draws.sample(wo, u)?;
-        Some(DirectionSample { wi, pdf: self.claim(wo, wi) })
-    }
-
-    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.claim(wo, wi)
-    }
-
-    fn bytes(&self) -> usize {
-        self.draws.bytes()
     }
 }
 
@@ -375,22 +349,21 @@ fn mean_and_variance(values: &[f64]) -> (f64, f64) {
 #[test]
 fn batches_are_stratified_and_unbiased() {
     let brdf = measured("nickel", LookupRule::Floor);
-    // Between trees and between tables; azimuth 0, so that y = 0 parts the trees' first children.
-    let wo = spherical(28.2_f64.to_radians(), 0.0).as_vec3();
+    // Between trees and between tables of each, where weights spread by more than the quadrature's 2·10⁻³; azimuth 0, so that
+    // y = 0 parts the trees' first children.
+    let wo = spherical(81.6_f64.to_radians(), 0.0).as_vec3();
     let quadrature = Quadrature::new(wo, POINTS_PER_BIN);
     for (spec, share) in [
         // The largest variance, as a share of that of independent draws.
         (disc(TableChoice::Mixture), 1.15),
-        (disc(TableChoice::Nearest), 1.15),
+        (disc(TableChoice::Nearest), 0.85),
+        (kept(TableChoice::Nearest), 0.85),
         (rejection_free(TableChoice::Mixture), 1.15),
         (cascade(TableChoice::Mixture), 1.15),
     ] {
         let sampler = spec.build(&brdf).unwrap();
         let exact = weight_spread(&sampler, &*brdf, &quadrature, Importance::Mean);
-        // A pdf whose integral is 1 + ε makes the quadrature's variance too small by ε times the mean square.
-        let (relative2, excess) = (exact.relstd.powi(2), exact.pdf_integral - 1.0);
-        let variance = exact.mean.powi(2) * (relative2 + excess * (1.0 + relative2));
-        let independent = variance / BATCH as f64;
+        let independent = (exact.relstd * exact.mean).powi(2) / BATCH as f64;
         let many = Batches::of(&brdf, wo, |seed| sampler.sample_many(wo, BATCH, seed));
         let single = Batches::of(&brdf, wo, |seed| {
             (0..BATCH as u64).map(|i| sampler.sample(wo, PointSet::Random.point(seed, i, 0))).collect()
@@ -410,9 +383,7 @@ fn batches_are_stratified_and_unbiased() {
         );
         let error = (independent / SEEDS as f64).sqrt();
         for mean in [many.mean, single.mean] {
-            // The disc's normaliser is settled to some 10⁻⁴, which is not chance.
-            let allowed = 4.5 * error + 2e-4 * exact.mean;
-            assert!((mean - exact.mean).abs() < allowed, "{spec:?}: {mean} {error} {exact:?}");
+            assert!((mean - exact.mean).abs() < 4.5 * error, "{spec:?}: {mean} {error} {exact:?}");
         }
     }
 }
@@ -473,7 +444,8 @@ fn builds_do_not_depend_on_threads() {
     }
 }
 
-/// A tree of four leaves needs thousands of trials a draw; giving up would contradict the pdf.
+/// A tree of four leaves would need thousands of trials a draw, and giving up would contradict the pdf: it stands for the
+/// uniform disc.
 #[test]
 fn shallow_trees_lose_no_draws() {
     let settings = AdaptiveDiscSettings { tables: 1, depth: 1, ..Default::default() };

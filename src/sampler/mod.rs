@@ -50,7 +50,11 @@ pub trait DirectionSampler: Send + Sync {
 
     /// Draws `count` directions that are stratified together, as well as the method can; each alone has density `pdf`.
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
-        let points: Vec<Vec2> = (0..count as u64).map(|i| PointSet::Sobol.point(seed, i, 0)).collect();
-        self.sample_batch(wo, &points)
+        self.sample_batch(wo, &well_spread(count, seed))
     }
+}
+
+/// The first `count` Owen-scrambled Sobol points of a seed.
+fn well_spread(count: usize, seed: u64) -> Vec<Vec2> {
+    (0..count as u64).map(|i| PointSet::Sobol.point(seed, i, 0)).collect()
 }

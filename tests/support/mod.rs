@@ -3,6 +3,7 @@
 
 pub mod naive;
 pub mod precise;
+pub mod tampered;
 
 use glam::Vec3;
 use merlkit::geom::spherical;

@@ -309,6 +309,37 @@ mod tests {
         f64::from(leaf.bound) * Drawn::new(leaf, 0.0).rect.area()
     }
 
+    /// The largest value over its leaf's bound, at `points` of each leaf of tree `k`.
+    fn worst_share(forest: &Forest, k: usize, slice: &Slice, points: usize, random: &mut Stream) -> f64 {
+        let mut worst = 0.0f64;
+        for leaf in forest.tree(k).iter().map(|leaf| Drawn::new(leaf, 0.0)) {
+            for _ in 0..points {
+                let t = DVec2::new(random.next_f64(), random.next_f64());
+                if let Some(wi) = leaf.direction(t, DVec2::X) {
+                    worst = worst.max(slice.value(wi) / f64::from(leaf.bound));
+                }
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn bounds_hold_and_trees_are_small_on_every_material() {
+        let settings = AdaptiveDiscSettings::default();
+        let knots = ThetaKnots::new(settings.tables, settings.choice).unwrap();
+        crate::merl::embedded_names().par_iter().for_each(|name| {
+            let brdf = Measured::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
+            let forest = forest(&brdf, &settings, knots);
+            assert!(forest.bytes() < 1_000_000, "{name}: {} bytes", forest.bytes());
+            let mut random = Stream::new(2);
+            for k in 0..settings.tables {
+                let slice = Slice::new(&brdf, &settings, None, knots.theta(k));
+                let worst = worst_share(&forest, k, &slice, 20, &mut random);
+                assert!(worst <= 1.0, "{name}, knot {k}: a value {worst} times the bound");
+            }
+        });
+    }
+
     #[test]
     fn no_value_exceeds_its_leafs_bound() {
         for (name, rule) in [
@@ -324,15 +355,7 @@ mod tests {
             let mut random = Stream::new(1);
             for k in 0..9 {
                 let slice = Slice::new(&brdf, &settings, None, knots.theta(k));
-                let mut worst = 0.0f64;
-                for leaf in forest.tree(k).iter().map(|leaf| Drawn::new(leaf, 0.0)) {
-                    for _ in 0..100 {
-                        let t = DVec2::new(random.next_f64(), random.next_f64());
-                        if let Some(wi) = leaf.direction(t, DVec2::X) {
-                            worst = worst.max(slice.value(wi) / f64::from(leaf.bound));
-                        }
-                    }
-                }
+                let worst = worst_share(&forest, k, &slice, 100, &mut random);
                 assert!(worst <= 1.0, "{name}, knot {k}: a value {worst} times the bound");
                 assert!(worst > 0.8, "{name}, knot {k}: the bounds are slack, at best {worst}");
                 let volume: f64 = forest.tree(k).iter().map(volume).sum();

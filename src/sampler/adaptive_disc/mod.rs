@@ -23,10 +23,10 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
-use super::{DirectionSample, DirectionSampler};
+use super::{DirectionSample, DirectionSampler, well_spread};
 use crate::brdf::{Brdf, Importance, Measured};
 use crate::geom::{cosine_hemisphere, is_upper, unit_upper};
-use crate::points::{PointSet, Stream};
+use crate::points::Stream;
 use crate::{Error, Result};
 
 /// How the values behind a tree are gathered.
@@ -396,9 +396,7 @@ impl DirectionSampler for AdaptiveDisc {
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
         match &self.trees {
             Trees::Rejecting(forest) => many::sample_many(self, forest, wo, count, seed),
-            Trees::Warped(_) => {
-                (0..count as u64).map(|i| self.sample(wo, PointSet::Sobol.point(seed, i, 0))).collect()
-            }
+            Trees::Warped(_) => self.sample_batch(wo, &well_spread(count, seed)),
         }
     }
 }

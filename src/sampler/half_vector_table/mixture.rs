@@ -39,14 +39,14 @@ impl Row {
     }
 }
 
-/// A segment between two nodes, and a probability within it, all in units of a blend.
+/// A segment between two nodes, in units of a blend.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Segment {
     /// Which.
     pub index: f32,
-    /// Densities at its ends.
+    /// Density at its first node.
     pub low: f32,
-    /// Densities at its ends.
+    /// Density at its second node.
     pub high: f32,
 }
 

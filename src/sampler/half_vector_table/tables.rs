@@ -155,44 +155,6 @@ impl Blend<'_> {
         self.both(&tables.stored.nodes, tables.row_count(), row, tables.stored.width)
     }
 
-    #[inline(always)]
-    fn row_index(&self, target: u32) -> usize {
-        let n = self.tables.row_count();
-        let (first, second) = self.both(&self.tables.stored.rows, 1, 0, n);
-        let passed = |i: usize| usize::from(self.mix(first[i], second[i]) <= target);
-        // Two counts of independent comparisons are sooner done than a search whose steps wait for each other.
-        let coarse = (1..=(n - 1) / STRIDE).map(|k| passed(k * STRIDE - 1)).sum::<usize>() * STRIDE;
-        coarse + (coarse..(coarse + STRIDE - 1).min(n - 1)).map(passed).sum::<usize>()
-    }
-
-    #[inline(always)]
-    fn row_between(&self, index: usize) -> Row {
-        let (first, second) = self.both(&self.tables.stored.rows, 1, 0, self.tables.row_count());
-        let to = |i: usize| self.mix(first[i], second[i]);
-        let below = if index == 0 { 0 } else { to(index - 1) };
-        Row { index, below, mass: to(index) - below }
-    }
-
-    /// The segment of a row in which the sum passes `target`, and the sum below it.
-    #[inline(always)]
-    fn segment_index(&self, row: usize, target: u32) -> (usize, u32) {
-        let (first, second) = self.nodes(row);
-        let (block, mut below) = self.find_block(row, target);
-        let mut index = block * BLOCK;
-        let (mut low, mut sum) = (self.mix(first[index], second[index]), below);
-        let others = (first.len() - 1 - index).min(BLOCK) - 1;
-        for i in index + 1..=index + others {
-            let high = self.mix(first[i], second[i]);
-            // A row's sums stay below NODE_TOTAL, which fits.
-            sum += low + high;
-            low = high;
-            let passed = sum <= target;
-            index += usize::from(passed);
-            below = if passed { sum } else { below };
-        }
-        (index, below)
-    }
-
     /// The block in which the sum passes `target`, and the sum below it.
     #[inline]
     fn find_block(&self, row: usize, target: u32) -> (usize, u32) {
@@ -224,12 +186,20 @@ impl Mixture for Blend<'_> {
 
     #[inline(always)]
     fn index_of(&self, target: u32) -> usize {
-        self.row_index(target)
+        let n = self.tables.row_count();
+        let (first, second) = self.both(&self.tables.stored.rows, 1, 0, n);
+        let passed = |i: usize| usize::from(self.mix(first[i], second[i]) <= target);
+        // Two counts of independent comparisons are sooner done than a search whose steps wait for each other.
+        let coarse = (1..=(n - 1) / STRIDE).map(|k| passed(k * STRIDE - 1)).sum::<usize>() * STRIDE;
+        coarse + (coarse..(coarse + STRIDE - 1).min(n - 1)).map(passed).sum::<usize>()
     }
 
     #[inline(always)]
     fn row(&self, index: usize) -> Row {
-        self.row_between(index)
+        let (first, second) = self.both(&self.tables.stored.rows, 1, 0, self.tables.row_count());
+        let to = |i: usize| self.mix(first[i], second[i]);
+        let below = if index == 0 { 0 } else { to(index - 1) };
+        Row { index, below, mass: to(index) - below }
     }
 
     #[inline(always)]
@@ -242,7 +212,21 @@ impl Mixture for Blend<'_> {
 
     #[inline(always)]
     fn segment_of(&self, row: usize, target: u32) -> (usize, u32) {
-        self.segment_index(row, target)
+        let (first, second) = self.nodes(row);
+        let (block, mut below) = self.find_block(row, target);
+        let mut index = block * BLOCK;
+        let (mut low, mut sum) = (self.mix(first[index], second[index]), below);
+        let others = (first.len() - 1 - index).min(BLOCK) - 1;
+        for i in index + 1..=index + others {
+            let high = self.mix(first[i], second[i]);
+            // A row's sums stay below NODE_TOTAL, which fits.
+            sum += low + high;
+            low = high;
+            let passed = sum <= target;
+            index += usize::from(passed);
+            below = if passed { sum } else { below };
+        }
+        (index, below)
     }
 
     #[inline(always)]
