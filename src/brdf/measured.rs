@@ -9,7 +9,7 @@ use super::interpolate::Neighbours;
 use super::tangents::Tangents;
 use super::{BinIndex, Brdf, batch};
 use crate::color::Rgb;
-use crate::geom::unit_upper;
+use crate::geom::{is_unit_upper, unit_upper};
 use crate::merl::MerlTable;
 
 /// What a table says between its samples. The rule changes the albedo of metals by up to a quarter, so reports name it.
@@ -64,6 +64,23 @@ impl Measured {
 }
 
 impl Measured {
+    /// f_r of unit directions above the horizon.
+    #[inline]
+    fn value(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        match self.rule {
+            LookupRule::Floor => self.floor(wo, wi),
+            LookupRule::Linear => self.trilinear(0.0, wo, wi),
+            LookupRule::Centred => self.trilinear(0.5, wo, wi),
+        }
+    }
+
+    /// f_r of any directions. Apart, so that the usual ones are used where they are: merged with renormalised ones, a call took
+    /// 1.4 to 1.9 times as long (`cargo bench --bench lookup`).
+    #[cold]
+    fn value_of_others(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        unit_upper(wo).zip(unit_upper(wi)).map_or(Rgb::ZERO, |(wo, wi)| self.value(wo, wi))
+    }
+
     #[inline]
     fn floor(&self, wo: Vec3, wi: Vec3) -> Rgb {
         match BinIndex::of(wo, wi, self.table.phi_d_bins()) {
@@ -82,14 +99,7 @@ impl Measured {
 impl Brdf for Measured {
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
-            return Rgb::ZERO;
-        };
-        match self.rule {
-            LookupRule::Floor => self.floor(wo, wi),
-            LookupRule::Linear => self.trilinear(0.0, wo, wi),
-            LookupRule::Centred => self.trilinear(0.5, wo, wi),
-        }
+        if is_unit_upper(wo) & is_unit_upper(wi) { self.value(wo, wi) } else { self.value_of_others(wo, wi) }
     }
 
     fn eval_many(&self, wo: Vec3, wi: &[Vec3], out: &mut [Rgb]) {
