@@ -6,6 +6,7 @@
 
 mod support {
     pub mod exercise;
+    pub mod watch;
 }
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -28,6 +29,7 @@ use rayon::prelude::*;
 use safetensors::{Dtype, SafeTensors};
 use sha2::{Digest, Sha256};
 use support::exercise;
+use support::watch::Watch;
 
 /// Counts what the current thread holds, and its peak.
 struct Counting;
@@ -108,20 +110,27 @@ fn drive(
 ) {
     let tries = inputs() / share;
     let seed = name.bytes().fold(7u64, |h, b| h.wrapping_mul(31).wrapping_add(b.into()));
+    let input = |i: u64| make(&mut Stream::new(merlkit::points::mix(seed ^ i)));
+    let keep = |i: u64| {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{i}.bin"));
+        std::fs::write(&path, input(i)).unwrap();
+        path
+    };
+    let watch = Watch::new();
     let trial = |i: u64| {
-        let input = make(&mut Stream::new(merlkit::points::mix(seed ^ i)));
+        let input = input(i);
         let (outcome, peak) = peak_of(|| catch_unwind(AssertUnwindSafe(|| read(&input))));
         if outcome.is_err() || peak > bound(input.len(), factor) {
-            let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{i}.bin"));
-            std::fs::write(&path, &input).unwrap();
-            return Err(format!("{}: panic {}, {peak} bytes", path.display(), outcome.is_err()));
+            return Err(format!("{}: panic {}, {peak} bytes", keep(i).display(), outcome.is_err()));
         }
         Ok((u64::from(outcome.unwrap_or_default()), peak as f64 / (input.len().max(1) as f64)))
     };
-    let merged = (0..tries)
-        .into_par_iter()
-        .map(trial)
-        .try_reduce(|| (0, 0.0), |a, b| Ok((a.0 + b.0, f64::max(a.1, b.1))));
+    let merged = watch.guard(keep, || {
+        (0..tries)
+            .into_par_iter()
+            .map(|i| watch.during(i, || trial(i)))
+            .try_reduce(|| (0, 0.0), |a, b| Ok((a.0 + b.0, f64::max(a.1, b.1))))
+    });
     let (accepted, ratio) = merged.unwrap_or_else(|failure| panic!("{failure}"));
     println!("{name}: {accepted} of {} accepted, at most {ratio:.0} bytes a byte", tries);
     assert!(accepted > 0, "{name}: mutations are too wild to reach what lies behind the first check");
@@ -332,6 +341,30 @@ fn sampler_files_of_half_vectors() {
     drive_sampler("sampler-half-vector", SamplerSpec::HalfVector(small));
 }
 
+/// What `merlkit eval` reads.
+#[test]
+fn lines_of_directions() {
+    let good = "wo_x,wo_y,wo_z,wi_x,wi_y,wi_z\n0,0,1,0.6,-0.8,0\r\n\n 1e0, 0,-0 ,0.577,0.577,0.577\n";
+    let words = ["nan", "inf", "-", "1e400", "1e-400", ",", "\n", "\u{feff}", "\0", "1_0", "٣"];
+    let make = |random: &mut Stream| {
+        let mut bytes = good.as_bytes().to_vec();
+        match below(random, 3) {
+            0 => scramble(&mut bytes, random),
+            1 => {
+                let at = below(random, bytes.len());
+                bytes.splice(at..at, words[below(random, words.len())].bytes());
+            }
+            _ => {
+                let (from, times) = (below(random, bytes.len()), below(random, 300));
+                let piece = bytes[from..].repeat(times);
+                bytes.extend(piece);
+            }
+        }
+        bytes
+    };
+    drive("pairs", 8, 1, make, exercise::pairs);
+}
+
 /// Our own file and one of each compression that the reader knows.
 fn pictures() -> Vec<Vec<u8>> {
     use exr::prelude::{Blocks, WritableImage};
@@ -375,6 +408,20 @@ fn pictures_as_openexr() {
         bytes
     };
     drive("exr", EXR_FACTOR, 1, make, exercise::exr);
+}
+
+/// The watchdog sees an input that takes too long, and only that.
+#[test]
+fn a_hang_is_seen() {
+    use std::{thread::sleep, time::Duration};
+    let watch = Watch::with_limit(Duration::from_millis(50));
+    let seen = watch.during(7, || {
+        assert_eq!(watch.stuck(), None);
+        sleep(Duration::from_millis(120));
+        watch.during(8, || assert_eq!(watch.stuck(), None));
+        watch.stuck()
+    });
+    assert_eq!((seen, watch.stuck()), (Some(7), None));
 }
 
 /// What once failed.

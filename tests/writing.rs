@@ -139,14 +139,18 @@ impl Running {
     }
 
     /// Presses Ctrl-C and returns what is left of the output.
-    fn interrupt(mut self) -> String {
+    fn interrupt(self) -> String {
+        self.signal("-INT", 130)
+    }
+
+    fn signal(mut self, signal: &str, status: i32) -> String {
         let id = self.child.id().to_string();
-        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
         let mut rest = String::new();
         self.out.read_to_string(&mut rest).unwrap();
         let output = self.child.wait_with_output().unwrap();
         let text = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(130), "{text}");
+        assert_eq!(output.status.code(), Some(status), "{text}");
         assert!(text.ends_with("merlkit: interrupted\n"), "{text}");
         rest
     }
@@ -180,9 +184,22 @@ fn an_interrupted_render_leaves_nothing_half_written() {
     assert_eq!(names(folder.path()), NONE);
 }
 
+#[test]
+fn an_interrupted_check_keeps_the_finished_outcomes() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["check", "--all", "--draws", "1000", "--sampler", "cosine", "--json", "c.json"];
+    let running = Running::start(folder.path(), &arguments);
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    running.interrupt();
+    let text = std::fs::read_to_string(folder.path().join("c.json")).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let finished = document["results"].as_array().unwrap().len();
+    assert!((1..100).contains(&finished), "{finished}");
+}
+
 /// In the midst of writing: the temporary file goes, the finished ones stay and are whole.
 #[test]
-fn an_interrupted_decode_keeps_whole_files() {
+fn a_terminated_decode_keeps_whole_files() {
     let folder = tempfile::tempdir().unwrap();
     let running = Running::start(folder.path(), &["decode", "--all", "-o", "."]);
     let whole = |p: &PathBuf| p.extension().is_some_and(|e| e == "binary");
@@ -191,7 +208,7 @@ fn an_interrupted_decode_keeps_whole_files() {
     while !(there().any(|p| whole(&p)) && there().any(|p| !whole(&p) && being_written(&p))) {
         std::thread::yield_now();
     }
-    running.interrupt();
+    running.signal("-TERM", 143);
     for path in there() {
         assert!(whole(&path), "{} was left behind", path.display());
         assert_eq!(path.metadata().unwrap().len(), 34_992_012, "{}", path.display());

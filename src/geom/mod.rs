@@ -12,12 +12,14 @@ mod disc;
 mod frame;
 mod half_diff;
 mod half_vectors;
+mod pairs;
 mod quadrature;
 
 pub use disc::{concentric_disc, concentric_square, cosine_hemisphere};
 pub use frame::Frame;
 pub use half_diff::{HalfDiff, half_vector, reflect_about};
 pub use half_vectors::{HalfVectors, Lattice};
+pub use pairs::DirectionPairs;
 pub use quadrature::{POINTS_PER_BIN, Quadrature};
 
 use glam::{DVec3, Vec3};

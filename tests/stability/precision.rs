@@ -1,16 +1,20 @@
 //! f32 and f64 arithmetic against oracles in f64 and in compensated sums.
 
 use std::f64::consts::FRAC_1_PI;
+use std::ops::Range;
 use std::sync::{Arc, LazyLock};
 
 use glam::{DVec3, Vec3};
 use merlkit::brdf::{Brdf, LookupRule, Measured};
 use merlkit::dist::{Curves, Piecewise2d, WHOLE};
 use merlkit::geom::{Quadrature, half_vector, spherical};
+use merlkit::merl::Material;
 use merlkit::points::{PointSet, Stream};
 use merlkit::render::{EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, render};
-use merlkit::sampler::{Cosine, DirectionSampler, HalfVectorSettings, HalfVectorTable};
+use merlkit::sampler::store::encode;
+use merlkit::sampler::{Cosine, DirectionSampler, HalfVectorSettings, HalfVectorTable, Sampler};
 
+use crate::support::half_vector_oracle::Oracle;
 use crate::support::precise::{Exact, ulp};
 use crate::support::{naive, noise_table, pairs};
 
@@ -28,7 +32,16 @@ pub static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
         eval("eval, linear, to the spread of its neighbours", LookupRule::Linear),
         eval("eval, centred, to the spread of its neighbours", LookupRule::Centred),
         cosine_pdf(),
-        half_vector_pdf(),
+        half_vector_integral(),
+        half_vector_pdf("pdf, half-vector, wo and wi above 5°", 5.0..90.0, 0.05..90.0, 1e-4),
+        half_vector_pdf("… the lower at 0.5° to 5°", 0.5..5.0, 0.05..90.0, 5e-3),
+        half_vector_pdf("… the lower at 0.05° to 0.5°", 0.05..0.5, 0.05..90.0, 0.2),
+        half_vector_pdf(
+            "… above 5°, θh below 0.05°, where its azimuth is rounding",
+            5.0..90.0,
+            0.0..0.05,
+            0.4,
+        ),
         cdf_sums(),
         curves(),
         constant_pixel(),
@@ -72,11 +85,41 @@ fn cosine_pdf() -> Row {
     row
 }
 
-/// The half-vector table computes in f32. Its density is constant along curves through the rows; what is known exactly is its
-/// integral.
-fn half_vector_pdf() -> Row {
-    let brdf = Measured::new(Arc::new(merlkit::merl::decode_embedded("nickel").unwrap()), LookupRule::Floor);
-    let sampler = HalfVectorTable::build(&brdf, HalfVectorSettings::default()).unwrap();
+/// The default half-vector table of nickel, and the same in f64.
+static NICKEL: LazyLock<(HalfVectorTable, Oracle)> = LazyLock::new(|| {
+    let material = Material::resolve("nickel").unwrap();
+    let brdf = Measured::new(Arc::new(material.load().unwrap()), LookupRule::Floor);
+    let settings = HalfVectorSettings::default();
+    let sampler = HalfVectorTable::build(&brdf, settings).unwrap();
+    let file = encode(&Sampler::HalfVector(sampler.clone()), &material, LookupRule::Floor).unwrap();
+    (sampler, Oracle::new(&file, settings.fold))
+});
+
+/// The half-vector table computes in f32, in which directions near the horizon and half vectors near the normal lose digits.
+/// Where the half vector is within 10⁻⁵ of the edge of a row, either row's density is right.
+fn half_vector_pdf(what: &'static str, elevation: Range<f64>, theta_h: Range<f64>, bound: f64) -> Row {
+    let (sampler, oracle) = &*NICKEL;
+    let mut row = Row { what, ulp: 0.0, relative: 0.0, bound };
+    for (wo, wi) in pairs(400_000, 7) {
+        let (wo64, wi64) = (wo.as_dvec3(), wi.as_dvec3());
+        let lower = wo64.z.min(wi64.z).asin().to_degrees();
+        let tilt = half_vector(wo64, wi64).map_or(0.0, |h| h.x.hypot(h.y).asin().to_degrees());
+        if !elevation.contains(&lower) || !theta_h.contains(&tilt) {
+            continue;
+        }
+        let (exact, from_edge) = oracle.pdf(wo64, wi64);
+        if from_edge > 1e-5 {
+            let found = sampler.pdf(wo, wi);
+            row.ulp = row.ulp.max(ulp(found, exact));
+            row.relative = row.relative.max((f64::from(found) / exact - 1.0).abs());
+        }
+    }
+    row
+}
+
+/// The same in whole: ∫ pdf = 1.
+fn half_vector_integral() -> Row {
+    let (sampler, _) = &*NICKEL;
     let integral = |degrees: f64| {
         let wo = spherical(degrees.to_radians(), 0.3).as_vec3();
         Quadrature::new(wo, 987).integrate(|wi| f64::from(sampler.pdf(wo, wi)))

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::Vec2;
 use merlkit::brdf::{LookupRule, Measured};
-use merlkit::geom::spherical;
+use merlkit::geom::{DirectionPairs, spherical};
 use merlkit::image::decode_exr;
 use merlkit::merl::{Header, MerlTable, decode_cells};
 use merlkit::sampler::DirectionSampler;
@@ -68,6 +68,21 @@ pub fn exr(input: &[u8]) -> bool {
         }
         Err(error) => one_line(&error),
     }
+}
+
+/// Lines of directions; those that are accepted are unit vectors. Whether any line was accepted and none refused.
+pub fn pairs(input: &[u8]) -> bool {
+    let mut accepted = false;
+    for pair in DirectionPairs::new(input, Path::new("fuzz")) {
+        match pair {
+            Ok((wo, wi)) => {
+                assert!([wo, wi].iter().all(|w| (w.length() - 1.0).abs() < 1e-6), "{wo} {wi}");
+                accepted = true;
+            }
+            Err(error) => return one_line(&error),
+        }
+    }
+    accepted
 }
 
 /// A message is one line for a reader, however wild the file; always false.

@@ -1,6 +1,5 @@
-//! Ctrl-C: what was finished is kept, nothing is left half-written, and the exit status is 130.
+//! Ctrl-C and SIGTERM: what was finished is kept, nothing is left half-written, and the exit status is 130 or 143.
 
-use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -14,29 +13,41 @@ type Ending = Box<dyn FnOnce() -> Result<(), Failure> + Send>;
 static ENDING: Mutex<Option<Ending>> = Mutex::new(None);
 static STOPPING: AtomicBool = AtomicBool::new(false);
 
-/// 128 and the number of the signal, as shells have it.
-const STATUS: i32 = 130;
-
-/// From here on, Ctrl-C runs what [`at_end`] was given, and ends the process; a second Ctrl-C does not wait for that.
+/// From here on, Ctrl-C and SIGTERM run what [`at_end`] was given, and end the process; a second one does not wait for that.
+/// Elsewhere than on Unix the system ends the process; only temporary files are left.
+#[cfg(unix)]
 pub fn install() {
-    // Where there is no handler, the system ends the process; only temporary files would be left.
-    let _ = ctrlc::set_handler(|| {
-        let work = || {
-            if let Err(Failure::Error(error)) = finish() {
-                output::message(&format!("merlkit: {error}"));
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+    let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
+        return;
+    };
+    // Without a thread to wait in, a signal does nothing; the system would have refused the others as well.
+    let _ = std::thread::Builder::new().spawn(move || {
+        for signal in signals.forever() {
+            let work = move || {
+                if let Err(Failure::Error(error)) = finish() {
+                    output::message(&format!("merlkit: {error}"));
+                }
+                end(signal)
+            };
+            if STOPPING.swap(true, Ordering::SeqCst) || std::thread::Builder::new().spawn(work).is_err() {
+                end(signal);
             }
-            end()
-        };
-        if STOPPING.swap(true, Ordering::SeqCst) || std::thread::Builder::new().spawn(work).is_err() {
-            end();
         }
     });
 }
 
-fn end() -> ! {
+/// See the other.
+#[cfg(not(unix))]
+pub fn install() {}
+
+/// The exit status is 128 and the number of the signal, as shells have it.
+#[cfg(unix)]
+fn end(signal: i32) -> ! {
     abandon_unfinished();
     output::message("merlkit: interrupted");
-    exit(STATUS)
+    std::process::exit(128 + signal)
 }
 
 /// `ending` writes what is finished: once, when the command calls [`finish`], or before that on Ctrl-C.
@@ -44,7 +55,7 @@ pub fn at_end(ending: impl FnOnce() -> Result<(), Failure> + Send + 'static) {
     *ENDING.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(ending));
 }
 
-/// Runs what [`at_end`] was given, unless that was done; Ctrl-C waits until it is done.
+/// Runs what [`at_end`] was given, unless that was done; a signal waits until it is done.
 pub fn finish() -> Result<(), Failure> {
     let mut ending = ENDING.lock().unwrap_or_else(PoisonError::into_inner);
     ending.take().map_or(Ok(()), |write| write())

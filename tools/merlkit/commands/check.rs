@@ -1,15 +1,17 @@
 //! `merlkit check`
 
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use merlkit::brdf::{LookupRule, Measured};
+use merlkit::files::Overwrite;
 use merlkit::measure::check::{CheckSettings, check_directions, check_sampler};
 use merlkit::measure::hard::{Thoroughness, check_hard};
 use merlkit::merl::HardCase;
 use merlkit::report::{CheckResult, HardSheets, Sheet, write_json};
 
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
+use crate::interrupt;
 use crate::output::{self, Destination};
 use crate::progress::Progress;
 use crate::sampler_args::{COMPARED, SAMPLERS, SamplerArgs};
@@ -20,7 +22,7 @@ use crate::{args, table};
 /// At 13 angles of wo, on the samplers' tables, between them and at grazing: every draw valid, its density that of pdf, pdf
 /// positive wherever the material reflects, pdf integrating to what is not lost, draws falling where pdf says (chi-square),
 /// the albedo estimated without bias, and a uniform furnace. Exit status 1 if a check fails; with the default
-/// significance a run over right samplers fails by chance once in a hundred.
+/// significance a run over right samplers fails by chance once in a hundred. Ctrl-C writes the JSON of what is finished.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -82,25 +84,44 @@ pub fn run(args: &Args) -> Outcome {
         ..CheckSettings::default()
     };
     let progress = Progress::new("checking", settings.calls);
-    let mut results = Vec::new();
+    let results = Arc::new(Mutex::new(Vec::new()));
+    let (finished, destination) = (results.clone(), args.json.clone());
+    interrupt::at_end(move || write_finished(&lock(&finished), destination.as_ref(), overwrite));
     for material in &materials {
         let brdf = Arc::new(Measured::new(Arc::new(material.load()?), args.lookup));
         for spec in &specs {
             let sampler = spec.build(&brdf)?;
             let report = check_sampler(&sampler, &*brdf, &check_directions(), &settings);
-            results.push(CheckResult { material: material.name().into(), sampler: spec.label(), report });
+            let result = CheckResult { material: material.name().into(), sampler: spec.label(), report };
+            lock(&results).push(result);
             progress.advance();
         }
     }
     drop(progress);
     if args.json != Some(Destination::Stdout) {
-        print(&results)?;
+        print(&lock(&results))?;
     }
-    if let Some(destination) = &args.json {
-        destination.write(overwrite, |out| write_json(out, "check", &results))?;
-    }
-    let pass = results.iter().all(|r| r.report.pass());
+    interrupt::finish()?;
+    let pass = lock(&results).iter().all(|r| r.report.pass());
     Ok(if pass { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+fn lock(results: &Mutex<Vec<CheckResult>>) -> MutexGuard<'_, Vec<CheckResult>> {
+    results.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// JSON of the checks that are finished; none if none is.
+fn write_finished(
+    results: &[CheckResult],
+    destination: Option<&Destination>,
+    overwrite: Overwrite,
+) -> Result<(), Failure> {
+    match destination {
+        Some(destination) if !results.is_empty() => {
+            destination.write(overwrite, |out| write_json(out, "check", &results))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn hard(args: &Args) -> Outcome {
@@ -126,7 +147,7 @@ fn hard(args: &Args) -> Outcome {
     Ok(if outcomes.iter().all(|o| o.pass) { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-fn print(results: &[CheckResult]) -> Result<(), crate::failure::Failure> {
+fn print(results: &[CheckResult]) -> Result<(), Failure> {
     let mut overview = Sheet::new(&CheckResult::HEADING);
     let mut failures = CheckResult::failure_sheet();
     for result in results {
