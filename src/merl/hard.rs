@@ -14,6 +14,8 @@ pub struct HardCase {
     pub name: &'static str,
     /// What is difficult about it, in a few words.
     pub about: &'static str,
+    /// Whether light stands in the first bin of θh alone, 0.011° wide.
+    pub is_narrow: bool,
     /// Bins of φd: 180 or 360.
     phi_d_bins: usize,
     /// f_r by bin `(theta_h, theta_d, phi_d)`; may be negative, NaN or infinite.
@@ -26,11 +28,11 @@ impl HardCase {
         case("black", "all zero", |_, _, _| [0.0; 3]),
         case("void", "all invalid", |_, _, _| [-1.0; 3]),
         case("one-cell", "one bin is not zero", |h, d, p| grey((h, d, p) == (12, 30, 77), 2.0, 0.0)),
-        case("one-row", "light in the first bin of theta_h only", |h, _, _| grey(h == 0, 1e4, 0.0)),
+        narrow("one-row", "light in the first bin of theta_h only", |h, _, _| grey(h == 0, 1e4, 0.0)),
         case("one-channel", "only red is not zero", |_, _, _| [0.3, 0.0, 0.0]),
         case("constant", "the same everywhere", |_, _, _| [0.2, 0.25, 0.3]),
         case("bright", "albedo of 9", |_, _, _| [3.0; 3]),
-        case("peak", "a highlight of 1e8 times the mean value", |h, _, _| grey(h == 0, 1e6, 1e-4)),
+        narrow("peak", "a highlight of 1e8 times the mean value", |h, _, _| grey(h == 0, 1e6, 1e-4)),
         case("spikes", "one cell in 5000 is 1e12 times the others", |h, d, p| {
             grey(noise(h, d, p, 0) < 1.0 / 5000.0, 1e10, 1e-2)
         }),
@@ -47,6 +49,7 @@ impl HardCase {
         HardCase {
             name: "asymmetric-360",
             about: "1000 times brighter for phi_d below 180 degrees, 360 bins of phi_d",
+            is_narrow: false,
             phi_d_bins: 360,
             value: |_, _, p| grey(p < 180, 0.6, 0.0006),
         },
@@ -102,7 +105,15 @@ const fn case(
     about: &'static str,
     value: fn(usize, usize, usize) -> [f64; 3],
 ) -> HardCase {
-    HardCase { name, about, phi_d_bins: 180, value }
+    HardCase { name, about, is_narrow: false, phi_d_bins: 180, value }
+}
+
+const fn narrow(
+    name: &'static str,
+    about: &'static str,
+    value: fn(usize, usize, usize) -> [f64; 3],
+) -> HardCase {
+    HardCase { is_narrow: true, ..case(name, about, value) }
 }
 
 fn grey(one: bool, yes: f64, no: f64) -> [f64; 3] {

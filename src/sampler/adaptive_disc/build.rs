@@ -22,6 +22,11 @@ fn points_a_side(leaves: LeafChoice) -> usize {
 
 /// How far lattices of ∫ f, which every density is divided by, may differ; the error is some tenth of it.
 const NORMALISER_STEP: f64 = 5e-4;
+/// Bounds that exceed ∫ f by this factor, where leaves were split until there were no more to be had, mean that ∫ f may have
+/// missed what they are bounds of: spikes narrower than the lattices that agreed.
+const SUSPECT: f64 = 8.0;
+/// Points in each bin of θh then.
+const FINEST: usize = 10_946;
 /// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
 const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
@@ -64,7 +69,7 @@ fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
         .into_par_iter()
         .map(|k| {
             let slice = Slice::new(brdf, settings, bounds.as_ref(), knots.theta(k));
-            let integral = slice.integral(NORMALISER_STEP);
+            let mut integral = slice.integral(NORMALISER_STEP);
             let leaves = match (&settings.construction, &bounds) {
                 _ if !USABLE.contains(&integral) => Vec::new(),
                 (Construction::Grid(side), _) => Grower::new(settings, Image::new(&slice, *side)).grow(),
@@ -73,6 +78,9 @@ fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
             };
             let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
             let volume: f64 = leaves.iter().map(Grown::volume).sum();
+            if volume > SUSPECT * integral && !leaves.is_empty() {
+                integral = slice.finest_integral();
+            }
             match settings.leaves {
                 _ if leaves.is_empty() || volume > MOST_TRIALS * integral => (Vec::new(), 0.0),
                 LeafChoice::Integral => (leaves, drawn),
@@ -114,6 +122,11 @@ impl<'a> Slice<'a> {
     /// ∫ f over the disc.
     fn integral(&self, tolerance: f64) -> f64 {
         Quadrature::new(self.wo, 1).integrate_refined(tolerance, |wi| self.value(wi) * f64::from(wi.z))
+    }
+
+    /// ∫ f over the disc with as many points as any bin is given.
+    fn finest_integral(&self) -> f64 {
+        Quadrature::new(self.wo, FINEST).integrate(|wi| self.value(wi) * f64::from(wi.z))
     }
 
     pub fn value_on_disc(&self, p: DVec2) -> f64 {

@@ -98,7 +98,8 @@ impl Batch<'_> {
         let wi = leaf.direction(point, self.view.turn)?;
         let accepted =
             self.random.next_f64() * f64::from(leaf.bound) < self.disc.value(k, self.view.turn, wi);
-        accepted.then(|| self.disc.finish(&self.view, self.disc.carry(k, &self.view, wi))).flatten()
+        let wi = if accepted { self.disc.carried(k, &self.view, wi)? } else { return None };
+        self.disc.finish(&self.view, wi)
     }
 }
 

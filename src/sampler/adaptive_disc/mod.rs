@@ -193,6 +193,10 @@ const MAX_TRIALS: u32 = 20_000;
 /// uniform disc instead.
 const MOST_TRIALS: f64 = 1000.0;
 
+/// Share of its density that a draw must keep when it is carried over and rounded to f32. The change of angles alone leaves
+/// more than a hundredth.
+const LEAST_LEFT: f64 = 1e-4;
+
 /// `wo` as the trees see it: turned into the plane of φ = 0, with its neighbours among the knots.
 struct View {
     wo: DVec3,
@@ -306,6 +310,16 @@ impl AdaptiveDisc {
         DVec3::new(wi.x, wi.y, wi.z.abs()).as_vec3()
     }
 
+    /// [`Self::carry`]; `None` if rounding took the direction across the edge of a bin to where its tree has next to no
+    /// density: such draws, one in 10⁵ where f jumps from nothing to a highlight, would have weights beyond all bounds.
+    #[inline]
+    fn carried(&self, k: usize, view: &View, drawn: Vec3) -> Option<Vec3> {
+        let wi = self.carry(k, view, drawn);
+        let stays = self.settings.carry == Carry::Direction
+            || self.tree_density(k, view, wi) >= LEAST_LEFT * self.knot_density(k, view.turn, drawn);
+        stays.then_some(wi)
+    }
+
     /// Density per solid angle of the mixture of the trees at `view` and the floor.
     fn density(&self, view: &View, wi: Vec3) -> f32 {
         let Neighbours { first, second, share } = view.near;
@@ -376,7 +390,7 @@ impl DirectionSampler for AdaptiveDisc {
         } else {
             let (first, y) = split_unit(u.y, 1.0 - view.near.share);
             let k = if first { view.near.first } else { view.near.second };
-            self.carry(k, &view, self.draw(k, view.turn, DVec2::new(x, y), &mut random)?)
+            self.carried(k, &view, self.draw(k, view.turn, DVec2::new(x, y), &mut random)?)?
         };
         self.finish(&view, wi)
     }
