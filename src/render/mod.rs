@@ -12,8 +12,10 @@
 mod camera;
 mod film;
 mod lambert;
+mod numbers;
 mod path;
 mod plan;
+mod resample;
 mod scene;
 mod shape;
 mod spec;

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::brdf::LookupRule;
+use merlkit::dist::Heuristic;
 use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::render::{
@@ -51,9 +52,16 @@ pub struct Args {
     /// Surfaces a path may meet; 1 is direct light only
     #[arg(long = "bounces", value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     bounces: u32,
-    /// How light from lights with an extent is found: by multiple importance sampling, by light, or by BRDF alone
-    #[arg(long, value_name = "HOW", default_value = "mis", value_parser = args::named(&STRATEGIES))]
-    strategy: Strategy,
+    /// How light from lights with an extent is found: by multiple importance sampling, by light, by BRDF alone, or by
+    /// resampling candidates from the BRDF
+    #[arg(long, value_name = "HOW", default_value = "mis", value_parser = STRATEGIES)]
+    strategy: String,
+    /// Weights of --strategy mis: by squared densities or by densities [default: power]
+    #[arg(long, value_name = "NAME", value_parser = args::named(&HEURISTICS))]
+    heuristic: Option<Heuristic>,
+    /// Directions from the BRDF that --strategy ris keeps one of and traces [default: 8]
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    candidates: Option<u32>,
     /// Exposure of the PNG, stops
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
@@ -73,8 +81,8 @@ pub struct Args {
     settings: SamplerArgs,
 }
 
-const STRATEGIES: [(&str, Strategy); 3] =
-    [("mis", Strategy::Mis), ("light", Strategy::Light), ("brdf", Strategy::Brdf)];
+const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
+const HEURISTICS: [(&str, Heuristic); 2] = [("power", Heuristic::Power), ("balance", Heuristic::Balance)];
 /// The floor's reflectance: a mid grey.
 pub const GREY: f32 = 0.35;
 
@@ -129,8 +137,27 @@ fn describe(args: &Args, settings: &Settings) -> Result<(SceneSpec, Vec<Material
     spec.lights = args.lights.iter().map(|l| light(l, &spec)).collect::<Result<_, _>>()?;
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
-    spec.strategy = args.strategy;
+    spec.strategy = strategy(args)?;
     Ok((spec, materials))
+}
+
+fn strategy(args: &Args) -> Result<Strategy, Error> {
+    let only = |option: &str, strategy: &str| {
+        Error::argument(
+            format!("{option} has no meaning with --strategy {}", args.strategy),
+            format!("leave it out, or pass --strategy {strategy}"),
+        )
+    };
+    match (args.strategy.as_str(), args.heuristic, args.candidates) {
+        (name, Some(_), _) if name != "mis" => Err(only("--heuristic", "mis")),
+        (name, _, Some(_)) if name != "ris" => Err(only("--candidates", "ris")),
+        ("light", ..) => Ok(Strategy::Light),
+        ("brdf", ..) => Ok(Strategy::Brdf),
+        ("ris", _, candidates) => {
+            Ok(Strategy::Ris { candidates: candidates.unwrap_or(Strategy::CANDIDATES) })
+        }
+        (_, heuristic, _) => Ok(Strategy::Mis(heuristic.unwrap_or_default())),
+    }
 }
 
 fn light(name: &str, spec: &SceneSpec) -> Result<LightSpec, Error> {
