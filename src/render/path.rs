@@ -23,7 +23,7 @@ pub struct Settings {
     pub width: usize,
     /// Rows, ≥ 1.
     pub height: usize,
-    /// Paths a pixel, ≥ 1, spread uniformly over it (a box filter).
+    /// Paths a pixel, ≥ 1, spread uniformly over it (a box filter); for [`super::render_to_error`] the most.
     pub samples: u64,
     /// Another seed gives another, equally good picture.
     pub seed: u64,
