@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
-use merlkit::brdf::{LookupRule, Measured};
+use merlkit::brdf::{Brdf, Importance, LookupRule, Measured};
 use merlkit::color::Rgb;
 use merlkit::dist::Heuristic;
-use merlkit::light::Area;
+use merlkit::geom::{POINTS_PER_BIN, spherical};
+use merlkit::light::{Area, Environment, SkySampling};
+use merlkit::measure::convergence::{ErrorAt, Incident, LitPoint, Runs, Technique};
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::render::{
@@ -196,4 +198,68 @@ fn no_candidates_are_refused() {
     let spec = row(1, vec![studio()], Strategy::Ris { candidates: 0 });
     let built = Scene::build(&spec, &EffectPlan::of(&spec), |_, _| Ok(surfaces("teflon")[0].clone()));
     assert!(built.err().is_some_and(|e| e.to_string().contains("at least 1")));
+}
+
+const TECHNIQUES: [Technique; 6] = [
+    Technique::Brdf,
+    Technique::Light,
+    Technique::Mis(Heuristic::Power),
+    Technique::Mis(Heuristic::Balance),
+    Technique::Ris(1),
+    Technique::Ris(8),
+];
+
+/// Errors of all techniques at 1, 63 and 2¹⁴ samples, of a point under the studio.
+fn point_errors(brdf: &dyn Brdf, sampler: &dyn DirectionSampler) -> [Vec<ErrorAt>; 6] {
+    let sky = merlkit::light::studio(SkySampling::Importance).unwrap();
+    let wo = spherical(0.6, 0.8).as_vec3();
+    let point = LitPoint { brdf, importance: Importance::Mean, light: Incident::Environment(&sky), wo };
+    let reference = point.reference(POINTS_PER_BIN);
+    let runs = Runs { points: PointSet::Sobol, seeds: 8, first_seed: 1 };
+    let errors = |technique| point.errors_by(technique, sampler, reference, &[1, 63, 1 << 14], runs).unwrap();
+    TECHNIQUES.map(errors)
+}
+
+#[test]
+fn all_techniques_converge_to_the_quadrature() {
+    for name in ["nickel", "teflon"] {
+        let [table, cosine] = surfaces(name);
+        for surface in [table, cosine] {
+            let sampler = surface.sampler.unwrap();
+            let errors = point_errors(&*surface.brdf, &*sampler);
+            for (technique, e) in TECHNIQUES.iter().zip(&errors) {
+                let most = if name == "nickel" { 0.03 } else { 0.003 };
+                assert!(e[2].rmse < most, "{name}, {technique:?}: {e:?}");
+                assert!(e[0].rmse > 2.0 * e[2].rmse, "{name}, {technique:?}: {e:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn techniques_that_are_one_are_equal() {
+    let [surface, _] = surfaces("nickel");
+    let [brdf, _, power, balance, one, many] = point_errors(&*surface.brdf, &*surface.sampler.unwrap());
+    assert_eq!(brdf, one);
+    // One sample of two techniques is the BRDF's.
+    assert_eq!((power[0], balance[0]), (brdf[0], brdf[0]));
+    assert_ne!(power[1], balance[1]);
+    assert_eq!((many[1].samples, many[1].evaluations), (63, 504));
+    assert!(many[1].rmse < brdf[1].rmse);
+}
+
+#[test]
+fn an_environment_of_one_colour_is_a_constant_function() {
+    let [surface, _] = surfaces("teflon");
+    let (sky, wo) = (Environment::uniform(Rgb::splat(2.0)).unwrap(), spherical(0.6, 0.8).as_vec3());
+    let constant = |_: Vec3| 2.0;
+    let point = |light| LitPoint { brdf: &*surface.brdf, importance: Importance::Mean, light, wo };
+    let [a, b] = [point(Incident::Environment(&sky)), point(Incident::Function(&constant))];
+    assert!((a.reference(89) / b.reference(89) - 1.0).abs() < 1e-6);
+    let runs = Runs { points: PointSet::Random, seeds: 1, first_seed: 1 };
+    for technique in [Technique::Light, Technique::Mis(Heuristic::Power)] {
+        assert!(b.errors_by(technique, &Cosine, 1.0, &[1], runs).is_err());
+        assert!(a.errors_by(technique, &Cosine, 1.0, &[1], runs).is_ok());
+    }
+    assert!(b.errors_by(Technique::Ris(0), &Cosine, 1.0, &[1], runs).is_err());
 }
