@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use merlkit::brdf::{Importance, LookupRule, Measured};
 use merlkit::geom::{POINTS_PER_BIN, spherical};
-use merlkit::measure::convergence::{ErrorAt, LitPoint, Runs, slope};
+use merlkit::measure::convergence::{ErrorAt, Incident, LitPoint, Runs, slope};
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::sampler::{
@@ -51,7 +51,12 @@ fn errors(spec: &SamplerSpec, brdfs: &[Arc<Measured>]) -> Vec<Vec<ErrorAt>> {
     let runs = Runs { points: PointSet::Sobol, seeds: 200, first_seed: 1 };
     let of = |brdf: &Arc<Measured>| {
         let sampler = spec.build(brdf).expect("a sampler");
-        let point = LitPoint { brdf: &**brdf, importance: Importance::Mean, radiance: &radiance, wo };
+        let point = LitPoint {
+            brdf: &**brdf,
+            importance: Importance::Mean,
+            light: Incident::Function(&radiance),
+            wo,
+        };
         point.errors(&sampler, point.reference(POINTS_PER_BIN), &SAMPLES, runs)
     };
     brdfs.iter().map(of).collect()

@@ -9,7 +9,7 @@ use merlkit::brdf::{Importance, LookupRule, Measured};
 use merlkit::geom::{POINTS_PER_BIN, Quadrature, spherical};
 use merlkit::measure::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use merlkit::measure::check::{Check, CheckSettings, check_directions, check_sampler};
-use merlkit::measure::convergence::{LitPoint, Runs, slope};
+use merlkit::measure::convergence::{Incident, LitPoint, Runs, slope};
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
@@ -264,8 +264,12 @@ fn well_spread_points_stay_well_spread() {
     let brdf = measured("blue-metallic-paint", LookupRule::Floor);
     let table = HalfVectorTable::build(&brdf, HalfVectorSettings::default()).unwrap();
     let radiance = |wi: Vec3| 0.2 + 4.0 * f64::from(wi.dot(Vec3::new(0.5, 0.3, 0.81)).max(0.0)).powi(8);
-    let point =
-        LitPoint { brdf: &brdf, importance: Importance::Mean, radiance: &radiance, wo: direction(45.0) };
+    let point = LitPoint {
+        brdf: &brdf,
+        importance: Importance::Mean,
+        light: Incident::Function(&radiance),
+        wo: direction(45.0),
+    };
     let reference = point.reference(POINTS_PER_BIN);
     let slopes = [PointSet::Random, PointSet::Sobol].map(|points| {
         let runs = Runs { points, seeds: 100, first_seed: 1 };

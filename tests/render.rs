@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use merlkit::brdf::{Brdf, LookupRule, Measured};
 use merlkit::color::Rgb;
+use merlkit::dist::Heuristic;
 use merlkit::files::Overwrite;
 use merlkit::geom::spherical;
 use merlkit::image::{Image, write_exr, write_png};
@@ -18,7 +19,8 @@ use merlkit::render::{
 };
 use merlkit::sampler::{Cosine, DirectionSample, DirectionSampler};
 
-const STRATEGIES: [Strategy; 3] = [Strategy::Mis, Strategy::Light, Strategy::Brdf];
+const MIS: Strategy = Strategy::Mis(Heuristic::Power);
+const STRATEGIES: [Strategy; 3] = [MIS, Strategy::Light, Strategy::Brdf];
 
 fn lambert(rho: f64) -> Arc<dyn Brdf> {
     let table = MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| [rho / PI; 3]);
@@ -124,7 +126,7 @@ fn a_lambert_sphere_in_uniform_light_shows_its_albedo() {
 
 #[test]
 fn a_white_sphere_on_a_white_floor_in_uniform_light_is_invisible() {
-    let spec = SceneSpec { floor: Some(1.0), depth: 200, ..row(1, vec![uniform(1.0)], Strategy::Mis) };
+    let spec = SceneSpec { floor: Some(1.0), depth: 200, ..row(1, vec![uniform(1.0)], MIS) };
     let film = planned(&spec, &[lambert(1.0)], 12, 512);
     let mut sum = 0.0;
     for (x, y) in (0..144).map(|i| (i % 12, i / 12)) {
@@ -138,7 +140,7 @@ fn a_white_sphere_on_a_white_floor_in_uniform_light_is_invisible() {
 #[test]
 fn a_point_light_follows_the_closed_form() {
     let light = Point { position: DVec3::new(-2.0, 4.0, 3.0), intensity: Rgb::new(20.0, 40.0, 60.0) };
-    let spec = row(1, vec![LightSpec::Point(light)], Strategy::Mis);
+    let spec = row(1, vec![LightSpec::Point(light)], MIS);
     for brdf in [lambert(0.5), embedded("blue-metallic-paint")] {
         assert_pixels_match(&spec, &brdf, |ray, at, normal| {
             let to = light.position - at;
@@ -151,7 +153,7 @@ fn a_point_light_follows_the_closed_form() {
 #[test]
 fn parallel_light_follows_the_closed_form() {
     let light = Directional { towards: DVec3::new(0.5, 1.0, 1.5), irradiance: Rgb::new(1.0, 2.0, 3.0) };
-    let spec = row(1, vec![LightSpec::Directional(light)], Strategy::Mis);
+    let spec = row(1, vec![LightSpec::Directional(light)], MIS);
     for brdf in [lambert(0.5), embedded("blue-metallic-paint")] {
         assert_pixels_match(&spec, &brdf, |ray, _, normal| {
             let wi = light.towards.normalize();
@@ -210,7 +212,7 @@ fn an_environment_on_a_metal_agrees_with_quadrature() {
     let studio = || vec![LightSpec::Environment(EnvironmentSource::Studio)];
     for normal in [DVec3::new(-0.4, 0.6, 0.7), DVec3::new(0.5, 0.1, 0.8), DVec3::new(0.0, -0.6, 0.7)] {
         let normal = normal.normalize();
-        let mut spec = row(1, studio(), Strategy::Mis);
+        let mut spec = row(1, studio(), MIS);
         let (_, wo) = look_at_point(&mut spec, normal);
         let (rows, mut expected) = (1200, DVec3::ZERO);
         for i in 0..rows {
@@ -270,15 +272,15 @@ fn strategies_agree_where_everything_meets() {
 #[test]
 fn everything_forced_on_gives_the_same_picture() {
     let brdfs = [lambert(0.8), embedded("blue-metallic-paint")];
-    let point = || row(2, vec![], Strategy::Mis).row_point();
+    let point = || row(2, vec![], MIS).row_point();
     let cases = [
-        ("one sphere, point", row(1, vec![point()], Strategy::Mis)),
-        ("one sphere, environment", row(1, vec![uniform(1.0)], Strategy::Mis)),
+        ("one sphere, point", row(1, vec![point()], MIS)),
+        ("one sphere, environment", row(1, vec![uniform(1.0)], MIS)),
         ("one sphere, lamp, light only", row(1, vec![lamp()], Strategy::Light)),
         ("one sphere, lamp and point, brdf only", row(1, vec![lamp(), point()], Strategy::Brdf)),
-        ("two spheres, direct", SceneSpec { depth: 1, ..row(2, vec![point()], Strategy::Mis) }),
+        ("two spheres, direct", SceneSpec { depth: 1, ..row(2, vec![point()], MIS) }),
         ("two spheres on a floor, point", {
-            SceneSpec { floor: Some(0.6), depth: 3, ..row(2, vec![point()], Strategy::Mis) }
+            SceneSpec { floor: Some(0.6), depth: 3, ..row(2, vec![point()], MIS) }
         }),
     ];
     for (name, spec) in cases {
@@ -311,21 +313,26 @@ fn effects_on(spec: &SceneSpec) -> Vec<Effect> {
 fn plans_hold_what_the_scene_calls_for() {
     use Effect::*;
     let sky = || LightSpec::Environment(EnvironmentSource::Studio);
-    let delta = row(1, vec![], Strategy::Mis).row_directional();
+    let delta = row(1, vec![], MIS).row_directional();
     let one = |light, strategy| row(1, vec![light], strategy);
-    assert_eq!(effects_on(&one(delta.clone(), Strategy::Mis)), []);
-    assert_eq!(effects_on(&one(lamp(), Strategy::Mis)), [Directions, LightSampling, Mis]);
+    assert_eq!(effects_on(&one(delta.clone(), MIS)), []);
+    assert_eq!(effects_on(&one(lamp(), MIS)), [Directions, LightSampling, Mis]);
     assert_eq!(effects_on(&one(lamp(), Strategy::Light)), [LightSampling]);
     assert_eq!(effects_on(&one(lamp(), Strategy::Brdf)), [Directions]);
-    assert_eq!(effects_on(&one(sky(), Strategy::Mis)), [Directions, LightSampling, EnvironmentTables, Mis]);
+    assert_eq!(effects_on(&one(sky(), MIS)), [Directions, LightSampling, EnvironmentTables, Mis]);
     assert_eq!(effects_on(&one(sky(), Strategy::Brdf)), [Directions]);
-    let floor = |light, depth| SceneSpec { floor: Some(0.5), depth, ..one(light, Strategy::Mis) };
+    let floor = |light, depth| SceneSpec { floor: Some(0.5), depth, ..one(light, MIS) };
     assert_eq!(effects_on(&floor(delta.clone(), 1)), [Shadows]);
     assert_eq!(effects_on(&floor(delta.clone(), 3)), [Directions, Shadows, Interreflection]);
     assert_eq!(effects_on(&floor(delta, 8)), [Directions, Shadows, Interreflection, Roulette]);
-    assert_eq!(effects_on(&floor(sky(), 8)), Effect::ALL);
-    assert_eq!(effects_on(&row(3, vec![], Strategy::Mis)), []);
-    let all = EffectPlan::everything(&row(1, vec![], Strategy::Mis));
+    let all_but_resampling =
+        [Directions, LightSampling, EnvironmentTables, Mis, Shadows, Interreflection, Roulette];
+    assert_eq!(effects_on(&floor(sky(), 8)), all_but_resampling);
+    let ris = |candidates| one(sky(), Strategy::Ris { candidates });
+    assert_eq!(effects_on(&ris(8)), [Directions, Resampling]);
+    assert_eq!(effects_on(&ris(1)), [Directions]);
+    assert_eq!(effects_on(&row(3, vec![], MIS)), []);
+    let all = EffectPlan::everything(&row(1, vec![], MIS));
     assert!(Effect::ALL.into_iter().all(|e| all.is_on(e)) && all.materials()[0].on);
 }
 
@@ -348,7 +355,7 @@ fn only_what_is_used_is_loaded() {
     assert_eq!(loads(&spec, &EffectPlan::everything(&spec)).len(), 3);
     spec.lights = vec![uniform(0.0)];
     assert_eq!(loads(&spec, &EffectPlan::of(&spec)), []);
-    let delta = row(1, vec![spec.row_point()], Strategy::Mis);
+    let delta = row(1, vec![spec.row_point()], MIS);
     assert_eq!(loads(&delta, &EffectPlan::of(&delta)), [(0, false)]);
 }
 
@@ -372,7 +379,7 @@ impl DirectionSampler for Failing {
 
 #[test]
 fn failed_draws_count_as_zero() {
-    for strategy in [Strategy::Mis, Strategy::Brdf] {
+    for strategy in [MIS, Strategy::Brdf] {
         let mut spec = row(1, vec![uniform(1.0)], strategy);
         look_at_point(&mut spec, DVec3::Y);
         let plan = EffectPlan::of(&spec);
@@ -389,7 +396,7 @@ fn failed_draws_count_as_zero() {
 fn any_number_of_threads_gives_the_same_bytes() {
     let brdfs = [lambert(0.8), embedded("nickel")];
     let sky = LightSpec::Environment(EnvironmentSource::Studio);
-    let spec = SceneSpec { floor: Some(0.4), ..row(2, vec![sky], Strategy::Mis) };
+    let spec = SceneSpec { floor: Some(0.4), ..row(2, vec![sky], MIS) };
     let plan = EffectPlan::of(&spec);
     let scene = build(&spec, &plan, &brdfs);
     let settings = Settings { width: 41, height: 23, samples: 5, seed: 3, points: PointSet::Sobol };
@@ -419,8 +426,8 @@ fn scenes_outside_their_domain_are_refused() {
         let load = |_, _| Ok(Surface { brdf: brdf.clone(), sampler: None });
         Scene::build(spec, &EffectPlan::of(spec), load).err().map(|e| e.to_string())
     };
-    let point = row(1, vec![], Strategy::Mis).row_point();
-    let good = row(1, vec![point], Strategy::Mis);
+    let point = row(1, vec![], MIS).row_point();
+    let good = row(1, vec![point], MIS);
     assert_eq!(refused(&good), None);
     let flat = SphereSpec { shape: Sphere { centre: DVec3::ZERO, radius: 0.0 }, material: 0 };
     assert!(refused(&SceneSpec { spheres: vec![flat], ..good.clone() }).is_some());
@@ -445,7 +452,7 @@ fn an_environment_file_lights_as_its_pixels_say() {
     let half = Image::from_fn(64, 32, |_, y| Rgb::splat(if y < 16 { 2.0 } else { 0.0 })).unwrap();
     write_exr(&path, &half, Overwrite::Refuse).unwrap();
     let sky = LightSpec::Environment(EnvironmentSource::File(path));
-    let mut spec = row(1, vec![sky], Strategy::Mis);
+    let mut spec = row(1, vec![sky], MIS);
     look_at_point(&mut spec, DVec3::Y);
     let film = planned(&spec, &[lambert(0.5)], 1, 1 << 14);
     assert_pixel(&film, DVec3::ONE, 1e-3, "half sky");

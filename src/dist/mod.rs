@@ -1,11 +1,13 @@
-//! Distributions over an interval or a square, and the curves they are inverted by.
+//! Distributions over an interval or a square, the curves they are inverted by, and how several are combined.
 //!
 //! What their axes mean (pixels of an environment, angles of a half vector) is their user's business.
 
+mod combine;
 mod curves;
 mod piecewise;
 mod polyline;
 
+pub use combine::{Heuristic, Kept, Reservoir};
 pub use curves::{Curves, Segment, WHOLE};
 pub use piecewise::Piecewise2d;
 pub use polyline::simplify;

@@ -16,8 +16,8 @@ pub struct Film {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Pixel {
-    mean: DVec3,
-    error: DVec3,
+    pub(super) mean: DVec3,
+    pub(super) error: DVec3,
 }
 
 impl Film {
@@ -40,8 +40,9 @@ impl Film {
         self.pixel(x, y).map_or(DVec3::ZERO, |p| p.mean)
     }
 
-    /// Standard error of that mean, computed as if samples were independent: too large for Sobol points, right for random
-    /// ones. 0 for a single sample and outside.
+    /// Standard error of that mean. [`super::render()`] computes it as if samples were independent: too large for Sobol
+    /// points, right for random ones. [`super::render_to_error`] computes it from replicates: right for both. 0 for a single
+    /// sample and outside.
     pub fn standard_error(&self, x: usize, y: usize) -> DVec3 {
         self.pixel(x, y).map_or(DVec3::ZERO, |p| p.error)
     }

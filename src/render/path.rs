@@ -5,13 +5,15 @@ use rayon::prelude::*;
 
 use super::camera::Lens;
 use super::film::{Pixel, Tally};
+use super::numbers::Numbers;
 use super::plan::ROULETTE_FROM;
 use super::scene::Hit;
 use super::{Effect, EffectPlan, Film, Ray, Scene, Surface};
+use crate::dist::Heuristic;
 use crate::geom::{Frame, is_upper};
 use crate::image::MAX_PIXELS;
 use crate::light::Light;
-use crate::points::{PointSet, mix};
+use crate::points::PointSet;
 use crate::{Error, Result};
 
 /// Size and quality of a picture.
@@ -21,12 +23,29 @@ pub struct Settings {
     pub width: usize,
     /// Rows, ≥ 1.
     pub height: usize,
-    /// Paths a pixel, ≥ 1, spread uniformly over it (a box filter).
+    /// Paths a pixel, ≥ 1, spread uniformly over it (a box filter); for [`super::render_to_error`] the most.
     pub samples: u64,
     /// Another seed gives another, equally good picture.
     pub seed: u64,
     /// How the numbers behind a pixel's paths are spread.
     pub points: PointSet,
+}
+
+impl Settings {
+    /// The number of pixels.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a picture without pixels or samples, or of more than [`MAX_PIXELS`] pixels.
+    pub(super) fn pixels(&self) -> Result<usize> {
+        let Self { width, height, samples, .. } = *self;
+        let count = width.checked_mul(height).filter(|&n| n > 0 && n <= MAX_PIXELS && samples > 0);
+        count.ok_or_else(|| {
+            Error::argument(
+                format!("a picture of {width} × {height} pixels with {samples} samples each"),
+                format!("give at least 1 × 1, at most {MAX_PIXELS} pixels, and one sample"),
+            )
+        })
+    }
 }
 
 /// Renders `scene`, which was built for `plan`, on all threads of the current pool.
@@ -43,16 +62,9 @@ pub fn render(
     settings: &Settings,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Result<Film> {
-    let Settings { width, height, samples, .. } = *settings;
-    let count = width.checked_mul(height).filter(|&n| n > 0 && n <= MAX_PIXELS && samples > 0);
-    let Some(count) = count else {
-        return Err(Error::argument(
-            format!("a picture of {width} × {height} pixels with {samples} samples each"),
-            format!("give at least 1 × 1, at most {MAX_PIXELS} pixels, and one sample"),
-        ));
-    };
+    let Settings { width, height, .. } = *settings;
     let tracer = Tracer::new(scene, plan, settings);
-    let mut pixels = vec![Pixel::default(); count];
+    let mut pixels = vec![Pixel::default(); settings.pixels()?];
     pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
         for (x, pixel) in row.iter_mut().enumerate() {
             *pixel = tracer.pixel(x, y);
@@ -66,78 +78,57 @@ pub fn render(
 const BRIGHTEST: f64 = 1e140;
 
 /// The plan's switches, read once.
-struct Tracer<'a> {
-    scene: &'a Scene,
+pub(super) struct Tracer<'a> {
+    pub(super) scene: &'a Scene,
     settings: &'a Settings,
     lens: Lens,
     /// Whether directions from the BRDF are drawn.
     directions: bool,
     /// Whether lights with an extent are sampled.
     light_sampling: bool,
-    /// Whether directions that hit such lights count.
+    /// Whether directions that hit such lights count as they are drawn.
     hits_count: bool,
+    /// Whether they count after a choice among several.
+    resampling: bool,
     mis: bool,
+    heuristic: Heuristic,
     shadows: bool,
     interreflection: bool,
     roulette: bool,
 }
 
 /// A point of a path, with its local frame.
-struct Vertex<'a> {
-    hit: Hit,
+pub(super) struct Vertex<'a> {
+    pub(super) hit: Hit,
     frame: Frame,
     wo: Vec3,
     surface: &'a Surface,
 }
 
 /// A direction drawn from a vertex, and f_r·cos/pdf.
-struct Step {
-    ray: Ray,
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    pub(super) ray: Ray,
     pdf: f64,
-    weight: DVec3,
-}
-
-/// The numbers behind one path: sets of four dimensions, one for the pixel, then for each vertex one for the BRDF and
-/// roulette and one for every two lights.
-struct Numbers<'a> {
-    settings: &'a Settings,
-    seed: u64,
-    index: u64,
-    sets_per_vertex: u32,
-}
-
-impl Numbers<'_> {
-    fn set(&self, set: u32) -> [f32; 4] {
-        self.settings.points.point4(self.seed, self.index, set)
-    }
-
-    fn pixel(&self) -> DVec2 {
-        let p = self.set(0);
-        Vec2::new(p[0], p[1]).as_dvec2()
-    }
-
-    fn direction(&self, vertex: u32) -> [f32; 4] {
-        self.set(1 + vertex * self.sets_per_vertex)
-    }
-
-    fn light(&self, vertex: u32, light: usize) -> DVec2 {
-        let p = self.set(2 + vertex * self.sets_per_vertex + light as u32 / 2);
-        let pair = if light.is_multiple_of(2) { [p[0], p[1]] } else { [p[2], p[3]] };
-        Vec2::from_array(pair).as_dvec2()
-    }
+    pub(super) weight: DVec3,
 }
 
 impl<'a> Tracer<'a> {
-    fn new(scene: &'a Scene, plan: &EffectPlan, settings: &'a Settings) -> Self {
+    pub(super) fn new(scene: &'a Scene, plan: &EffectPlan, settings: &'a Settings) -> Self {
         let (mis, light_sampling) = (plan.is_on(Effect::Mis), plan.is_on(Effect::LightSampling));
+        // Where lights are sampled and nothing is weighted, what directions hit would be counted twice.
+        let found = mis || !light_sampling;
+        let resampling = found && plan.is_on(Effect::Resampling);
         Self {
             scene,
             settings,
             lens: scene.camera.lens(settings.width as f64 / settings.height as f64),
             directions: plan.is_on(Effect::Directions),
             light_sampling,
-            hits_count: mis || !light_sampling,
+            hits_count: found && !resampling,
+            resampling,
             mis,
+            heuristic: scene.strategy.heuristic(),
             shadows: plan.is_on(Effect::Shadows),
             interreflection: plan.is_on(Effect::Interreflection),
             roulette: plan.is_on(Effect::Roulette),
@@ -145,21 +136,28 @@ impl<'a> Tracer<'a> {
     }
 
     fn pixel(&self, x: usize, y: usize) -> Pixel {
-        let Settings { width, height, samples, seed, .. } = *self.settings;
-        let seed = mix(seed ^ mix((y * width + x) as u64));
-        let sets_per_vertex = 1 + (self.scene.lights.len() as u32).div_ceil(2);
-        let size = DVec2::new(width as f64, height as f64);
+        let seed = self.settings.pixel_seed(x, y);
         let mut tally = Tally::default();
-        for index in 0..samples {
-            let numbers = Numbers { settings: self.settings, seed, index, sets_per_vertex };
-            let p = (DVec2::new(x as f64, y as f64) + numbers.pixel()) / size;
-            tally.add(self.radiance(self.lens.ray(p), &numbers));
+        for index in 0..self.settings.samples {
+            tally.add(self.sample(x, y, seed, index));
         }
         tally.pixel()
     }
 
+    /// Path `index` of those that a seed gives a pixel.
+    pub(super) fn sample(&self, x: usize, y: usize, seed: u64, index: u64) -> DVec3 {
+        let numbers = Numbers::new(self.scene, self.settings.points, seed, index);
+        self.radiance(self.ray(x, y, numbers.pixel()), &numbers)
+    }
+
+    /// The ray through a point of a pixel, in [0, 1]² from its upper left corner.
+    pub(super) fn ray(&self, x: usize, y: usize, within: DVec2) -> Ray {
+        let size = DVec2::new(self.settings.width as f64, self.settings.height as f64);
+        self.lens.ray((DVec2::new(x as f64, y as f64) + within) / size)
+    }
+
     /// An estimate of the radiance that arrives at `ray`'s origin.
-    fn radiance(&self, mut ray: Ray, numbers: &Numbers<'_>) -> DVec3 {
+    fn radiance(&self, mut ray: Ray, numbers: &Numbers) -> DVec3 {
         let mut hit = self.scene.hit(&ray, None);
         let mut sum = self.emitted(&ray, hit, |_| 1.0);
         let mut throughput = DVec3::ONE;
@@ -173,7 +171,7 @@ impl<'a> Tracer<'a> {
                 break;
             }
             let u = numbers.direction(index);
-            let Some(step) = self.step(&vertex, u) else {
+            let Some(step) = self.step(&vertex, Vec2::new(u[0], u[1])) else {
                 break;
             };
             throughput *= step.weight;
@@ -181,7 +179,9 @@ impl<'a> Tracer<'a> {
                 break;
             }
             hit = self.next_hit(&step.ray, vertex.hit.object);
-            sum += throughput * self.found(&step, hit);
+            if self.hits_count {
+                sum += throughput * self.found(&step, hit);
+            }
             if !follows || !self.survives(&mut throughput, index, u[2]) {
                 break;
             }
@@ -190,16 +190,14 @@ impl<'a> Tracer<'a> {
         if sum.max_element() <= BRIGHTEST { sum } else { DVec3::ZERO }
     }
 
-    /// Radiance of lights with an extent that a drawn direction finds, as far as it counts.
-    fn found(&self, step: &Step, hit: Option<Hit>) -> DVec3 {
-        if !self.hits_count {
-            return DVec3::ZERO;
-        }
-        self.emitted(&step.ray, hit, |pdf| if self.mis { power(step.pdf, pdf) } else { 1.0 })
+    /// Radiance of lights with an extent that a drawn direction finds up to what it hits, each as far as it counts.
+    pub(super) fn found(&self, step: &Step, hit: Option<Hit>) -> DVec3 {
+        let weight = |pdf| if self.mis { self.heuristic.weight(step.pdf, pdf) } else { 1.0 };
+        self.emitted(&step.ray, hit, weight)
     }
 
     /// What a drawn direction meets; nothing, where the plan says that nothing can be in the way.
-    fn next_hit(&self, ray: &Ray, leaving: usize) -> Option<Hit> {
+    pub(super) fn next_hit(&self, ray: &Ray, leaving: usize) -> Option<Hit> {
         (self.shadows || self.interreflection).then(|| self.scene.hit(ray, Some(leaving))).flatten()
     }
 
@@ -220,9 +218,9 @@ impl<'a> Tracer<'a> {
             .fold(DVec3::ZERO, |sum, radiance| sum + radiance)
     }
 
-    /// Radiance that a vertex reflects from light that is evaluated or sampled.
-    fn lit(&self, vertex: &Vertex<'_>, index: u32, numbers: &Numbers<'_>) -> DVec3 {
-        let mut sum = DVec3::ZERO;
+    /// Radiance that a vertex reflects from light that is evaluated, sampled or resampled.
+    fn lit(&self, vertex: &Vertex<'_>, index: u32, numbers: &Numbers) -> DVec3 {
+        let mut sum = if self.resampling { self.resampled(vertex, index, numbers) } else { DVec3::ZERO };
         for (i, light) in self.scene.lights.iter().enumerate() {
             if light.is_delta() {
                 sum += self.lit_by(vertex, light.as_ref(), DVec2::ZERO);
@@ -247,11 +245,11 @@ impl<'a> Tracer<'a> {
             return DVec3::ZERO;
         }
         let other = if self.mis && !light.is_delta() { vertex.pdf(wi) } else { 0.0 };
-        reflected * (power(sample.pdf, other) / sample.pdf)
+        reflected * (self.heuristic.weight(sample.pdf, other) / sample.pdf)
     }
 
-    fn step(&self, vertex: &Vertex<'_>, u: [f32; 4]) -> Option<Step> {
-        let sample = vertex.surface.sampler.as_ref()?.sample(vertex.wo, Vec2::new(u[0], u[1]))?;
+    pub(super) fn step(&self, vertex: &Vertex<'_>, u: Vec2) -> Option<Step> {
+        let sample = vertex.surface.sampler.as_ref()?.sample(vertex.wo, u)?;
         let pdf = f64::from(sample.pdf);
         let weight = vertex.surface.brdf.eval_cos(vertex.wo, sample.wi).as_dvec3() / pdf;
         let direction = vertex.frame.to_world(sample.wi).as_dvec3().try_normalize()?;
@@ -272,26 +270,5 @@ impl<'a> Tracer<'a> {
 impl Vertex<'_> {
     fn pdf(&self, wi: Vec3) -> f64 {
         self.surface.sampler.as_ref().map_or(0.0, |s| f64::from(s.pdf(self.wo, wi)))
-    }
-}
-
-/// Weight of a technique of density `own` beside one of density `other`: the power heuristic with exponent 2, by their ratio
-/// so that no square overflows.
-fn power(own: f64, other: f64) -> f64 {
-    let ratio = other / own;
-    1.0 / (1.0 + ratio * ratio)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::power;
-
-    #[test]
-    fn weights_of_two_techniques_sum_to_one() {
-        for (a, b) in [(1.0, 1.0), (3.0, 0.5), (1e200, 1e-200), (1.0, 0.0)] {
-            assert!((power(a, b) + power(b, a) - 1.0).abs() < 1e-15 || b == 0.0);
-        }
-        assert_eq!(power(2.0, 0.0), 1.0);
-        assert_eq!(power(1e-200, 1e200), 0.0);
     }
 }

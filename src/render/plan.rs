@@ -13,6 +13,8 @@ pub enum Effect {
     EnvironmentTables,
     /// Both of these find the same light and are weighted (Veach 1997).
     Mis,
+    /// One of several directions from the BRDF's sampler is kept for the light it finds (Talbot et al. 2005).
+    Resampling,
     /// Objects hide lights from one another.
     Shadows,
     /// Objects light one another.
@@ -23,11 +25,12 @@ pub enum Effect {
 
 impl Effect {
     /// All effects, in the order in which they are explained.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Directions,
         Self::LightSampling,
         Self::EnvironmentTables,
         Self::Mis,
+        Self::Resampling,
         Self::Shadows,
         Self::Interreflection,
         Self::Roulette,
@@ -40,6 +43,7 @@ impl Effect {
             Self::LightSampling => "light sampling",
             Self::EnvironmentTables => "environment tables",
             Self::Mis => "multiple importance sampling",
+            Self::Resampling => "resampling",
             Self::Shadows => "shadow rays",
             Self::Interreflection => "interreflection",
             Self::Roulette => "Russian roulette",
@@ -95,7 +99,7 @@ impl EffectPlan {
     pub fn with(mut self, effect: Effect) -> Self {
         let needs: &[Effect] = match effect {
             Effect::Mis => &[Effect::Directions, Effect::LightSampling],
-            Effect::Interreflection => &[Effect::Directions],
+            Effect::Resampling | Effect::Interreflection => &[Effect::Directions],
             _ => &[],
         };
         for e in needs.iter().chain([&effect]) {
@@ -176,6 +180,7 @@ impl Facts {
             Effect::LightSampling => self.light_sampling(),
             Effect::EnvironmentTables => self.environment_tables(),
             Effect::Mis => self.mis(),
+            Effect::Resampling => self.resampling(),
             Effect::Shadows => self.shadows(),
             Effect::Interreflection => self.interreflection(),
             Effect::Roulette => self.roulette(),
@@ -194,7 +199,9 @@ impl Facts {
     fn light_sampling(self) -> Decision {
         match (self.extended, self.strategy) {
             (false, _) => off("delta lights only: they are evaluated, not sampled"),
-            (true, Strategy::Brdf) => off("the strategy draws directions from the BRDF only"),
+            (true, Strategy::Brdf | Strategy::Ris { .. }) => {
+                off("the strategy draws directions from the BRDF only")
+            }
             (true, _) => on("a light has an extent"),
         }
     }
@@ -202,7 +209,9 @@ impl Facts {
     fn environment_tables(self) -> Decision {
         match (self.environment, self.strategy) {
             (false, _) => off("no environment"),
-            (true, Strategy::Brdf) => off("the strategy draws directions from the BRDF only"),
+            (true, Strategy::Brdf | Strategy::Ris { .. }) => {
+                off("the strategy draws directions from the BRDF only")
+            }
             (true, _) => on("the environment is sampled"),
         }
     }
@@ -210,8 +219,19 @@ impl Facts {
     fn mis(self) -> Decision {
         match (self.extended, self.strategy) {
             (false, _) => off("delta lights only: one technique"),
-            (true, Strategy::Mis) => on("two techniques find the same light"),
+            (true, Strategy::Mis(_)) => on("two techniques find the same light"),
             (true, _) => off("the strategy uses one technique"),
+        }
+    }
+
+    fn resampling(self) -> Decision {
+        match (self.extended, self.strategy) {
+            (false, _) => off("delta lights only: no direction drawn by chance can hit them"),
+            (true, Strategy::Ris { candidates: 0 | 1 }) => off("one candidate: nothing to choose"),
+            (true, Strategy::Ris { .. }) => {
+                on("of several directions, the one kept is likely to find much light")
+            }
+            (true, _) => off("the strategy takes each direction as it is drawn"),
         }
     }
 

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::shape::enter_floor;
 use super::{
     Camera, Effect, EffectPlan, EnvironmentSource, Lambert, LightSpec, Ray, SceneSpec, Sphere, SphereSpec,
+    Strategy,
 };
 use crate::brdf::Brdf;
 use crate::color::Rgb;
@@ -28,6 +29,7 @@ pub struct Surface {
 pub struct Scene {
     pub(super) camera: Camera,
     pub(super) depth: u32,
+    pub(super) strategy: Strategy,
     pub(super) lights: Vec<Box<dyn Light>>,
     objects: Vec<Object>,
     surfaces: Vec<Option<Surface>>,
@@ -58,7 +60,7 @@ impl Scene {
     /// sampler if `directions`; it is called once for each material that is used, in order.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a sphere without a radius or a material, a floor or light outside its domain, or a missing
+    /// [`Error::Argument`] for a sphere without a radius or a material, a floor, light or strategy outside its domain, or a missing
     /// sampler; what `surface` returns; what [`read_exr`] returns.
     pub fn build(
         spec: &SceneSpec,
@@ -75,7 +77,8 @@ impl Scene {
             objects.push(Object { shape: Shape::Floor, surface: surfaces.len() });
             surfaces.push(Some(floor(reflectance)));
         }
-        Ok(Self { camera: spec.camera, depth: spec.depth, lights, objects, surfaces })
+        let SceneSpec { camera, depth, strategy, .. } = *spec;
+        Ok(Self { camera, depth, strategy, lights, objects, surfaces })
     }
 
     /// The first object that `ray` meets, except `leaving`: shapes are convex, so a ray that leaves one never meets it
@@ -193,6 +196,9 @@ fn check(spec: &SceneSpec) -> Result<()> {
     }
     if spec.floor.is_some_and(|r| !(0.0..=1.0).contains(&r)) {
         return Err(Error::argument("the floor's reflectance is not in [0, 1]", "give 0.4, for example"));
+    }
+    if spec.strategy.candidates() == 0 {
+        return Err(Error::argument("no candidates to resample", "give at least 1"));
     }
     if let Some(i) = spec.lights.iter().position(|light| !light_fits(light)) {
         let what =

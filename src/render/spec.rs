@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::{Camera, Sphere};
 use crate::color::Rgb;
+use crate::dist::Heuristic;
 use crate::light::{Area, Directional, Point};
 
 /// A scene described: names and numbers only.
@@ -61,15 +62,47 @@ pub enum EnvironmentSource {
 }
 
 /// How light from lights with an extent is found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strategy {
-    /// By both, weighted by the power heuristic (Veach 1997).
-    #[default]
-    Mis,
-    /// By choosing directions towards the lights.
+    /// By one direction towards each light and one from the BRDF's sampler, weighted (Veach and Guibas 1995).
+    Mis(Heuristic),
+    /// By choosing a direction towards each light.
     Light,
-    /// By choosing directions from the BRDF's sampler.
+    /// By choosing a direction from the BRDF's sampler.
     Brdf,
+    /// By choosing several directions from the BRDF's sampler and keeping one of them in proportion to what it would reflect
+    /// if nothing were in the way (resampled importance sampling, Talbot et al. 2005). Only that one is traced.
+    Ris {
+        /// Directions to keep one of, ≥ 1; 1 is [`Self::Brdf`].
+        candidates: u32,
+    },
+}
+
+impl Default for Strategy {
+    fn default() -> Self {
+        Self::Mis(Heuristic::default())
+    }
+}
+
+impl Strategy {
+    /// Candidates where none are asked for.
+    pub const CANDIDATES: u32 = 8;
+
+    /// How two techniques are weighted, should a plan hold both.
+    pub(super) fn heuristic(self) -> Heuristic {
+        match self {
+            Self::Mis(heuristic) => heuristic,
+            Self::Light | Self::Brdf | Self::Ris { .. } => Heuristic::default(),
+        }
+    }
+
+    /// Candidates, should a plan resample.
+    pub(super) fn candidates(self) -> u32 {
+        match self {
+            Self::Ris { candidates } => candidates,
+            Self::Mis(_) | Self::Light | Self::Brdf => Self::CANDIDATES,
+        }
+    }
 }
 
 impl LightSpec {
@@ -133,7 +166,7 @@ impl SceneSpec {
             lights: Vec::new(),
             camera: frame_row(half, aspect),
             depth: 8,
-            strategy: Strategy::Mis,
+            strategy: Strategy::default(),
         }
     }
 

@@ -77,6 +77,18 @@ pub fn named<T: Copy + Send + Sync + 'static>(
         .map(move |name| values.iter().find(|v| v.0 == name).unwrap_or(&values[0]).1)
 }
 
+/// "0.05" or "5%" as a share above 0.
+pub fn share(argument: &str) -> Result<f64, String> {
+    let (number, unit) = match argument.strip_suffix('%') {
+        Some(percent) => (percent, 0.01),
+        None => (argument, 1.0),
+    };
+    let parsed = number.trim().parse::<f64>().ok().map(|v| v * unit);
+    parsed
+        .filter(|v| *v > 0.0 && v.is_finite())
+        .ok_or_else(|| "expected a share above 0, as in 0.05 or 5%".into())
+}
+
 /// "1024x512" as two counts, neither of them 0.
 pub fn size(argument: &str) -> Result<(usize, usize), String> {
     let parts = argument.split_once(['x', 'X', '×']);

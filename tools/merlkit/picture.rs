@@ -8,7 +8,7 @@ use merlkit::brdf::{LookupRule, Measured};
 use merlkit::files::{Overwrite, check_writable};
 use merlkit::image::{write_exr, write_png};
 use merlkit::merl::Material;
-use merlkit::render::{EffectPlan, Scene, SceneSpec, Settings, Surface, render};
+use merlkit::render::{EffectPlan, Refined, Scene, SceneSpec, Settings, Surface, render, render_to_error};
 use merlkit::sampler::{DirectionSampler, SamplerSpec};
 
 use crate::progress::Progress;
@@ -27,23 +27,32 @@ pub struct Picture<'a> {
     pub sampler: SamplerSpec,
     /// Size, samples and seed.
     pub settings: Settings,
+    /// The error to reach with at most the settings' samples, instead of taking all of them.
+    pub target_error: Option<f64>,
     /// Exposure of the PNG, stops.
     pub exposure: f32,
 }
 
 impl Picture<'_> {
-    /// Loads what the plan calls for, renders, and writes both files.
+    /// Loads what the plan calls for, renders, and writes both files; tells how far it came, given a target error.
     ///
     /// # Errors
     /// Those of loading, building, rendering and writing.
-    pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<(), Error> {
+    pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<Option<Refined>, Error> {
         let scene = Scene::build(self.scene, self.plan, |i, directions| self.surface(i, directions))?;
         let progress = Progress::new("rendering", self.settings.width * self.settings.height);
-        let film = render(&scene, self.plan, &self.settings, &|pixels| progress.advance_by(pixels))?;
+        let advance = |pixels| progress.advance_by(pixels);
+        let (image, refined) = match self.target_error {
+            None => (render(&scene, self.plan, &self.settings, &advance)?.to_image()?, None),
+            Some(error) => {
+                let refined = render_to_error(&scene, self.plan, &self.settings, error, &advance)?;
+                (refined.film.to_image()?, Some(refined))
+            }
+        };
         drop(progress);
-        let image = film.to_image()?;
         write_exr(&files.exr, &image, overwrite)?;
-        write_png(&files.png, &image, self.exposure, overwrite)
+        write_png(&files.png, &image, self.exposure, overwrite)?;
+        Ok(refined)
     }
 
     fn surface(&self, material: usize, directions: bool) -> Result<Surface, Error> {

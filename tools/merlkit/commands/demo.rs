@@ -126,6 +126,7 @@ fn pictures(
             lookup: LOOKUP,
             sampler: *sampler,
             settings,
+            target_error: None,
             exposure: 0.0,
         };
         picture.render(files, overwrite)?;

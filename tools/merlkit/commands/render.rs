@@ -6,10 +6,11 @@ use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::brdf::LookupRule;
+use merlkit::dist::Heuristic;
 use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Decision, Effect, EffectPlan, EnvironmentSource, LightSpec, SceneSpec, Settings, Strategy,
+    Decision, Effect, EffectPlan, EnvironmentSource, LightSpec, Refined, SceneSpec, Settings, Strategy,
 };
 use merlkit::report::Sheet;
 
@@ -36,6 +37,15 @@ pub struct Args {
     /// Paths a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
+    /// Take as many paths in each tile of 16 × 16 pixels as its relative error needs to come down to E: 0.05 or 5%
+    ///
+    /// The error is the root of the mean squared error of the tile's pixels over their mean, pixels without an object left
+    /// out; it is estimated from independent replicates.
+    #[arg(long, value_name = "E", conflicts_with = "spp", value_parser = args::share)]
+    target_error: Option<f64>,
+    /// The most paths a pixel that --target-error may take, from 16 [default: 4096]
+    #[arg(long, value_name = "N", requires = "target_error", value_parser = clap::value_parser!(u64).range(16..))]
+    max_spp: Option<u64>,
     /// Size in pixels [default: 320 a sphere, at least 480, by 360]
     #[arg(long, value_name = "WxH", value_parser = args::size)]
     size: Option<(usize, usize)>,
@@ -51,9 +61,16 @@ pub struct Args {
     /// Surfaces a path may meet; 1 is direct light only
     #[arg(long = "bounces", value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     bounces: u32,
-    /// How light from lights with an extent is found: by multiple importance sampling, by light, or by BRDF alone
-    #[arg(long, value_name = "HOW", default_value = "mis", value_parser = args::named(&STRATEGIES))]
-    strategy: Strategy,
+    /// How light from lights with an extent is found: by multiple importance sampling, by light, by BRDF alone, or by
+    /// resampling candidates from the BRDF
+    #[arg(long, value_name = "HOW", default_value = "mis", value_parser = STRATEGIES)]
+    strategy: String,
+    /// Weights of --strategy mis: by squared densities or by densities [default: power]
+    #[arg(long, value_name = "NAME", value_parser = args::named(&HEURISTICS))]
+    heuristic: Option<Heuristic>,
+    /// Directions from the BRDF that --strategy ris keeps one of and traces [default: 8]
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    candidates: Option<u32>,
     /// Exposure of the PNG, stops
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
@@ -73,8 +90,10 @@ pub struct Args {
     settings: SamplerArgs,
 }
 
-const STRATEGIES: [(&str, Strategy); 3] =
-    [("mis", Strategy::Mis), ("light", Strategy::Light), ("brdf", Strategy::Brdf)];
+const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
+const HEURISTICS: [(&str, Heuristic); 2] = [("power", Heuristic::Power), ("balance", Heuristic::Balance)];
+/// Paths a pixel that a target error may take, where nothing is said.
+const MAX_SPP: u64 = 4096;
 /// The floor's reflectance: a mid grey.
 pub const GREY: f32 = 0.35;
 
@@ -98,15 +117,40 @@ pub fn run(args: &Args) -> Outcome {
         lookup: args.lookup,
         sampler,
         settings,
+        target_error: args.target_error,
         exposure: args.exposure,
     };
-    picture.render(&files, overwrite)?;
+    let refined = picture.render(&files, overwrite)?;
     output::stdout(|out| {
         writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
         let (w, h, seconds) = (settings.width, settings.height, start.elapsed().as_secs_f64());
-        writeln!(out, "{w} × {h} pixels, {} paths a pixel, {seconds:.2} s in all", args.spp)
+        let paths = refined.as_ref().map_or_else(|| args.spp.to_string(), |r| paths(r, &settings));
+        writeln!(out, "{w} × {h} pixels, {paths} paths a pixel, {seconds:.2} s in all")?;
+        refined.map_or(Ok(()), |refined| writeln!(out, "{}", reached(&refined, settings.samples)))
     })?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Mean paths a pixel, and with those that only served decisions.
+fn paths(refined: &Refined, settings: &Settings) -> String {
+    let pixels = (settings.width * settings.height) as f64;
+    let (kept, traced) = (refined.paths as f64 / pixels, refined.traced as f64 / pixels);
+    format!("{kept:.1} (traced: {traced:.1})")
+}
+
+/// The error that was estimated, and whether all tiles came down to the target.
+fn reached(refined: &Refined, most: u64) -> String {
+    let worst = refined.tiles.iter().map(|t| t.error).fold(0.0, f64::max);
+    let (tiles, short) = (refined.tiles.len(), refined.tiles.iter().filter(|t| !t.reached).count());
+    let errors = format!(
+        "estimated relative error {:.2} %, worst tile {:.2} %",
+        100.0 * refined.error(),
+        100.0 * worst
+    );
+    match short {
+        0 => format!("{errors}; all of {tiles} tiles reached the target"),
+        _ => format!("{errors}; {short} of {tiles} tiles did not reach the target: raise --max-spp {most}"),
+    }
 }
 
 fn stops(argument: &str) -> Result<f32, String> {
@@ -119,7 +163,8 @@ fn stops(argument: &str) -> Result<f32, String> {
 
 fn settings(args: &Args) -> Settings {
     let (width, height) = args.size.unwrap_or(((320 * args.materials.len()).max(480), 360));
-    Settings { width, height, samples: args.spp, seed: args.seed, points: PointSet::Sobol }
+    let samples = args.target_error.map_or(args.spp, |_| args.max_spp.unwrap_or(MAX_SPP));
+    Settings { width, height, samples, seed: args.seed, points: PointSet::Sobol }
 }
 
 /// The scene, and its materials in the order of [`SceneSpec::materials`]; nothing is loaded.
@@ -129,8 +174,27 @@ fn describe(args: &Args, settings: &Settings) -> Result<(SceneSpec, Vec<Material
     spec.lights = args.lights.iter().map(|l| light(l, &spec)).collect::<Result<_, _>>()?;
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
-    spec.strategy = args.strategy;
+    spec.strategy = strategy(args)?;
     Ok((spec, materials))
+}
+
+fn strategy(args: &Args) -> Result<Strategy, Error> {
+    let only = |option: &str, strategy: &str| {
+        Error::argument(
+            format!("{option} has no meaning with --strategy {}", args.strategy),
+            format!("leave it out, or pass --strategy {strategy}"),
+        )
+    };
+    match (args.strategy.as_str(), args.heuristic, args.candidates) {
+        (name, Some(_), _) if name != "mis" => Err(only("--heuristic", "mis")),
+        (name, _, Some(_)) if name != "ris" => Err(only("--candidates", "ris")),
+        ("light", ..) => Ok(Strategy::Light),
+        ("brdf", ..) => Ok(Strategy::Brdf),
+        ("ris", _, candidates) => {
+            Ok(Strategy::Ris { candidates: candidates.unwrap_or(Strategy::CANDIDATES) })
+        }
+        (_, heuristic, _) => Ok(Strategy::Mis(heuristic.unwrap_or_default())),
+    }
 }
 
 fn light(name: &str, spec: &SceneSpec) -> Result<LightSpec, Error> {

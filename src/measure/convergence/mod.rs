@@ -1,12 +1,20 @@
 //! How fast an estimate of reflected radiance converges: one point under an environment.
 
+mod techniques;
+
+pub use techniques::Technique;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::Result;
 use crate::brdf::{Brdf, Importance};
+use crate::color::Rgb;
 use crate::geom::Quadrature;
+use crate::light::Environment;
 use crate::points::PointSet;
 use crate::sampler::DirectionSampler;
+use techniques::{Draws, to_world};
 
 /// What is estimated: ∫ f cosθ L dσ for one `wo`, as a scalar.
 pub struct LitPoint<'a> {
@@ -14,10 +22,20 @@ pub struct LitPoint<'a> {
     pub brdf: &'a dyn Brdf,
     /// Reduction of RGB to the scalar.
     pub importance: Importance,
-    /// Radiance arriving from a direction of the local frame.
-    pub radiance: &'a (dyn Fn(Vec3) -> f64 + Sync),
+    /// The light that arrives.
+    pub light: Incident<'a>,
     /// Towards the viewer.
     pub wo: Vec3,
+}
+
+/// The light that arrives at a point.
+#[derive(Clone, Copy)]
+pub enum Incident<'a> {
+    /// Radiance from a direction of the local frame, equal in all channels. It can't be sampled.
+    Function(&'a (dyn Fn(Vec3) -> f64 + Sync)),
+    /// An environment over a surface that faces up: local (x, y, z) is (x, z, −y) of the environment, so that the normal is
+    /// its zenith, `x` its `x`, and `y` points at the middle of its map.
+    Environment(&'a Environment),
 }
 
 /// Which estimates.
@@ -34,15 +52,28 @@ pub struct Runs {
 /// Error of estimates from `samples` draws each.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ErrorAt {
-    /// Draws of one estimate.
+    /// Samples of one estimate, as the technique counts them.
     pub samples: usize,
+    /// How often the BRDF and the light were evaluated for it.
+    pub evaluations: usize,
     /// Root of the mean squared error over the reference.
     pub rmse: f64,
 }
 
 impl LitPoint<'_> {
     fn integrand(&self, wi: Vec3) -> f64 {
-        f64::from(self.importance.of(self.brdf.eval_cos(self.wo, wi))) * (self.radiance)(wi)
+        match self.light {
+            Incident::Function(radiance) => {
+                f64::from(self.importance.of(self.brdf.eval_cos(self.wo, wi))) * radiance(wi)
+            }
+            Incident::Environment(sky) => self.reflected(wi, sky.radiance(to_world(wi))),
+        }
+    }
+
+    /// f·cos·L as a scalar, for light of any colour; what exceeds f32 counts as its largest value.
+    fn reflected(&self, wi: Vec3, radiance: Rgb) -> f64 {
+        let reflected = self.brdf.eval_cos(self.wo, wi) * radiance;
+        f64::from(self.importance.of(reflected.min(Rgb::splat(f32::MAX))))
     }
 
     /// The integral by quadrature, independent of every sampler.
@@ -50,9 +81,7 @@ impl LitPoint<'_> {
         Quadrature::new(self.wo, points_per_bin).integrate(|wi| self.integrand(wi))
     }
 
-    /// Relative errors of `sampler` at each number of samples, in parallel over seeds; the same for any number of threads.
-    ///
-    /// 0 where `reference` is 0. A failed draw is a sample of weight 0.
+    /// Relative errors of `sampler` at each number of samples: [`Self::errors_by`] with [`Technique::Brdf`].
     pub fn errors(
         &self,
         sampler: &dyn DirectionSampler,
@@ -60,35 +89,53 @@ impl LitPoint<'_> {
         samples: &[usize],
         runs: Runs,
     ) -> Vec<ErrorAt> {
+        self.measured(Technique::Brdf, sampler, reference, samples, runs)
+    }
+
+    /// Relative errors of `technique`, with `sampler` to draw from the BRDF, at each number of samples, in parallel over
+    /// seeds; the same for any number of threads.
+    ///
+    /// 0 where `reference` is 0. A failed draw is a sample of weight 0. All techniques of a seed use the same points, one
+    /// pair of dimensions for the BRDF and one for the light.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] for a technique that samples light which is a function, or for no candidates.
+    pub fn errors_by(
+        &self,
+        technique: Technique,
+        sampler: &dyn DirectionSampler,
+        reference: f64,
+        samples: &[usize],
+        runs: Runs,
+    ) -> Result<Vec<ErrorAt>> {
+        technique.check(self.light)?;
+        Ok(self.measured(technique, sampler, reference, samples, runs))
+    }
+
+    fn measured(
+        &self,
+        technique: Technique,
+        sampler: &dyn DirectionSampler,
+        reference: f64,
+        samples: &[usize],
+        runs: Runs,
+    ) -> Vec<ErrorAt> {
         let most = samples.iter().copied().max().unwrap_or(0);
-        let squares: Vec<Vec<f64>> = (0..runs.seeds)
-            .into_par_iter()
-            .map(|seed| self.squared_errors(sampler, reference, samples, most, runs, runs.first_seed + seed))
-            .collect();
+        let squared_errors = |seed: u64| -> Vec<f64> {
+            let draws = Draws::new(self, sampler, technique, most, runs, runs.first_seed + seed);
+            samples.iter().map(|&n| (draws.estimate(n) - reference).powi(2)).collect()
+        };
+        let squares: Vec<Vec<f64>> = (0..runs.seeds).into_par_iter().map(squared_errors).collect();
         let rmse = |i: usize| {
             let mean = squares.iter().map(|s| s[i]).sum::<f64>() / runs.seeds.max(1) as f64;
             if reference > 0.0 { mean.sqrt() / reference } else { 0.0 }
         };
-        samples.iter().enumerate().map(|(i, &samples)| ErrorAt { samples, rmse: rmse(i) }).collect()
-    }
-
-    fn squared_errors(
-        &self,
-        sampler: &dyn DirectionSampler,
-        reference: f64,
-        samples: &[usize],
-        most: usize,
-        runs: Runs,
-        seed: u64,
-    ) -> Vec<f64> {
-        let points: Vec<_> = (0..most as u64).map(|i| runs.points.point(seed, i, 0)).collect();
-        let draws = sampler.sample_batch(self.wo, &points);
-        let mut sums = vec![0.0];
-        for draw in draws {
-            let weight = draw.map_or(0.0, |d| self.integrand(d.wi) / f64::from(d.pdf));
-            sums.push(sums[sums.len() - 1] + weight);
-        }
-        samples.iter().map(|&n| (sums[n] / n.max(1) as f64 - reference).powi(2)).collect()
+        let at = |(i, &samples): (usize, &usize)| ErrorAt {
+            samples,
+            evaluations: technique.evaluations(samples),
+            rmse: rmse(i),
+        };
+        samples.iter().enumerate().map(at).collect()
     }
 }
 
@@ -125,7 +172,7 @@ mod tests {
 
     fn point<'a>(radiance: &'a (dyn Fn(Vec3) -> f64 + Sync)) -> LitPoint<'a> {
         let wo = spherical(0.5, 0.0).as_vec3();
-        LitPoint { brdf: &Lambert, importance: Importance::Mean, radiance, wo }
+        LitPoint { brdf: &Lambert, importance: Importance::Mean, light: Incident::Function(radiance), wo }
     }
 
     const SAMPLES: [usize; 4] = [16, 64, 256, 1024];

@@ -1,0 +1,367 @@
+//! Pictures of a given error: paths until the estimated error of each tile is small enough.
+//!
+//! Each pixel's paths are 8 replicates under independent scrambles. How far their means are apart tells the error of a
+//! pixel's mean, for Sobol points as for random ones, where the spread of single paths would tell too much.
+//!
+//! A decision to stop that looks at the paths it is about biases the picture: it stops where, by chance, few bright paths
+//! have been met, and it believes the error that looks small by chance (Kirk and Arvo 1991). So the pixels of a tile are dealt
+//! to two halves, and each half stops when the error *of the other half* has come down to the target. A half's number of paths
+//! then doesn't depend on its own, and its mean, and the error that is reported for it, are as unbiased as with a number chosen
+//! beforehand. Where one half has stopped and the other has not, paths of the first go on being traced, for the decision
+//! only.
+
+use std::mem::take;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::film::Pixel;
+use super::path::Tracer;
+use super::{EffectPlan, Film, Scene, Settings};
+use crate::points::mix;
+use crate::{Error, Result};
+
+/// Rows and columns of a tile.
+const TILE: usize = 16;
+/// A tile that has fewer pixels of objects than this is put together with the next.
+const FEW: usize = 32;
+/// Independent estimates of each pixel.
+const REPLICATES: usize = 8;
+/// Paths a replicate before the first decision; the number doubles before each other one.
+const FIRST: u64 = 2;
+
+/// A picture rendered to a target error, and how far it came.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refined {
+    /// The picture. Its standard errors come from the replicates, and are right for Sobol points too.
+    pub film: Film,
+    /// The tiles, in the picture's order.
+    pub tiles: Vec<Tile>,
+    /// Paths in the picture.
+    pub paths: u64,
+    /// All paths traced: those in the picture, and those that only served a decision.
+    pub traced: u64,
+}
+
+/// Pixels that are refined together: those of a square of 16 × 16 that show an object, which is met by one of nine rays
+/// through the pixel, on a grid that takes in its corners. Where these are fewer than 32, those of the next square are with
+/// them.
+///
+/// A tile's error is its relative RMSE: the root of the mean squared error of its pixels and channels over their mean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// Its pixels, as row · width + column.
+    pub pixels: Vec<usize>,
+    /// Its error, estimated.
+    pub error: f64,
+    /// Whether both halves were stopped by the target, not by the largest number of paths.
+    pub reached: bool,
+}
+
+impl Refined {
+    /// The picture's error, estimated: root of the mean square of its tiles' errors, each weighing as many as it has pixels.
+    /// Pixels that show no object don't count. 0 for a picture without objects.
+    pub fn error(&self) -> f64 {
+        self.mean_error(self.tiles.iter().map(|t| t.error))
+    }
+
+    /// The same error by its definition, against a picture that is taken for the truth.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if that is of another size.
+    pub fn error_against(&self, truth: &Film) -> Result<f64> {
+        Ok(self.mean_error(self.tile_errors_against(truth)?.into_iter()))
+    }
+
+    /// The error of each tile by its definition, against a picture that is taken for the truth.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if that is of another size.
+    pub fn tile_errors_against(&self, truth: &Film) -> Result<Vec<f64>> {
+        let (width, height) = (self.film.width(), self.film.height());
+        if (truth.width(), truth.height()) != (width, height) {
+            let what = format!("a reference of {} × {} pixels", truth.width(), truth.height());
+            return Err(Error::argument(what, format!("give one of {width} × {height}")));
+        }
+        let at = |&i: &usize| {
+            let (x, y) = (i % width, i / width);
+            let mean = truth.mean(x, y);
+            (mean, (self.film.mean(x, y) - mean).powf(2.0))
+        };
+        Ok(self.tiles.iter().map(|tile| relative(tile.pixels.iter().map(at))).collect())
+    }
+
+    fn mean_error(&self, errors: impl Iterator<Item = f64>) -> f64 {
+        let pixels = |t: &Tile| t.pixels.len() as f64;
+        let squares: f64 = self.tiles.iter().zip(errors).map(|(t, e)| pixels(t) * e * e).sum();
+        (squares / self.tiles.iter().map(pixels).sum::<f64>().max(1.0)).sqrt()
+    }
+}
+
+/// Renders `scene`, which was built for `plan`, as [`super::render()`] does, but with as many paths in each tile as its
+/// estimated relative error, see [`Tile`], needs to come down to `error`; at least 16 a pixel and at most
+/// [`Settings::samples`], which counts down to 16 times a power of two. Pixels without an object get 16.
+///
+/// The estimate knows what the paths have met: light that they hit once in a million, as with a sampler that misses a bright
+/// lobe, is not in it.
+///
+/// # Errors
+/// [`Error::Argument`] for an error that is not above 0, less than 16 samples, and as [`super::render()`].
+pub fn render_to_error(
+    scene: &Scene,
+    plan: &EffectPlan,
+    settings: &Settings,
+    error: f64,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Result<Refined> {
+    let count = settings.pixels()?;
+    check(error, settings)?;
+    let refiner = Refiner { tracer: Tracer::new(scene, plan, settings), settings, target: error };
+    let shown: Vec<bool> = (0..count).into_par_iter().map(|i| refiner.shows_object(i)).collect();
+    let mut pixels: Vec<Pixel> = (0..count)
+        .into_par_iter()
+        .map(|i| if shown[i] { Pixel::default() } else { refiner.background(i) })
+        .collect();
+    let tiles = tiles(&shown, settings);
+    let background = (count - tiles.iter().map(Vec::len).sum::<usize>()) as u64;
+    progress(background as usize);
+    let refine = |tile: Vec<usize>| {
+        let refined = refiner.refine(&tile);
+        progress(tile.len());
+        (tile, refined)
+    };
+    let refined: Vec<(Vec<usize>, Outcome)> = tiles.into_par_iter().map(refine).collect();
+    let start = background * FIRST * REPLICATES as u64;
+    let (mut tiles, mut paths, mut traced) = (Vec::new(), start, start);
+    for (tile, outcome) in refined {
+        outcome.pixels.iter().for_each(|&(i, pixel)| pixels[i] = pixel);
+        paths += outcome.paths;
+        traced += outcome.traced;
+        tiles.push(Tile { pixels: tile, error: outcome.error, reached: outcome.reached });
+    }
+    Ok(Refined { film: Film::new(settings.width, settings.height, pixels), tiles, paths, traced })
+}
+
+fn check(error: f64, settings: &Settings) -> Result<()> {
+    if !(error > 0.0 && error.is_finite()) {
+        return Err(Error::argument(format!("a target error of {error}"), "give one above 0, 0.05 for 5 %"));
+    }
+    let least = FIRST * REPLICATES as u64;
+    if settings.samples < least {
+        let what = format!("at most {} samples a pixel", settings.samples);
+        return Err(Error::argument(what, format!("allow {least}: with less there is no error to estimate")));
+    }
+    Ok(())
+}
+
+/// The pixels of each tile, from which of them show an object.
+fn tiles(shown: &[bool], settings: &Settings) -> Vec<Vec<usize>> {
+    let Settings { width, height, .. } = *settings;
+    let (mut all, mut open) = (Vec::new(), Vec::new());
+    for top in (0..height).step_by(TILE) {
+        let mut row: Vec<Vec<usize>> = Vec::new();
+        for left in (0..width).step_by(TILE) {
+            let columns = left..(left + TILE).min(width);
+            let lines = top..(top + TILE).min(height);
+            let pixels = lines.flat_map(|y| columns.clone().map(move |x| y * width + x));
+            open.extend(pixels.filter(|&i| shown[i]));
+            if open.len() >= FEW {
+                row.push(take(&mut open));
+            }
+        }
+        // What is left over at a row's end joins its last tile, or else the first of the next row.
+        if let Some(last) = row.last_mut() {
+            last.append(&mut open);
+        }
+        all.append(&mut row);
+    }
+    match all.last_mut() {
+        Some(last) => last.append(&mut open),
+        None if open.is_empty() => {}
+        None => all.push(open),
+    }
+    all
+}
+
+/// Root of the mean of `squares` over the mean of `means`, for pairs of these; 0 where all is black.
+fn relative(pairs: impl Iterator<Item = (DVec3, DVec3)>) -> f64 {
+    let (mut mean, mut square, mut count) = (0.0, 0.0, 0.0);
+    for (m, s) in pairs {
+        mean += m.element_sum();
+        square += s.element_sum();
+        count += 3.0;
+    }
+    if mean > 0.0 { (square * count).sqrt() / mean } else { 0.0 }
+}
+
+struct Refiner<'a> {
+    tracer: Tracer<'a>,
+    settings: &'a Settings,
+    target: f64,
+}
+
+/// What became of a tile.
+struct Outcome {
+    pixels: Vec<(usize, Pixel)>,
+    error: f64,
+    reached: bool,
+    paths: u64,
+    traced: u64,
+}
+
+/// Every other pixel of a tile.
+#[derive(Default)]
+struct Half {
+    pixels: Vec<(usize, Replicates)>,
+    /// What stands in the picture, once it has stopped.
+    kept: Vec<(usize, Pixel)>,
+    paths: u64,
+    reached: bool,
+}
+
+impl Half {
+    fn of(tile: &[usize], first: usize) -> Self {
+        let pixels = tile.iter().skip(first).step_by(2).map(|&i| (i, Replicates::default()));
+        Self { pixels: pixels.collect(), ..Self::default() }
+    }
+
+    fn has_stopped(&self) -> bool {
+        self.kept.len() == self.pixels.len()
+    }
+
+    fn error(&self) -> f64 {
+        relative(self.pixels.iter().map(|(_, r)| r.pixel()).map(|p| (p.mean, p.error.powf(2.0))))
+    }
+
+    fn stop(&mut self, reached: bool) {
+        self.kept = self.pixels.iter().map(|(i, r)| (*i, r.pixel())).collect();
+        self.paths = self.traced();
+        self.reached = reached;
+    }
+
+    fn traced(&self) -> u64 {
+        self.pixels.iter().map(|(_, r)| r.count * REPLICATES as u64).sum()
+    }
+}
+
+impl Refiner<'_> {
+    fn place(&self, pixel: usize) -> (usize, usize) {
+        (pixel % self.settings.width, pixel / self.settings.width)
+    }
+
+    fn shows_object(&self, pixel: usize) -> bool {
+        let (x, y) = self.place(pixel);
+        (0..9u32).any(|i| {
+            let within = DVec2::new(f64::from(i % 3), f64::from(i / 3)) / 2.0;
+            self.tracer.scene.hit(&self.tracer.ray(x, y, within), None).is_some()
+        })
+    }
+
+    fn background(&self, pixel: usize) -> Pixel {
+        let mut replicates = Replicates::default();
+        self.extend(pixel, &mut replicates, FIRST);
+        replicates.pixel()
+    }
+
+    fn refine(&self, tile: &[usize]) -> Outcome {
+        let mut halves = [0, 1].map(|first| Half::of(tile, first));
+        let mut count = FIRST;
+        while halves.iter().any(|h| !h.has_stopped()) {
+            for (pixel, replicates) in halves.iter_mut().flat_map(|h| &mut h.pixels) {
+                self.extend(*pixel, replicates, count);
+            }
+            let last = count > self.settings.samples / (2 * REPLICATES as u64);
+            self.decide(&mut halves, last);
+            count *= 2;
+        }
+        let pixels: Vec<(usize, Pixel)> = halves.iter().flat_map(|h| &h.kept).copied().collect();
+        Outcome {
+            error: relative(pixels.iter().map(|(_, p)| (p.mean, p.error.powf(2.0)))),
+            pixels,
+            reached: halves.iter().all(|h| h.reached),
+            paths: halves.iter().map(|h| h.paths).sum(),
+            traced: halves.iter().map(Half::traced).sum(),
+        }
+    }
+
+    /// Stops each half by the other's error. A tile of one pixel has no other half: that one stops by its own.
+    fn decide(&self, halves: &mut [Half; 2], last: bool) {
+        let errors = [&halves[0], &halves[1]].map(Half::error);
+        let alone = halves[1].pixels.is_empty();
+        for (i, half) in halves.iter_mut().enumerate().filter(|(_, h)| !h.has_stopped()) {
+            let reached = errors[if alone { i } else { 1 - i }] <= self.target;
+            if reached || last {
+                half.stop(reached);
+            }
+        }
+        halves[1].reached |= alone;
+    }
+
+    /// Traces paths until each replicate has `count`.
+    fn extend(&self, pixel: usize, replicates: &mut Replicates, count: u64) {
+        let (x, y) = self.place(pixel);
+        let seed = self.settings.pixel_seed(x, y);
+        for (r, sum) in replicates.sums.iter_mut().enumerate() {
+            let seed = mix(seed ^ mix(1 + r as u64));
+            for index in replicates.count..count {
+                *sum += self.tracer.sample(x, y, seed, index);
+            }
+        }
+        replicates.count = count;
+    }
+}
+
+/// Independent sums of a pixel's radiance.
+#[derive(Clone, Copy, Default)]
+struct Replicates {
+    sums: [DVec3; REPLICATES],
+    /// Paths in each.
+    count: u64,
+}
+
+impl Replicates {
+    fn pixel(&self) -> Pixel {
+        let means = self.sums.map(|sum| sum / self.count.max(1) as f64);
+        let n = REPLICATES as f64;
+        let mean = means.iter().sum::<DVec3>() / n;
+        let squares: DVec3 = means.iter().map(|m| (m - mean).powf(2.0)).sum();
+        Pixel { mean, error: (squares / (n * (n - 1.0))).map(f64::sqrt) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::points::PointSet;
+
+    #[test]
+    fn tiles_hold_every_shown_pixel_once_and_few_stand_alone() {
+        let settings = Settings { width: 70, height: 50, samples: 16, seed: 0, points: PointSet::Sobol };
+        for radius2 in [9usize, 400, 700] {
+            let inside = |i: usize| (i % 70).abs_diff(35).pow(2) + (i / 70).abs_diff(25).pow(2) < radius2;
+            let shown: Vec<bool> = (0..70 * 50).map(inside).collect();
+            let tiles = tiles(&shown, &settings);
+            let mut pixels: Vec<usize> = tiles.iter().flatten().copied().collect();
+            pixels.sort_unstable();
+            assert_eq!(pixels, (0..70 * 50).filter(|&i| shown[i]).collect::<Vec<_>>());
+            assert!(tiles.len() == 1 || tiles.iter().all(|t| t.len() >= FEW));
+        }
+        assert!(tiles(&[false; 70 * 50], &settings).is_empty());
+    }
+
+    #[test]
+    fn replicates_tell_the_textbook_error() {
+        let sums = std::array::from_fn(|i| DVec3::splat(2.0 * i as f64));
+        let pixel = Replicates { sums, count: 2 }.pixel();
+        // The numbers 0 to 7: mean 3.5, variance 6.
+        assert_eq!(pixel.mean, DVec3::splat(3.5));
+        assert!((pixel.error.x - (6.0f64 / 8.0).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn relative_errors_are_those_of_the_definition() {
+        let pairs = [(DVec3::splat(1.0), DVec3::splat(0.01)), (DVec3::splat(3.0), DVec3::splat(0.03))];
+        assert!((relative(pairs.into_iter()) - 0.02f64.sqrt() / 2.0).abs() < 1e-15);
+        assert_eq!(relative([(DVec3::ZERO, DVec3::ZERO)].into_iter()), 0.0);
+    }
+}
