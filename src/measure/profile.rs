@@ -146,7 +146,7 @@ fn sampler_figures(
         _ => Some(store::encode(&sampler, material, brdf.rule())?.len()),
     };
     Ok(SamplerFigures {
-        spec: *spec,
+        spec: sampler.spec(),
         table_bytes: sampler.bytes(),
         file_bytes,
         build,

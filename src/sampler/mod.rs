@@ -3,16 +3,20 @@
 mod adaptive_disc;
 mod cascade_cdf;
 mod cosine;
+mod factored;
 mod half_vector_table;
 mod knots;
+mod lobe;
 mod spec;
 pub mod store;
 
 pub use adaptive_disc::{AdaptiveDisc, AdaptiveDiscSettings, Carry, Construction, LeafChoice};
 pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ThetaSpacing};
 pub use cosine::Cosine;
+pub use factored::{Factored, FactoredSettings, Factors};
 pub use half_vector_table::{HalfVectorSettings, HalfVectorTable};
 pub use knots::TableChoice;
+pub use lobe::{LEAST_DIFFUSE, Lobe, LobeKind, LobeParameters, LobeSettings};
 pub use spec::{Sampler, SamplerSpec};
 
 use glam::{Vec2, Vec3};

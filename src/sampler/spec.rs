@@ -6,8 +6,8 @@ use glam::{Vec2, Vec3};
 
 use super::{
     AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Construction, Cosine,
-    DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable, LeafChoice, TableChoice,
-    ThetaSpacing,
+    DirectionSample, DirectionSampler, Factored, FactoredSettings, HalfVectorSettings, HalfVectorTable,
+    LeafChoice, Lobe, LobeKind, LobeSettings, TableChoice, ThetaSpacing,
 };
 use crate::Result;
 use crate::brdf::{Importance, Measured};
@@ -24,16 +24,30 @@ pub enum SamplerSpec {
     CascadeCdf(CascadeCdfSettings),
     /// Tables over the half-vector square: the default.
     HalfVector(HalfVectorSettings),
+    /// An analytic lobe and a share of cosine.
+    Lobe(LobeSettings),
+    /// Factors of one angle each.
+    Factored(FactoredSettings),
 }
 
 impl SamplerSpec {
-    /// The method's name on the command line and in files.
+    /// What the tables are compared with besides [`Self::Cosine`], each with the settings that suit the material best.
+    pub fn baselines() -> [Self; 8] {
+        let [a, b, c, d, e, f] = LobeKind::ALL.map(|kind| Self::Lobe(LobeSettings::fitted(kind)));
+        let factored = Self::Factored(FactoredSettings::default());
+        [a, b, c, d, e, f, factored, Self::AdaptiveDisc(AdaptiveDiscSettings::rejection())]
+    }
+
+    /// The method's name on the command line.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Cosine => "cosine",
+            Self::AdaptiveDisc(s) if s.depth == 0 => "disc-rejection",
             Self::AdaptiveDisc(_) => "adaptive-disc",
             Self::CascadeCdf(_) => "cascade-cdf",
             Self::HalfVector(_) => "half-vector",
+            Self::Lobe(s) => s.kind.name(),
+            Self::Factored(_) => "factored",
         }
     }
 
@@ -48,7 +62,11 @@ impl SamplerSpec {
                 let published = [true, false].map(CascadeCdfSettings::as_published).contains(s);
                 (cascade_label(s), published, cascade_notes(s))
             }
-            Self::HalfVector(s) => (half_vector_label(s), false, half_vector_notes(s)),
+            Self::HalfVector(s) => (half_vector_label(s), false, luminance_note(s.importance)),
+            Self::Lobe(s) => (self.name().into(), false, luminance_note(s.importance)),
+            Self::Factored(s) => {
+                (format!("factored, {} tables", s.tables), false, luminance_note(s.importance))
+            }
         };
         let notes = if published { vec!["as published".into()] } else { notes };
         for note in notes {
@@ -69,14 +87,17 @@ impl SamplerSpec {
             }
             Self::CascadeCdf(settings) => Sampler::CascadeCdf(CascadeCdf::build(&**brdf, *settings)?),
             Self::HalfVector(settings) => Sampler::HalfVector(HalfVectorTable::build(&**brdf, *settings)?),
+            Self::Lobe(settings) => Sampler::Lobe(Lobe::build(&**brdf, *settings)?),
+            Self::Factored(settings) => Sampler::Factored(Factored::build(&**brdf, *settings)?),
         })
     }
 }
 
 fn disc_label(s: &AdaptiveDiscSettings) -> String {
+    let name = SamplerSpec::AdaptiveDisc(*s).name();
     match s.construction {
-        Construction::Refined => format!("adaptive-disc, {} trees", s.tables),
-        Construction::Grid(side) => format!("adaptive-disc, {} trees from {side}² pixels", s.tables),
+        Construction::Refined => format!("{name}, {} trees", s.tables),
+        Construction::Grid(side) => format!("{name}, {} trees from {side}² pixels", s.tables),
     }
 }
 
@@ -94,8 +115,8 @@ fn half_vector_label(s: &HalfVectorSettings) -> String {
     format!("half-vector {}×{}×{}{folded}", s.tables, s.rows, s.segments)
 }
 
-fn half_vector_notes(s: &HalfVectorSettings) -> Vec<String> {
-    (s.importance != Importance::default()).then(|| "luminance".to_owned()).into_iter().collect()
+fn luminance_note(importance: Importance) -> Vec<String> {
+    (importance != Importance::default()).then(|| "luminance".to_owned()).into_iter().collect()
 }
 
 /// The settings that differ from the default and do not stand in the label.
@@ -106,7 +127,7 @@ fn disc_notes(s: &AdaptiveDiscSettings) -> Vec<String> {
     notes.extend((s.leaves != d.leaves).then(|| leaves.to_owned()));
     notes.extend((s.carry != d.carry).then(|| "directions kept".to_owned()));
     notes.extend((s.n_max != d.n_max).then(|| format!("n_max {}", s.n_max)));
-    notes.extend((s.depth != d.depth).then(|| format!("depth {}", s.depth)));
+    notes.extend((s.depth != d.depth && s.depth > 0).then(|| format!("depth {}", s.depth)));
     notes.extend((s.waste != d.waste).then(|| format!("waste {}", s.waste)));
     notes
 }
@@ -121,7 +142,7 @@ fn common_notes(choice: TableChoice, floor: f64, importance: Importance) -> Vec<
     let mut notes = Vec::new();
     notes.extend((choice != TableChoice::default()).then(|| "nearest".to_owned()));
     notes.extend((floor != AdaptiveDiscSettings::default().floor).then(|| format!("floor {floor}")));
-    notes.extend((importance != Importance::default()).then(|| "luminance".to_owned()));
+    notes.extend(luminance_note(importance));
     notes
 }
 
@@ -136,16 +157,22 @@ pub enum Sampler {
     CascadeCdf(CascadeCdf),
     /// Tables over the half-vector square.
     HalfVector(HalfVectorTable),
+    /// An analytic lobe and a share of cosine.
+    Lobe(Lobe),
+    /// Factors of one angle each.
+    Factored(Factored),
 }
 
 impl Sampler {
-    /// What it was built from.
+    /// What it was built from, with what was fitted.
     pub fn spec(&self) -> SamplerSpec {
         match self {
             Self::Cosine(_) => SamplerSpec::Cosine,
             Self::AdaptiveDisc(s) => SamplerSpec::AdaptiveDisc(*s.settings()),
             Self::CascadeCdf(s) => SamplerSpec::CascadeCdf(*s.settings()),
             Self::HalfVector(s) => SamplerSpec::HalfVector(*s.settings()),
+            Self::Lobe(s) => SamplerSpec::Lobe(*s.settings()),
+            Self::Factored(s) => SamplerSpec::Factored(*s.settings()),
         }
     }
 
@@ -156,6 +183,8 @@ impl Sampler {
             Self::AdaptiveDisc(s) => s,
             Self::CascadeCdf(s) => s,
             Self::HalfVector(s) => s,
+            Self::Lobe(s) => s,
+            Self::Factored(s) => s,
         }
     }
 }

@@ -4,8 +4,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
 use merlkit::brdf::Importance;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, Carry, CascadeCdfSettings, Construction, HalfVectorSettings, LeafChoice,
-    SamplerSpec, TableChoice, ThetaSpacing,
+    AdaptiveDiscSettings, Carry, CascadeCdfSettings, Construction, FactoredSettings, HalfVectorSettings,
+    LeafChoice, LobeSettings, SamplerSpec, TableChoice, ThetaSpacing,
 };
 
 use crate::args;
@@ -18,13 +18,13 @@ pub struct SamplerArgs {
     #[arg(long)]
     as_published: bool,
     /// Tables over the polar angle of wo, 1 to 4096, of half-vector 1 to 1024 [default: half-vector by its table size,
-    /// adaptive-disc 20, cascade-cdf 16; as published 60, 32]
+    /// adaptive-disc and disc-rejection 20, cascade-cdf 16, factored 32; as published 60, 32]
     #[arg(long, value_name = "N")]
     tables: Option<usize>,
-    /// adaptive-disc, cascade-cdf: what serves a wo between two tables [default: mixture; as published nearest]
+    /// adaptive-disc, cascade-cdf, disc-rejection: what serves a wo between two tables [default: mixture; as published nearest]
     #[arg(long, value_name = "HOW", value_parser = args::named(&[("nearest", TableChoice::Nearest), ("mixture", TableChoice::Mixture)]))]
     choice: Option<TableChoice>,
-    /// adaptive-disc, cascade-cdf: share of draws that follow the cosine, so that no direction is left out, 0 to 1
+    /// adaptive-disc, cascade-cdf, disc-rejection: share of draws that follow the cosine, so that no direction is left out, 0 to 1
     /// [default: 0.001; as published 0]
     #[arg(long, value_name = "SHARE")]
     floor: Option<f64>,
@@ -34,7 +34,7 @@ pub struct SamplerArgs {
     /// adaptive-disc: mean number of trials allowed in a leaf, above 1 [default: 2]
     #[arg(long, value_name = "TRIALS")]
     n_max: Option<f64>,
-    /// adaptive-disc: subdivisions down to the smallest leaf, 1 to 14 [default: 14; as published 10]
+    /// adaptive-disc: subdivisions down to the smallest leaf, 0 to 14 [default: 14; as published 10]
     #[arg(long, value_name = "LEVELS")]
     depth: Option<u32>,
     /// adaptive-disc: don't split a leaf that wastes less than this share of the tree; with --rejection-free, that adds less
@@ -95,15 +95,37 @@ fn preset_called(name: &str) -> HalfVectorSettings {
     HalfVectorSettings::PRESETS.iter().find(same).map_or_else(HalfVectorSettings::default, |p| p.1)
 }
 
-/// Names of the samplers that can be built, the default first.
+/// Names of the samplers that are compared unless others are named, the default first.
 pub const SAMPLERS: [&str; 4] = [DEFAULT, "adaptive-disc", "cascade-cdf", "cosine"];
+/// Names of the other samplers, which are built only when named: those of [`SamplerSpec::baselines`].
+pub const BASELINES: [&str; 8] = [
+    "cosine-lobe",
+    "cosine-lobe-sphere",
+    "blinn",
+    "ward",
+    "ashikhmin-shirley",
+    "ggx",
+    "factored",
+    "disc-rejection",
+];
+
+/// Parses the name of any sampler.
+pub fn any_name() -> PossibleValuesParser {
+    PossibleValuesParser::new(SAMPLERS.into_iter().chain(BASELINES))
+}
+
+/// Parses the name of any sampler that has something to store.
+pub fn storable_name() -> PossibleValuesParser {
+    PossibleValuesParser::new(SAMPLERS.into_iter().chain(BASELINES).filter(|&n| n != "cosine"))
+}
+
 /// The sampler of a command that is told none.
 pub const DEFAULT: &str = "half-vector";
 /// Sizes of the half-vector table that are compared with the other samplers.
 pub const COMPARED: [&str; 3] = ["2KB", "64KB", "1MB"];
 
 impl SamplerArgs {
-    /// The sampler called `name`, one of [`SAMPLERS`], with these settings.
+    /// The sampler called `name`, one of [`SAMPLERS`] or [`BASELINES`], with these settings.
     ///
     /// # Errors
     /// [`Error::Argument`] for a setting that the sampler does not have.
@@ -118,7 +140,30 @@ impl SamplerArgs {
             "adaptive-disc" => SamplerSpec::AdaptiveDisc(self.disc()),
             "cascade-cdf" => SamplerSpec::CascadeCdf(self.cascade()),
             "half-vector" => SamplerSpec::HalfVector(self.half_vector()),
-            _ => SamplerSpec::Cosine,
+            _ => self.baseline(name),
+        }
+    }
+
+    /// The baseline called `name`, or else cosine.
+    fn baseline(&self, name: &str) -> SamplerSpec {
+        let baseline = SamplerSpec::baselines().into_iter().find(|s| s.name() == name);
+        match baseline.unwrap_or(SamplerSpec::Cosine) {
+            SamplerSpec::AdaptiveDisc(d) => SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+                tables: self.tables.unwrap_or(d.tables),
+                choice: self.choice.unwrap_or(d.choice),
+                floor: self.floor.unwrap_or(d.floor),
+                importance: self.importance.unwrap_or(d.importance),
+                ..d
+            }),
+            SamplerSpec::Lobe(l) => {
+                SamplerSpec::Lobe(LobeSettings { importance: self.importance.unwrap_or(l.importance), ..l })
+            }
+            SamplerSpec::Factored(f) => SamplerSpec::Factored(FactoredSettings {
+                tables: self.tables.unwrap_or(f.tables),
+                importance: self.importance.unwrap_or(f.importance),
+                ..f
+            }),
+            other => other,
         }
     }
 
@@ -127,11 +172,16 @@ impl SamplerArgs {
         let unless = |names_it: bool, option: Option<&'static str>| option.filter(|_| !names_it);
         let (disc, cdf) = (names.contains(&"adaptive-disc"), names.contains(&"cascade-cdf"));
         let square = names.contains(&"half-vector");
+        let rejection = names.contains(&"disc-rejection");
+        let tables = disc || cdf || square || rejection || names.contains(&"factored");
+        let fitted = names.iter().any(|name| BASELINES.contains(name));
         let foreign = unless(disc, self.disc_only())
             .or(unless(cdf, self.cdf_only()))
             .or(unless(square, self.square_only()))
-            .or(unless(disc || cdf, self.thesis_only()))
-            .or(unless(disc || cdf || square, self.tables_only()));
+            .or(unless(disc || cdf, given(&[(self.as_published, "--as-published")])))
+            .or(unless(disc || cdf || rejection, self.thesis_only()))
+            .or(unless(tables, given(&[(self.tables.is_some(), "--tables")])))
+            .or(unless(tables || fitted, given(&[(self.importance.is_some(), "--importance")])));
         match foreign {
             Some(option) => Err(Error::argument(
                 format!("{option} is no setting of {}", names.join(" or ")),
@@ -179,8 +229,12 @@ impl SamplerArgs {
         self.disc_only()
             .or(self.cdf_only())
             .or(self.square_only())
+            .or(given(&[
+                (self.as_published, "--as-published"),
+                (self.tables.is_some(), "--tables"),
+                (self.importance.is_some(), "--importance"),
+            ]))
             .or(self.thesis_only())
-            .or(self.tables_only())
     }
 
     fn disc(&self) -> AdaptiveDiscSettings {
@@ -272,16 +326,7 @@ impl SamplerArgs {
 
     /// The first option given that only the thesis's two samplers have.
     fn thesis_only(&self) -> Option<&'static str> {
-        given(&[
-            (self.as_published, "--as-published"),
-            (self.choice.is_some(), "--choice"),
-            (self.floor.is_some(), "--floor"),
-        ])
-    }
-
-    /// The first option given that only samplers with tables have.
-    fn tables_only(&self) -> Option<&'static str> {
-        given(&[(self.tables.is_some(), "--tables"), (self.importance.is_some(), "--importance")])
+        given(&[(self.choice.is_some(), "--choice"), (self.floor.is_some(), "--floor")])
     }
 }
 

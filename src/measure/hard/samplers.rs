@@ -75,8 +75,9 @@ fn half_vectors() -> [HardSampler; 3] {
 /// Tables, trees or nodes of the angle of `wo` that a sampler holds.
 pub(super) fn tables_of(spec: &SamplerSpec) -> usize {
     match spec {
-        SamplerSpec::Cosine => 1,
+        SamplerSpec::Cosine | SamplerSpec::Lobe(_) => 1,
         SamplerSpec::AdaptiveDisc(s) => s.tables,
+        SamplerSpec::Factored(s) => s.tables,
         SamplerSpec::CascadeCdf(s) => s.tables,
         SamplerSpec::HalfVector(s) => s.tables,
     }

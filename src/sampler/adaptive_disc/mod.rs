@@ -71,7 +71,7 @@ pub struct AdaptiveDiscSettings {
     pub tables: usize,
     /// Mean number of trials allowed in a leaf, > 1; the largest value over the mean where nothing is rejected.
     pub n_max: f64,
-    /// Subdivisions from the whole disc to the smallest leaf, 1 to 14.
+    /// Subdivisions from the whole disc to the smallest leaf, 0 to 14; without any, draws are rejected on the whole disc.
     pub depth: u32,
     /// A leaf is not split when the trials it wastes are less than this share of the whole tree's, or, with
     /// [`LeafChoice::Warp`], when it adds less than a hundredth of this share to the squared relative deviation of weights; 0
@@ -124,6 +124,12 @@ impl AdaptiveDiscSettings {
         }
     }
 
+    /// Rejection on the whole disc, under the largest value for each tree's `wo` (thesis 5.1.1, 4.3.2): trees without
+    /// subdivisions.
+    pub fn rejection() -> Self {
+        Self { depth: 0, ..Self::default() }
+    }
+
     fn check(&self) -> Result<()> {
         let refuse = |what: String, fix: &str| Err(Error::argument(what, fix));
         if !(self.n_max > 1.0 && self.n_max.is_finite()) {
@@ -132,8 +138,8 @@ impl AdaptiveDiscSettings {
                 "choose a mean number of trials above 1, such as 2",
             );
         }
-        if !(1..=DEEPEST).contains(&self.depth) {
-            return refuse(format!("depth is {}", self.depth), "choose 1 to 14 subdivisions");
+        if !(0..=DEEPEST).contains(&self.depth) {
+            return refuse(format!("depth is {}", self.depth), "choose 0 to 14 subdivisions");
         }
         if !(0.0..=1.0).contains(&self.floor) || !(0.0..1.0).contains(&self.waste) {
             return refuse(

@@ -7,7 +7,7 @@ use ndarray::{Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 
 use super::{CascadeCdfSettings, Tables, ThetaAxis, ThetaKnots};
-use crate::brdf::Brdf;
+use crate::brdf::{Brdf, Importance};
 use crate::dist::{Curves, simplify};
 use crate::geom::{reflect_about, spherical};
 
@@ -25,7 +25,8 @@ pub(super) fn tables(
         .into_par_iter()
         .map(|k| {
             let wo = spherical(knots.theta(k), 0.0).as_vec3();
-            curves(&masses(brdf, settings, axis, wo), settings.tolerance)
+            let value = |h| contribution(brdf, settings.importance, wo, h);
+            curves(&masses([settings.theta_h, settings.phi_h], axis, value), settings.tolerance)
         })
         .collect();
     let (mut marginal, mut conditional) = (Curves::new(), Curves::new());
@@ -36,9 +37,12 @@ pub(super) fn tables(
     Tables::new(marginal, conditional)
 }
 
-/// ∫ f·cosθi dσ(wi) over each cell `[theta_h, phi_h]`, in midpoints.
-fn masses(brdf: &dyn Brdf, settings: &CascadeCdfSettings, axis: ThetaAxis, wo: Vec3) -> Array2<f64> {
-    let (rows, columns) = (settings.theta_h, settings.phi_h);
+/// ∫ `value(w)` dσ(w) over each cell `[theta, phi]` of the directions above the horizon, in midpoints.
+pub(in crate::sampler) fn masses(
+    [rows, columns]: [usize; 2],
+    axis: ThetaAxis,
+    value: impl Fn(DVec3) -> f64,
+) -> Array2<f64> {
     let fine = [POINTS[0].div_ceil(rows).max(1), POINTS[1].div_ceil(columns).max(1)];
     let azimuths: Vec<(f64, f64)> = (0..columns * fine[1])
         .map(|j| ((j as f64 + 0.5) / (columns * fine[1]) as f64 * TAU).sin_cos())
@@ -50,8 +54,7 @@ fn masses(brdf: &dyn Brdf, settings: &CascadeCdfSettings, axis: ThetaAxis, wo: V
             let (sin, cos) = axis.theta(a).sin_cos();
             let area = axis.solid_angle(a, sin) / (rows * fine[0] * columns * fine[1]) as f64 * TAU;
             for (j, &(s, c)) in azimuths.iter().enumerate() {
-                let h = DVec3::new(sin * c, sin * s, cos);
-                row[j / fine[1]] += area * contribution(brdf, settings, wo, h);
+                row[j / fine[1]] += area * value(DVec3::new(sin * c, sin * s, cos));
             }
         }
     }
@@ -60,12 +63,12 @@ fn masses(brdf: &dyn Brdf, settings: &CascadeCdfSettings, axis: ThetaAxis, wo: V
 
 /// f·cosθi·dσ(wi)/dσ(h) of a half vector; 0 where it reflects below the horizon.
 #[inline]
-fn contribution(brdf: &dyn Brdf, settings: &CascadeCdfSettings, wo: Vec3, h: DVec3) -> f64 {
+pub(in crate::sampler) fn contribution(brdf: &dyn Brdf, importance: Importance, wo: Vec3, h: DVec3) -> f64 {
     let wi = reflect_about(wo.as_dvec3(), h);
     if wi.z <= 0.0 {
         return 0.0;
     }
-    let f = f64::from(settings.importance.of(brdf.eval(wo, wi.as_vec3())));
+    let f = f64::from(importance.of(brdf.eval(wo, wi.as_vec3())));
     f * wi.z * 4.0 * wo.as_dvec3().dot(h)
 }
 

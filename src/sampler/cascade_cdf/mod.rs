@@ -9,6 +9,7 @@ mod build;
 pub use axis::ThetaSpacing;
 
 pub(super) use axis::ThetaAxis;
+pub(super) use build::{contribution, masses};
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 

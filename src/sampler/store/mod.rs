@@ -94,6 +94,8 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
         Sampler::AdaptiveDisc(s) => parts::write_trees(s.trees(), &mut out),
         Sampler::CascadeCdf(s) => parts::write_tables(s.tables(), &mut out),
         Sampler::HalfVector(s) => parts::write_half_vector(s.stored(), &mut out),
+        Sampler::Lobe(s) => parts::write_lobe(s.parameters(), &mut out),
+        Sampler::Factored(s) => parts::write_factors(s.terms(), &mut out),
     }
     let record = Record {
         version: VERSION,
@@ -173,6 +175,10 @@ impl SamplerFile {
             }
             SamplerSpec::HalfVector(settings) => {
                 Sampler::HalfVector(parts::read_half_vector(&self.tensors, settings)?)
+            }
+            SamplerSpec::Lobe(settings) => Sampler::Lobe(parts::read_lobe(&self.tensors, settings)?),
+            SamplerSpec::Factored(settings) => {
+                Sampler::Factored(parts::read_factored(&self.tensors, settings)?)
             }
         })
     }

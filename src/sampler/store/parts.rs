@@ -8,10 +8,11 @@ use crate::brdf::Measured;
 use crate::dist::{self, Curves};
 use crate::sampler::adaptive_disc::{DEEPEST, Forest, Leaf, MOST_LEAVES, Node, Trees, WHOLE, Warps};
 use crate::sampler::cascade_cdf::Tables;
+use crate::sampler::factored::Terms;
 use crate::sampler::half_vector_table::{self as square, MERL_PARTS, NODE_SUM, ONE, SQUARE_PARTS, STEEPEST};
 use crate::sampler::{
-    AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, HalfVectorSettings, HalfVectorTable,
-    LeafChoice,
+    AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Factored, FactoredSettings,
+    HalfVectorSettings, HalfVectorTable, LeafChoice, Lobe, LobeParameters, LobeSettings,
 };
 
 pub(super) fn write_trees(trees: &Trees, out: &mut TensorsOut) {
@@ -147,11 +148,14 @@ fn check_tree(tensors: &Tensors, k: usize, first: usize, leaves: &[Leaf], integr
 }
 
 pub(super) fn write_tables(tables: &Tables, out: &mut TensorsOut) {
-    for (name, curves) in [("marginal", &tables.marginal), ("conditional", &tables.conditional)] {
-        out.add(&format!("{name}.start"), curves.starts.iter().copied());
-        out.add(&format!("{name}.position"), curves.positions.iter().copied());
-        out.add(&format!("{name}.cdf"), curves.cdf.iter().copied());
-    }
+    write_curves("marginal", &tables.marginal, out);
+    write_curves("conditional", &tables.conditional, out);
+}
+
+fn write_curves(name: &str, curves: &Curves, out: &mut TensorsOut) {
+    out.add(&format!("{name}.start"), curves.starts.iter().copied());
+    out.add(&format!("{name}.position"), curves.positions.iter().copied());
+    out.add(&format!("{name}.cdf"), curves.cdf.iter().copied());
 }
 
 pub(super) fn read_cascade(tensors: &Tensors, settings: CascadeCdfSettings) -> Result<CascadeCdf> {
@@ -298,4 +302,63 @@ fn broken_rule(tables: &square::Stored) -> Option<(&'static str, &'static str)> 
     .into_iter()
     .find(|rule| !rule.0)
     .map(|rule| (rule.1, rule.2))
+}
+
+pub(super) fn write_lobe(parameters: &LobeParameters, out: &mut TensorsOut) {
+    let LobeParameters { along, across, diffuse } = *parameters;
+    out.add("lobe.parameter", [along, across, diffuse]);
+}
+
+/// Reads the parameters that the record states too; their domains are checked where a lobe is put together.
+pub(super) fn read_lobe(tensors: &Tensors, settings: LobeSettings) -> Result<Lobe> {
+    let stored = tensors.get::<f32>("lobe.parameter")?;
+    let [along, across, diffuse] = stored[..] else {
+        return Err(tensors.invalid_in("lobe.parameter", 0, "3 values", stored.len().to_string()));
+    };
+    let parameters = LobeParameters { along, across, diffuse };
+    if settings.parameters != Some(parameters) {
+        let expected = format!("the parameters of the record, {:?},", settings.parameters);
+        return Err(tensors.invalid_in("lobe.parameter", 0, &expected, format!("{stored:?}")));
+    }
+    Lobe::with(settings, parameters)
+}
+
+pub(super) fn write_factors(terms: &Terms, out: &mut TensorsOut) {
+    out.add("term.weight", terms.weights.iter().copied());
+    write_curves("theta", &terms.theta, out);
+    write_curves("phi", &terms.phi, out);
+}
+
+/// Reads terms, of which every one that a table draws from has curves with mass.
+pub(super) fn read_factored(tensors: &Tensors, settings: FactoredSettings) -> Result<Factored> {
+    let factors = settings
+        .factors
+        .ok_or_else(|| tensors.invalid("the factors of a factored sampler in the record", "none"))?;
+    settings.check()?;
+    let terms = Terms {
+        weights: tensors.get("term.weight")?,
+        theta: read_curves(tensors, "theta", factors.theta)?,
+        phi: read_curves(tensors, "phi", factors.phi)?,
+    };
+    let count = factors.terms();
+    for (name, expected, found) in [
+        ("theta.start", count, terms.theta.len()),
+        ("phi.start", count, terms.phi.len()),
+        ("term.weight", settings.tables * count, terms.weights.len()),
+    ] {
+        if expected != found {
+            let expected = format!("{expected} of {count} terms");
+            return Err(tensors.invalid_in(name, 0, &expected, found.to_string()));
+        }
+    }
+    for (k, row) in terms.weights.chunks_exact(count).enumerate() {
+        let drawn = |l: usize| !terms.theta.is_void(l) && !terms.phi.is_void(l);
+        let sound = |l: usize| row[l] == 0.0 || (row[l] > 0.0 && row[l] <= 1.0 && drawn(l));
+        let whole = row.iter().map(|&w| f64::from(w)).sum::<f64>() <= 1.0 + 1e-6;
+        if let Some(l) = (0..count).find(|&l| !sound(l) || !whole) {
+            let expected = format!("shares of table {k} within 0..1, of terms that can be drawn,");
+            return Err(tensors.invalid_in("term.weight", k * count + l, &expected, format!("{row:?}")));
+        }
+    }
+    Factored::from_parts(settings, terms)
 }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::progress::Progress;
-use crate::sampler_args::{DEFAULT, SamplerArgs};
+use crate::sampler_args::{self, DEFAULT, SamplerArgs};
 use crate::{args, output};
 
 /// Build samplers and store them as files
@@ -27,7 +27,7 @@ pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
     /// Sampler to build
-    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = [DEFAULT, "adaptive-disc", "cascade-cdf"])]
+    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = sampler_args::storable_name())]
     sampler: String,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]

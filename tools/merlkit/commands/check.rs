@@ -14,7 +14,7 @@ use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::output::{self, Destination};
 use crate::progress::Progress;
-use crate::sampler_args::{COMPARED, SAMPLERS, SamplerArgs};
+use crate::sampler_args::{self, COMPARED, SamplerArgs};
 use crate::{args, table};
 
 /// Prove that samplers are right: densities, draws and estimates
@@ -33,7 +33,7 @@ pub struct Args {
     hard: bool,
     /// Sampler to check; may be repeated [default: all, the half-vector table at 2KB, 64KB and 1MB,
     /// the cascade CDF both whole and compressed]
-    #[arg(long = "sampler", value_name = "NAME", value_parser = SAMPLERS)]
+    #[arg(long = "sampler", value_name = "NAME", value_parser = sampler_args::any_name())]
     samplers: Vec<String>,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]

@@ -16,7 +16,7 @@ use merlkit::report::Sheet;
 
 use crate::failure::Outcome;
 use crate::picture::{Files, Picture};
-use crate::sampler_args::{DEFAULT, SAMPLERS, SamplerArgs};
+use crate::sampler_args::{self, DEFAULT, SamplerArgs};
 use crate::{args, output, table};
 
 /// Path-trace a row of spheres, one a material, to NAME.exr (linear RGB) and NAME.png (tone-mapped sRGB)
@@ -32,7 +32,7 @@ pub struct Args {
     #[arg(long = "light", value_name = "LIGHT", default_value = "environment")]
     lights: Vec<String>,
     /// How directions are drawn from the BRDF
-    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = SAMPLERS)]
+    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = sampler_args::any_name())]
     sampler: String,
     /// Paths a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]

@@ -13,7 +13,7 @@ use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::output::{self, Destination};
 use crate::progress::Progress;
-use crate::sampler_args::{COMPARED, SAMPLERS, SamplerArgs};
+use crate::sampler_args::{self, COMPARED, SamplerArgs};
 use crate::{args, table};
 
 /// Measure memory, time and accuracy of samplers, with the thesis's figures beside them
@@ -28,7 +28,7 @@ pub struct Args {
     materials: args::Materials,
     /// Sampler to measure; may be repeated [default: all, the half-vector table at 2KB, 64KB and
     /// 1MB, the cascade CDF both whole and compressed]
-    #[arg(long = "sampler", value_name = "NAME", value_parser = SAMPLERS)]
+    #[arg(long = "sampler", value_name = "NAME", value_parser = sampler_args::any_name())]
     samplers: Vec<String>,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]

@@ -15,7 +15,7 @@ use merlkit::sampler::store::{SamplerFile, looks_like_sampler_file};
 use merlkit::sampler::{DirectionSample, DirectionSampler, Sampler};
 
 use crate::failure::Outcome;
-use crate::sampler_args::{DEFAULT, SAMPLERS, SamplerArgs};
+use crate::sampler_args::{self, DEFAULT, SamplerArgs};
 use crate::{args, output};
 
 /// Draw directions and print them with density and value
@@ -29,7 +29,7 @@ pub struct Args {
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]
     source: String,
     /// Sampler to build [default: half-vector; a sampler file brings its own]
-    #[arg(long, value_name = "NAME", value_parser = SAMPLERS)]
+    #[arg(long, value_name = "NAME", value_parser = sampler_args::any_name())]
     sampler: Option<String>,
     /// Material of a sampler file [default: the one it names]
     #[arg(long, value_name = "MATERIAL")]

@@ -1,0 +1,188 @@
+//! Tabulating, factoring, and the choice of factors.
+
+use glam::DVec3;
+use ndarray::{Array1, Array2, ArrayView1, Axis};
+use rayon::prelude::*;
+
+use super::{Factored, FactoredSettings, Factors, Terms};
+use crate::Result;
+use crate::brdf::{Brdf, Importance};
+use crate::dist::Curves;
+use crate::geom::spherical;
+use crate::sampler::cascade_cdf::{ThetaAxis, contribution, masses};
+use crate::sampler::knots::ThetaKnots;
+use crate::sampler::lobe::Nodes;
+use crate::sampler::{TableChoice, ThetaSpacing};
+
+/// Rounds of multiplicative updates; the divergence changes by some thousandths of itself after these.
+const ROUNDS: usize = 120;
+/// What is tried when the factors are not given: J, K, and cells over φw. θw has one cell a bin of MERL's.
+const TRIED: ([usize; 4], [usize; 3], [usize; 2]) = ([1, 2, 4, 8], [1, 2, 4], [16, 32]);
+const THETA: usize = 90;
+/// Shares of cosine that are tried for the best of those.
+const FLOORS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
+
+/// The sampler of the given factors.
+pub(super) fn factored(brdf: &dyn Brdf, settings: FactoredSettings, factors: Factors) -> Result<Factored> {
+    let grid = grid(brdf, &settings, &factors)?;
+    let outer = Factorisation::of(&grid, factors.outer);
+    Factored::from_parts(settings, terms(&outer, &factors))
+}
+
+/// The sampler of those factors that make weights most even, by the measure that lobes are fitted by. The first, that is the
+/// smallest, of equals.
+pub(super) fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factored> {
+    let nodes = Nodes::of(brdf, settings.importance);
+    let (outer, inner, phi) = TRIED;
+    let floor = FLOORS[2];
+    let mut grids = Vec::new();
+    for phi in phi {
+        for half in [true, false] {
+            let factors = Factors { outer: 1, inner: 1, theta: THETA, phi, half, floor };
+            grids.push((factors, grid(brdf, &settings, &factors)?));
+        }
+    }
+    let jobs: Vec<(&(Factors, Array2<f64>), usize)> =
+        grids.iter().flat_map(|g| outer.map(|j| (g, j))).collect();
+    let rate = |factors: Factors, terms: Terms| {
+        let settings = FactoredSettings { factors: Some(factors), ..settings };
+        let sampler = Factored::from_parts(settings, terms)?;
+        Ok((nodes.unevenness(|wo, wi| sampler.density(wo, wi)), sampler))
+    };
+    let of_job = |&((base, grid), outer): &(&(Factors, Array2<f64>), usize)| {
+        let found = Factorisation::of(grid, outer);
+        let each = inner.map(|inner| Factors { outer, inner, ..*base });
+        first_least(each.into_iter().map(|f| rate(f, terms(&found, &f))))
+    };
+    let each: Vec<Result<Option<(f64, Factored)>>> = jobs.par_iter().map(of_job).collect();
+    let chosen = first_least(each.into_iter().filter_map(Result::transpose))?;
+    let base = Factors { outer: 1, inner: 1, theta: THETA, phi: phi[0], half: true, floor };
+    let Some((_, sampler)) = chosen else {
+        return factored(brdf, FactoredSettings { factors: Some(base), ..settings }, base);
+    };
+    let floors =
+        FLOORS.iter().map(|&floor| rate(Factors { floor, ..sampler.factors }, sampler.terms.clone()));
+    Ok(first_least(floors)?.map_or(sampler.clone(), |best| best.1))
+}
+
+/// The first of the least of what is rated.
+fn first_least<T>(mut rated: impl Iterator<Item = Result<(f64, T)>>) -> Result<Option<(f64, T)>> {
+    rated.try_fold(None, |best: Option<(f64, T)>, next| {
+        let next = next?;
+        Ok(match best {
+            Some(best) if best.0 <= next.0 => Some(best),
+            _ => Some(next),
+        })
+    })
+}
+
+/// Shares of ∫ f·cosθ over the cells of w, `[table][theta · phi]`; a row adds up to 1, or to 0 where the material is black.
+fn grid(brdf: &dyn Brdf, settings: &FactoredSettings, factors: &Factors) -> Result<Array2<f64>> {
+    let knots = ThetaKnots::new(settings.tables, TableChoice::Mixture)?;
+    let axis = ThetaAxis::new(ThetaSpacing::Merl, factors.theta);
+    let importance = settings.importance;
+    let rows: Vec<Array2<f64>> = (0..settings.tables)
+        .into_par_iter()
+        .map(|k| {
+            let wo = spherical(knots.theta(k), 0.0).as_vec3();
+            masses([factors.theta, factors.phi], axis, |w| match factors.half {
+                true => contribution(brdf, importance, wo, w),
+                false => of_direction(brdf, importance, wo.as_dvec3(), w),
+            })
+        })
+        .collect();
+    let mut grid = Array2::zeros((settings.tables, factors.theta * factors.phi));
+    for (mut row, cells) in grid.outer_iter_mut().zip(&rows) {
+        let sum = cells.sum();
+        if sum > 0.0 {
+            row.assign(&(cells.flatten() / sum));
+        }
+    }
+    Ok(grid)
+}
+
+/// f·cosθi of a direction.
+fn of_direction(brdf: &dyn Brdf, importance: Importance, wo: DVec3, wi: DVec3) -> f64 {
+    f64::from(importance.of(brdf.eval(wo.as_vec3(), wi.as_vec3()))) * wi.z
+}
+
+/// A matrix as a product of two without negative numbers, `left · right`; rows of `right` add up to 1, or to 0.
+struct Factorisation {
+    left: Array2<f64>,
+    right: Array2<f64>,
+}
+
+impl Factorisation {
+    /// The product of rank `rank` nearest to `matrix` in Kullback–Leibler's divergence, by multiplicative updates (Lee and
+    /// Seung 2001). The divergence, unlike squares, keeps the sums of rows and leaves no cell with mass at 0.
+    fn of(matrix: &Array2<f64>, rank: usize) -> Self {
+        let (rows, columns) = matrix.dim();
+        let block = |i: usize| i * rank / rows;
+        // Each term begins as the mean of a block of rows, with some of all rows so that nothing is 0 for good.
+        let mut left = Array2::from_shape_fn((rows, rank), |(i, j)| if block(i) == j { 1.0 } else { 0.1 });
+        let mean = matrix.sum_axis(Axis(0)) / rows as f64;
+        let mut right = Array2::zeros((rank, columns));
+        for (i, row) in matrix.outer_iter().enumerate() {
+            right.row_mut(block(i)).scaled_add(1.0, &row);
+        }
+        for mut row in right.outer_iter_mut() {
+            row.scaled_add(0.1, &mean);
+        }
+        for _ in 0..ROUNDS {
+            let ratio = ratio(matrix, &left.dot(&right));
+            left = left * ratio.dot(&right.t()) / &positive(right.sum_axis(Axis(1)));
+            let ratio = self::ratio(matrix, &left.dot(&right));
+            let sums = positive(left.sum_axis(Axis(0))).insert_axis(Axis(1));
+            right = right * left.t().dot(&ratio) / &sums;
+        }
+        let sums = right.sum_axis(Axis(1));
+        left *= &sums;
+        right /= &positive(sums).insert_axis(Axis(1));
+        Self { left, right }
+    }
+}
+
+/// `matrix`/`product`, 0 where there is nothing to be matched.
+fn ratio(matrix: &Array2<f64>, product: &Array2<f64>) -> Array2<f64> {
+    ndarray::Zip::from(matrix).and(product).map_collect(|&m, &p| if m > 0.0 && p > 0.0 { m / p } else { 0.0 })
+}
+
+/// Divisors: 1 in place of 0, over which only 0 stands.
+fn positive(sums: Array1<f64>) -> Array1<f64> {
+    sums.mapv(|s| if s > 0.0 { s } else { 1.0 })
+}
+
+/// Factors each function of w again, and gathers all terms.
+fn terms(outer: &Factorisation, factors: &Factors) -> Terms {
+    let tables = outer.left.nrows();
+    let mut weights: Array2<f64> = Array2::zeros((tables, factors.terms()));
+    let (mut theta, mut phi) = (Curves::new(), Curves::new());
+    for (j, function) in outer.right.outer_iter().enumerate() {
+        let cells =
+            Array2::from_shape_fn((factors.theta, factors.phi), |(a, b)| function[a * factors.phi + b]);
+        let inner = Factorisation::of(&cells, factors.inner);
+        let masses = inner.left.sum_axis(Axis(0));
+        let whole = masses.sum();
+        for k in 0..factors.inner {
+            theta.push(&cumulated(inner.left.column(k)), None);
+            phi.push(&cumulated(inner.right.row(k)), None);
+            let l = j * factors.inner + k;
+            let drawn = whole > 0.0 && !theta.is_void(l) && !phi.is_void(l);
+            let share = if drawn { masses[k] / whole } else { 0.0 };
+            weights.column_mut(l).assign(&(&outer.left.column(j) * share));
+        }
+    }
+    let sums = positive(weights.sum_axis(Axis(1))).insert_axis(Axis(1));
+    let weights = (weights / &sums).iter().map(|&w| w as f32).collect();
+    Terms { weights, theta, phi }
+}
+
+fn cumulated(masses: ArrayView1<'_, f64>) -> Vec<f64> {
+    let mut sum = 0.0;
+    std::iter::once(0.0)
+        .chain(masses.iter().map(|m| {
+            sum += m;
+            sum
+        }))
+        .collect()
+}

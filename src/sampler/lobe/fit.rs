@@ -1,0 +1,166 @@
+//! Fitting: the parameters that make the weights of a material most even.
+
+use argmin::core::{CostFunction, Executor};
+use argmin::solver::neldermead::NelderMead;
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::{LEAST_DIFFUSE, LobeKind, LobeParameters, density};
+use crate::brdf::{Brdf, Importance};
+use crate::geom::{Quadrature, spherical};
+
+/// Polar angles of `wo` that are fitted to, degrees.
+const ANGLES_DEG: [f64; 6] = [5.0, 20.0, 35.0, 50.0, 65.0, 80.0];
+/// Points in each of the quadrature's bins: E\[w²\] to some percent, which is finer than a lobe fits.
+const POINTS: usize = 34;
+/// Shapes, evenly spaced in the logarithm, and shares that the search starts from.
+const STARTS: (usize, [f32; 4]) = (9, [0.01, 0.1, 0.4, 0.9]);
+const MOST_STEPS: u64 = 120;
+
+/// f_r·cosθ of a material at the nodes of a quadrature, for each of a few `wo`.
+pub(in crate::sampler) struct Nodes(Vec<View>);
+
+struct View {
+    wo: Vec3,
+    /// ∫ f cosθ, > 0.
+    albedo: f64,
+    /// Direction and (f cosθ)² dσ, where it is positive.
+    nodes: Vec<(Vec3, f64)>,
+}
+
+impl Nodes {
+    /// The material's values, without the angles at which it is black.
+    pub fn of(brdf: &dyn Brdf, importance: Importance) -> Self {
+        let view = |theta: &f64| {
+            let wo = spherical(theta.to_radians(), 0.0).as_vec3();
+            let (mut albedo, mut nodes) = (0.0, Vec::new());
+            Quadrature::new(wo, POINTS).for_each(|wi, d_sigma| {
+                let f_cos = f64::from(importance.of(brdf.eval_cos(wo, wi)));
+                albedo += f_cos * d_sigma;
+                if f_cos > 0.0 {
+                    nodes.push((wi, f_cos * f_cos * d_sigma));
+                }
+            });
+            View { wo, albedo, nodes }
+        };
+        let views: Vec<View> = ANGLES_DEG.par_iter().map(view).collect();
+        Self(views.into_iter().filter(|v| v.albedo > 0.0).collect())
+    }
+
+    /// Mean over the angles of ln(E\[w²\]/E\[w\]²) of draws with density `pdf(wo, wi)`; 0 for a black material.
+    pub fn unevenness(&self, pdf: impl Fn(Vec3, Vec3) -> f64 + Sync) -> f64 {
+        let of = |view: &View| {
+            let sum: f64 = view.nodes.iter().map(|&(wi, value)| value / pdf(view.wo, wi)).sum();
+            (sum / (view.albedo * view.albedo)).ln().min(f64::from(f32::MAX))
+        };
+        // Summed in the order of the angles, whatever the threads.
+        let each: Vec<f64> = self.0.par_iter().map(of).collect();
+        each.iter().sum::<f64>() / each.len().max(1) as f64
+    }
+}
+
+/// Unbounded coordinates of the parameters: logarithms of the shapes and the logit of the share.
+struct Search<'a> {
+    kind: LobeKind,
+    nodes: &'a Nodes,
+}
+
+impl Search<'_> {
+    fn cost_of(&self, parameters: &LobeParameters) -> f64 {
+        self.nodes.unevenness(|wo, wi| density(self.kind, parameters, wo, wi))
+    }
+
+    /// The parameters at `x`: what lies outside the domain is moved to its edge.
+    fn parameters(&self, x: &[f64]) -> LobeParameters {
+        let [low, high] = self.kind.domain();
+        let shape = |x: f64| (x.exp() as f32).clamp(low, high);
+        let (diffuse, shapes) = x.split_last().map_or((0.0, x), |(d, s)| (*d, s));
+        let at = |i: usize| shape(shapes.get(i).or(shapes.first()).copied().unwrap_or(0.0));
+        let share = (1.0 / (1.0 + (-diffuse).exp())) as f32;
+        LobeParameters { along: at(0), across: at(1), diffuse: share.clamp(LEAST_DIFFUSE, 1.0) }
+    }
+
+    fn coordinates(&self, p: &LobeParameters) -> Vec<f64> {
+        let [along, across, diffuse] = [p.along, p.across, p.diffuse].map(f64::from);
+        let logit = (diffuse / (1.0 - diffuse)).ln().min(12.0);
+        match self.kind {
+            LobeKind::AshikhminShirley => vec![along.ln(), across.ln(), logit],
+            _ => vec![along.ln(), logit],
+        }
+    }
+
+    /// The best of a coarse grid, the first of equals.
+    fn start(&self) -> (LobeParameters, f64) {
+        let [low, high] = self.kind.domain().map(f32::ln);
+        let (shapes, shares) = STARTS;
+        let points = (0..shapes).flat_map(|i| {
+            // Neither end: a lobe at the edge of its domain is a bad place to search from.
+            let shape = (low + (i as f32 + 0.5) / shapes as f32 * (high - low)).exp();
+            shares.map(|diffuse| LobeParameters { along: shape, across: shape, diffuse })
+        });
+        let costs = points.map(|p| (p, self.cost_of(&p)));
+        let first = LobeParameters { along: 1.0, across: 1.0, diffuse: 0.9 };
+        costs.fold((first, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
+    }
+}
+
+impl CostFunction for Search<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, x: &Vec<f64>) -> Result<f64, argmin::core::Error> {
+        Ok(self.cost_of(&self.parameters(x)))
+    }
+}
+
+/// The parameters found by Nelder and Mead's simplex (1965) from the best of a grid; never worse than that.
+pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
+    let search = Search { kind, nodes };
+    let (start, start_cost) = search.start();
+    let origin = search.coordinates(&start);
+    let mut simplex = vec![origin.clone()];
+    for i in 0..origin.len() {
+        let mut corner = origin.clone();
+        corner[i] += 0.7;
+        simplex.push(corner);
+    }
+    let run = NelderMead::new(simplex).with_sd_tolerance(1e-5).and_then(|solver| {
+        Executor::new(Search { kind, nodes }, solver).configure(|s| s.max_iters(MOST_STEPS)).run()
+    });
+    let found = run.ok().and_then(|r| r.state.best_param).map(|x| search.parameters(&x));
+    found.filter(|p| search.cost_of(p) < start_cost).unwrap_or(start)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::{LookupRule, Measured};
+    use crate::merl::decode_embedded;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_fit_is_no_worse_than_its_start_and_than_its_neighbours() {
+        for name in ["nickel", "teflon", "red-plastic"] {
+            let brdf = Measured::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
+            let nodes = Nodes::of(&brdf, Importance::Mean);
+            for kind in LobeKind::ALL {
+                let search = Search { kind, nodes: &nodes };
+                let found = fit(kind, &nodes);
+                let cost = search.cost_of(&found);
+                assert!(cost <= search.start().1, "{name}, {kind:?}: {found:?}");
+                let x = search.coordinates(&found);
+                for step in [-0.1, 0.1] {
+                    for i in 0..x.len() {
+                        let mut beside = x.clone();
+                        beside[i] += step;
+                        let worse = search.cost_of(&search.parameters(&beside));
+                        assert!(
+                            cost < worse + 1e-3,
+                            "{name}, {kind:?} {i}{step:+}: {cost} {worse}, {found:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

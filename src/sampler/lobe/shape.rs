@@ -1,0 +1,120 @@
+//! The lobes themselves: what is drawn and its density, without the share of cosine.
+//!
+//! Angles near 0 are kept as tangents and chords, whose digits an arc cosine would lose. `wo` and `wi` are unit and above the
+//! horizon; with s = wo + wi, tan θh = |s.xy|/s.z and dσ(wi) = 4 (wo·h) dσ(h) = 2|s| dσ(h).
+
+use std::f64::consts::{FRAC_1_PI, TAU};
+
+use glam::{DVec2, DVec3};
+
+use super::LobeKind;
+use crate::geom::reflect_about;
+
+/// Density per solid angle of `wi`, with the shapes along and across the plane of incidence.
+#[inline]
+pub(super) fn density(kind: LobeKind, shape: [f64; 2], wo: DVec3, wi: DVec3) -> f64 {
+    let n = shape[0];
+    // 1 − cosα = |r − wi|²/2 for the mirror direction r.
+    let chord2 = || (mirror(wo) - wi).length_squared();
+    match kind {
+        LobeKind::CosineLobe => (n + 1.0) / TAU * power(1.0 - 0.5 * chord2(), -0.5 * chord2(), n),
+        LobeKind::CosineLobeSphere => (n + 1.0) / (2.0 * TAU) * power(1.0, -0.25 * chord2(), n),
+        LobeKind::Ggx => visible_normals(n, wo, wi),
+        LobeKind::Blinn | LobeKind::Ward | LobeKind::AshikhminShirley => {
+            half_density(kind, shape, wo, wo + wi) / (2.0 * (wo + wi).length())
+        }
+    }
+}
+
+/// (1 + `less`)ⁿ; 0 unless `sign` is positive.
+fn power(sign: f64, less: f64, n: f64) -> f64 {
+    if sign > 0.0 && less > -1.0 { (n * less.ln_1p()).exp() } else { 0.0 }
+}
+
+/// Density of the half vector along `sum`, per its own solid angle.
+fn half_density(kind: LobeKind, shape: [f64; 2], wo: DVec3, sum: DVec3) -> f64 {
+    let tan2 = sum.truncate().length_squared() / (sum.z * sum.z);
+    let cosine_power = |n: f64| (-0.5 * n * tan2.ln_1p()).exp();
+    match kind {
+        LobeKind::Ward => {
+            let alpha2 = shape[0] * shape[0];
+            FRAC_1_PI / alpha2 * (1.5 * tan2.ln_1p() - tan2 / alpha2).exp()
+        }
+        LobeKind::AshikhminShirley => {
+            let [along, across] = shape;
+            let turn = plane_of_incidence(wo).dot(sum.truncate());
+            let length2 = sum.truncate().length_squared();
+            let cos2 = if length2 > 0.0 { (turn * turn / length2).min(1.0) } else { 0.0 };
+            let scale = ((along + 1.0) * (across + 1.0)).sqrt() / TAU;
+            scale * cosine_power(along * cos2 + across * (1.0 - cos2))
+        }
+        _ => (shape[0] + 1.0) / TAU * cosine_power(shape[0]),
+    }
+}
+
+/// G1(wo)·D(h)/(4 cosθo), the density of reflections at GGX normals visible from `wo` (Heitz 2018, equation 17).
+fn visible_normals(alpha: f64, wo: DVec3, wi: DVec3) -> f64 {
+    let (sum, alpha2) = (wo + wi, alpha * alpha);
+    let cos2 = sum.z * sum.z / sum.length_squared();
+    // cos²θh + sin²θh/α², from the components: no digits are lost at the pole.
+    let spread = cos2 + sum.truncate().length_squared() / (alpha2 * sum.length_squared());
+    let normals = FRAC_1_PI / (alpha2 * spread * spread);
+    let sin2 = wo.truncate().length_squared();
+    normals / (2.0 * (wo.z + (wo.z * wo.z + alpha2 * sin2).sqrt()))
+}
+
+/// A direction drawn from `u` in [0, 1)²; it may end below the horizon.
+#[inline]
+pub(super) fn draw(kind: LobeKind, shape: [f64; 2], wo: DVec3, u: DVec2) -> DVec3 {
+    // ln of a number in (0, 1].
+    let log = (-u.x).ln_1p();
+    let (sin, cos) = (TAU * u.y).sin_cos();
+    let circle = DVec2::new(cos, sin);
+    let n = shape[0];
+    match kind {
+        LobeKind::CosineLobe => about(mirror(wo), -(log / (n + 1.0)).exp_m1(), circle),
+        LobeKind::CosineLobeSphere => about(mirror(wo), -2.0 * (log / (n + 1.0)).exp_m1(), circle),
+        LobeKind::Blinn => reflected(wo, circle, (-2.0 * log / (n + 1.0)).exp_m1()),
+        LobeKind::Ward => reflected(wo, circle, -n * n * log),
+        LobeKind::AshikhminShirley => {
+            let [along, across] = shape.map(|e| e + 1.0);
+            let turn = DVec2::new(across.sqrt() * cos, along.sqrt() * sin).normalize_or(DVec2::X);
+            let exponent = along * turn.x * turn.x + across * turn.y * turn.y;
+            reflected(wo, plane_of_incidence(wo).rotate(turn), (-2.0 * log / exponent).exp_m1())
+        }
+        LobeKind::Ggx => reflect_about(wo, visible_normal(n, wo, u.x, circle)),
+    }
+}
+
+/// The direction at 1 − cosα = `less` from the unit vector `axis`.
+fn about(axis: DVec3, less: f64, circle: DVec2) -> DVec3 {
+    let sin = (less * (2.0 - less)).max(0.0).sqrt();
+    let (x, y) = axis.any_orthonormal_pair();
+    (x * (sin * circle.x) + y * (sin * circle.y) + axis * (1.0 - less)).normalize_or(axis)
+}
+
+/// `wo` reflected at the half vector of azimuth `circle` and tan²θh = `tan2`.
+fn reflected(wo: DVec3, circle: DVec2, tan2: f64) -> DVec3 {
+    let cos = 1.0 / (1.0 + tan2).sqrt();
+    reflect_about(wo, (circle * (tan2.sqrt() * cos)).extend(cos))
+}
+
+/// A GGX normal visible from `wo`: the sum of the stretched `wo` and a direction on the cap that it sees (Dupuy and Benyoub
+/// 2023), stretched back.
+fn visible_normal(alpha: f64, wo: DVec3, u: f64, circle: DVec2) -> DVec3 {
+    let view = DVec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
+    // z from 1 down to −view.z; the complement keeps the digits of narrow lobes.
+    let less = u * (1.0 + view.z);
+    let sin = (less * (2.0 - less)).max(0.0).sqrt();
+    let sum = (circle * sin).extend(1.0 - less) + view;
+    DVec3::new(alpha * sum.x, alpha * sum.y, sum.z.max(0.0)).normalize_or(DVec3::Z)
+}
+
+fn mirror(wo: DVec3) -> DVec3 {
+    DVec3::new(-wo.x, -wo.y, wo.z)
+}
+
+/// Unit vector of the azimuth of `wo`; x along the normal.
+fn plane_of_incidence(wo: DVec3) -> DVec2 {
+    wo.truncate().try_normalize().unwrap_or(DVec2::X)
+}
