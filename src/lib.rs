@@ -27,6 +27,7 @@ pub mod image;
 pub mod light;
 pub mod measure;
 pub mod merl;
+pub mod plot;
 pub mod points;
 pub mod render;
 pub mod report;

@@ -15,6 +15,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("sampler", &["geom", "color", "dist", "brdf", "error", "files", "points", "merl"]),
     ("light", &["geom", "color", "dist", "error", "points"]),
     ("image", &["color", "error", "files"]),
+    ("plot", &["color", "error", "image"]),
     ("render", &["geom", "color", "dist", "brdf", "error", "files", "points", "sampler", "light", "image"]),
     (
         "measure",

@@ -4,7 +4,7 @@ mod exr;
 mod png;
 
 pub use exr::{decode_exr, read_exr, write_exr};
-pub use png::{tone_map, write_png};
+pub use png::{encode_png, encode_srgb, tone_map, write_png};
 
 use crate::color::Rgb;
 use crate::{Error, Result};

@@ -1,5 +1,6 @@
 //! PNG for the screen: exposure, tone curve, sRGB.
 
+use std::io::Write;
 use std::path::Path;
 
 use super::Image;
@@ -28,22 +29,46 @@ pub fn tone_map(x: f32) -> f32 {
 /// # Errors
 /// [`Error::Argument`] if `path` exists and `overwrite` refuses; [`Error::Io`] if it can't be written.
 pub fn write_png(path: &Path, image: &Image, exposure: f32, overwrite: Overwrite) -> Result<()> {
-    let bytes = encode(image, exposure);
-    let too_wide = |_| Error::argument("a PNG side exceeds 32 bits", "render a smaller picture");
-    let width = u32::try_from(image.width()).map_err(too_wide)?;
-    let height = u32::try_from(image.height()).map_err(too_wide)?;
+    let bytes = encode_srgb(image, exposure);
     write_new(path, overwrite, |out| {
-        let mut encoder = ::png::Encoder::new(out, width, height);
-        encoder.set_color(::png::ColorType::Rgb);
-        encoder.set_depth(::png::BitDepth::Eight);
-        encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header().map_err(|e| write_error(path, e))?;
-        writer.write_image_data(&bytes).map_err(|e| write_error(path, e))?;
-        writer.finish().map_err(|e| write_error(path, e))
+        write_rgb8(out, image.width(), image.height(), &bytes).map_err(|e| write_error(path, e))
     })
 }
 
-fn encode(image: &Image, exposure: f32) -> Vec<u8> {
+/// The bytes of a PNG file whose pixels are `bytes`: sRGB, three a pixel, row after row from the top.
+///
+/// # Errors
+/// [`Error::Argument`] if a side is 0 or `bytes` are not three a pixel.
+pub fn encode_png(width: usize, height: usize, bytes: &[u8]) -> Result<Vec<u8>> {
+    let mut out = Vec::new();
+    write_rgb8(&mut out, width, height, bytes).map_err(|e| {
+        Error::argument(
+            format!("a PNG of {width} × {height} from {} bytes: {e}", bytes.len()),
+            "give three a pixel",
+        )
+    })?;
+    Ok(out)
+}
+
+fn write_rgb8(
+    out: impl Write,
+    width: usize,
+    height: usize,
+    bytes: &[u8],
+) -> std::result::Result<(), ::png::EncodingError> {
+    // A side that has no room in 32 bits has none in the file, and is refused as 0 is.
+    let side = |n: usize| u32::try_from(n).unwrap_or(0);
+    let mut encoder = ::png::Encoder::new(out, side(width), side(height));
+    encoder.set_color(::png::ColorType::Rgb);
+    encoder.set_depth(::png::BitDepth::Eight);
+    encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(bytes)?;
+    writer.finish()
+}
+
+/// The picture's pixels as 8-bit sRGB, three bytes each: what [`write_png`] writes.
+pub fn encode_srgb(image: &Image, exposure: f32) -> Vec<u8> {
     let gain = exposure.exp2();
     let byte = |x: f32| (srgb(tone_map(x * gain)) * 255.0).round() as u8;
     let pixel = |c: &Rgb| c.to_array().map(byte);
@@ -82,10 +107,10 @@ mod tests {
     fn bytes_are_srgb_of_the_exposed_value() {
         let image = Image::new(2, 1, vec![Rgb::splat(0.214_041_14), Rgb::new(0.0, 0.5, 1e9)]).unwrap();
         // sRGB 0.5 is linear 0.21404; 0.5 linear is byte 188.
-        assert_eq!(encode(&image, 0.0), [128, 128, 128, 0, 188, 255]);
+        assert_eq!(encode_srgb(&image, 0.0), [128, 128, 128, 0, 188, 255]);
         assert_eq!(
-            encode(&image, 1.0)[..3],
-            encode(&Image::new(1, 1, vec![Rgb::splat(2.0 * 0.214_041_14)]).unwrap(), 0.0)
+            encode_srgb(&image, 1.0)[..3],
+            encode_srgb(&Image::new(1, 1, vec![Rgb::splat(2.0 * 0.214_041_14)]).unwrap(), 0.0)
         );
     }
 }

@@ -1,0 +1,93 @@
+//! The frame of charts with an axis across and one upwards.
+
+use super::axis::{Axis, Ruler, Tick};
+use super::legend::Legend;
+use super::svg::{Anchor, Area, GRID, INK, Svg, TEXT, TOP, WIDTH, px, shortened, width_of};
+use super::{Caption, Scale};
+
+/// Height of the data's area.
+const HEIGHT: f64 = 312.0;
+/// From the area's lower edge to the legend.
+const BELOW: f64 = 48.0;
+/// Right of the area, where nothing else stands there.
+pub(super) const MARGIN: f64 = 26.0;
+
+/// Where data go.
+pub(super) struct Frame {
+    pub area: Area,
+    /// Both rulers, if there is anything to show.
+    pub rulers: Option<(Ruler, Ruler)>,
+}
+
+impl Frame {
+    /// Room for both axes; `x` and `y` are all values they must hold, `right` the pixels to leave free on the right.
+    pub fn new(
+        axes: (&Axis, &Axis),
+        x: impl Iterator<Item = f64>,
+        y: impl Iterator<Item = f64>,
+        right: f64,
+    ) -> Self {
+        let y = Ruler::new(axes.1, y, TOP + HEIGHT, TOP);
+        let labels = y.iter().flat_map(Ruler::ticks).filter_map(|t| t.label);
+        let left = 38.0 + labels.map(|l| width_of(&l, TEXT)).fold(10.0, f64::max);
+        let area = Area { x: left, y: TOP, width: WIDTH - left - right, height: HEIGHT };
+        let x = Ruler::new(axes.0, x, area.x, area.right());
+        Self { area, rulers: x.zip(y) }
+    }
+
+    /// Both pixels of a point; `None` if an axis can't hold it.
+    pub fn at(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+        let (across, up) = self.rulers.as_ref()?;
+        across.at(x).zip(up.at(y))
+    }
+
+    /// Begins the picture: sheet, grid, axes and legend.
+    pub fn begin(&self, caption: &Caption, axes: (&Axis, &Axis), legend: &Legend, grid: bool) -> Svg {
+        let mut svg = Svg::new(TOP + HEIGHT + BELOW + legend.height() + 8.0, caption);
+        if let Some((x, y)) = &self.rulers {
+            self.draw_ticks(&mut svg, &x.ticks(), true, grid);
+            self.draw_ticks(&mut svg, &y.ticks(), false, grid);
+        } else {
+            svg.no_data(&self.area);
+        }
+        let Area { x, y, width, height } = self.area;
+        let [left, top, across, down] = [x, y, width, height].map(px);
+        svg.push(&format!(
+            "<rect x=\"{left}\" y=\"{top}\" width=\"{across}\" height=\"{down}\" fill=\"none\" stroke=\"{INK}\"/>"
+        ));
+        let title = |axis: &Axis, room: f64| shortened(&scaled(axis), TEXT, room);
+        svg.label((x + width / 2.0, self.area.bottom() + 37.0), Anchor::Middle, &title(axes.0, width + 60.0));
+        svg.label_upwards((18.0, y + height / 2.0), &title(axes.1, height + 30.0));
+        legend.draw(&mut svg, self.area.bottom() + BELOW);
+        svg
+    }
+
+    fn draw_ticks(&self, svg: &mut Svg, ticks: &[Tick], across: bool, grid: bool) {
+        let Area { x, y, .. } = self.area;
+        let (right, bottom) = (self.area.right(), self.area.bottom());
+        for tick in ticks {
+            let length = if tick.label.is_some() { 5.0 } else { 3.0 };
+            let (edge, outside, opposite) = match across {
+                true => ((tick.at, bottom), (tick.at, bottom + length), (tick.at, y)),
+                false => ((x, tick.at), (x - length, tick.at), (right, tick.at)),
+            };
+            if grid && tick.label.is_some() {
+                svg.line(edge, opposite, &format!("stroke=\"{GRID}\""));
+            }
+            svg.line(edge, outside, &format!("stroke=\"{INK}\""));
+            let Some(label) = &tick.label else { continue };
+            match across {
+                true => svg.label((tick.at, bottom + 18.0), Anchor::Middle, label),
+                false => svg.label((x - 8.0, tick.at + 4.0), Anchor::End, label),
+            }
+        }
+    }
+}
+
+/// An axis's title, with a word on a scale that is not even.
+fn scaled(axis: &Axis) -> String {
+    match axis.scale {
+        Scale::Root if !axis.title.is_empty() => format!("{} (root scale)", axis.title),
+        _ => axis.title.clone(),
+    }
+}

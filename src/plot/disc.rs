@@ -1,0 +1,140 @@
+//! The hemisphere seen from above: directions at the feet of their perpendiculars on the unit disc.
+
+use std::collections::BTreeSet;
+
+use super::Caption;
+use super::legend::{Entry, Legend};
+use super::style::Style;
+use super::svg::{Anchor, INK, Svg, TOP, WIDTH, path_data, px};
+
+/// A place with a name, such as `wo`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DiscMark {
+    /// Place on the disc, y upwards.
+    pub at: (f64, f64),
+    /// Its name, beside it.
+    pub label: String,
+}
+
+/// The unit disc with cells, such as the leaves of a quadtree, and points, such as sampled directions.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Disc {
+    /// What it is.
+    pub caption: Caption,
+    /// Outlines, each by its corners; those smaller than a pixel are drawn as dots.
+    pub cells: Vec<Vec<(f64, f64)>>,
+    /// Points.
+    pub points: Vec<(f64, f64)>,
+    /// Marked places.
+    pub marks: Vec<DiscMark>,
+    /// Names of cells and of points in the legend; an empty one is not listed.
+    pub labels: [String; 2],
+}
+
+const RADIUS: f64 = 190.0;
+const CENTRE: (f64, f64) = (WIDTH / 2.0, TOP + 4.0 + RADIUS);
+/// Cells that are smaller, in pixels, are dots.
+const SMALLEST: f64 = 1.2;
+const CELLS: &str = "#8a8a8a";
+
+impl Disc {
+    /// The picture: 640 pixels wide, 440 or so high.
+    pub fn svg(&self) -> String {
+        let entry = |label: &String, style, line| Entry {
+            label: label.clone(),
+            style: Style(style),
+            line,
+            mark: !line,
+        };
+        // Points look alike in picture and legend; cells are grey squares and need no sample of a curve.
+        let points = (!self.labels[1].is_empty()).then(|| entry(&self.labels[1], POINTS.0, false));
+        let legend = Legend::new(points.into_iter().collect());
+        let lines = [&self.labels[0]].into_iter().filter(|l| !l.is_empty()).count() as f64;
+        let below = CENTRE.1 + RADIUS + 12.0;
+        let mut svg = Svg::new(below + 18.0 * lines + legend.height() + 8.0, &self.caption);
+        self.draw_cells(&mut svg);
+        let [x, y, r] = [CENTRE.0, CENTRE.1, RADIUS].map(px);
+        svg.push(&format!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.4\"/>"
+        ));
+        self.draw_points(&mut svg);
+        for mark in &self.marks {
+            draw_mark(&mut svg, mark);
+        }
+        if self.cells.is_empty() && self.points.is_empty() {
+            svg.label(CENTRE, Anchor::Middle, "no data");
+        }
+        if lines > 0.0 {
+            svg.label((58.0, below + 13.0), Anchor::Start, &self.labels[0]);
+            let square = format!("fill=\"#ffffff\" stroke=\"{CELLS}\"");
+            svg.path(
+                &[(32.0, below + 3.0), (43.0, below + 3.0), (43.0, below + 14.0), (32.0, below + 14.0)],
+                true,
+                &square,
+            );
+        }
+        legend.draw(&mut svg, below + 18.0 * lines);
+        svg.finish()
+    }
+
+    /// Outlines in one path; each dot once, however many cells it stands for.
+    fn draw_cells(&self, svg: &mut Svg) {
+        let (mut outlines, mut dots) = (String::new(), BTreeSet::new());
+        for cell in &self.cells {
+            let Some(corners) = cell.iter().map(|&p| pixel(p)).collect::<Option<Vec<_>>>() else { continue };
+            let Some(&first) = corners.first() else { continue };
+            let reach = |p: &(f64, f64)| (p.0 - first.0).abs().max((p.1 - first.1).abs());
+            if corners.iter().map(reach).fold(0.0, f64::max) < SMALLEST {
+                dots.insert((first.0.round() as i64, first.1.round() as i64));
+            } else {
+                outlines.push_str(&path_data(&corners, true));
+            }
+        }
+        if !outlines.is_empty() {
+            svg.push(&format!(
+                "<path d=\"{outlines}\" fill=\"none\" stroke=\"{CELLS}\" stroke-width=\"0.6\"/>"
+            ));
+        }
+        if !dots.is_empty() {
+            let data: String = dots.iter().map(|(x, y)| format!("M{x} {y}h1v1h-1Z")).collect();
+            svg.push(&format!("<path d=\"{data}\" fill=\"{CELLS}\"/>"));
+        }
+    }
+
+    fn draw_points(&self, svg: &mut Svg) {
+        let style = POINTS;
+        let on_disc = |p: &&(f64, f64)| p.0.hypot(p.1) <= 1.0 + 1e-6;
+        let places = self.points.iter().filter(on_disc).filter_map(|&p| pixel(p));
+        // Round line ends of no length are dots, of a few bytes each.
+        let data: String = places.map(|(x, y)| format!("M{} {}h0", px(x), px(y))).collect();
+        if !data.is_empty() {
+            let colour = style.colour();
+            svg.push(&format!(
+                "<path d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.6\" stroke-linecap=\"round\"/>"
+            ));
+        }
+    }
+}
+
+const POINTS: Style = Style(0);
+
+/// Pixel of a place; `None` unless it is near the disc.
+fn pixel((x, y): (f64, f64)) -> Option<(f64, f64)> {
+    (x.abs() <= 1.01 && y.abs() <= 1.01).then(|| (CENTRE.0 + RADIUS * x, CENTRE.1 - RADIUS * y))
+}
+
+fn draw_mark(svg: &mut Svg, mark: &DiscMark) {
+    let Some((x, y)) = pixel(mark.at) else { return };
+    for (dx, dy) in [(6.0, 0.0), (0.0, 6.0)] {
+        for (ink, width) in [("#ffffff", 4.0), (INK, 1.8)] {
+            svg.line(
+                (x - dx, y - dy),
+                (x + dx, y + dy),
+                &format!("stroke=\"{ink}\" stroke-width=\"{width}\""),
+            );
+        }
+    }
+    // Towards the middle of the sheet, where there is room.
+    let (dx, anchor) = if mark.at.0 > 0.5 { (-9.0, Anchor::End) } else { (9.0, Anchor::Start) };
+    svg.label_above((x + dx, y - 6.0), anchor, &mark.label);
+}

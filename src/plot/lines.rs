@@ -1,0 +1,165 @@
+//! Curves over two axes.
+
+use super::Caption;
+use super::axis::Axis;
+use super::cartesian::{Frame, MARGIN};
+use super::legend::{Entry, Legend};
+use super::style::Style;
+use super::svg::Svg;
+
+/// Where a series has marks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Marks {
+    /// On a line, at most twelve of its points: enough to tell it from others in black and white.
+    #[default]
+    Few,
+    /// On a line, at each point.
+    Each,
+    /// At each point, without a line.
+    Only,
+    /// None: a line alone.
+    None,
+}
+
+/// Marks that tell a line from others.
+const FEW: usize = 12;
+
+/// One curve.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// Its name in the legend; an empty one is not listed.
+    pub label: String,
+    /// (x, y), joined in this order; a point that an axis can't hold breaks the line.
+    pub points: Vec<(f64, f64)>,
+    /// (x, low, high): a translucent band, such as a confidence interval. A `low` that the axis can't hold is its lower end.
+    pub band: Vec<(f64, f64, f64)>,
+    /// Chooses colour, dash and mark: the same number looks the same in every chart.
+    pub style: usize,
+    /// Where marks stand.
+    pub marks: Marks,
+}
+
+/// Curves, with bands, over linear or logarithmic axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lines {
+    /// What it is.
+    pub caption: Caption,
+    /// The axis across.
+    pub x: Axis,
+    /// The axis upwards.
+    pub y: Axis,
+    /// The curves, later ones above earlier ones.
+    pub series: Vec<Series>,
+}
+
+impl Lines {
+    /// The picture: 640 pixels wide, 440 or so high, more with a long legend.
+    pub fn svg(&self) -> String {
+        let axes = (&self.x, &self.y);
+        let frame = Frame::new(axes, self.all_x(), self.all_y(), MARGIN);
+        let listed = self.series.iter().filter(|s| !s.label.is_empty());
+        let legend = Legend::new(listed.map(Series::entry).collect());
+        let mut svg = frame.begin(&self.caption, axes, &legend, true);
+        svg.open_window(&frame.area);
+        for series in &self.series {
+            series.draw_band(&frame, &mut svg);
+        }
+        for series in &self.series {
+            series.draw_line(&frame, &mut svg);
+        }
+        svg.close_window();
+        for series in &self.series {
+            series.draw_marks(&frame, &mut svg);
+        }
+        svg.finish()
+    }
+
+    fn all_x(&self) -> impl Iterator<Item = f64> {
+        self.series.iter().flat_map(|s| s.points.iter().map(|p| p.0).chain(s.band.iter().map(|b| b.0)))
+    }
+
+    fn all_y(&self) -> impl Iterator<Item = f64> {
+        let of_band = |b: &(f64, f64, f64)| [b.1, b.2];
+        self.series
+            .iter()
+            .flat_map(move |s| s.points.iter().map(|p| p.1).chain(s.band.iter().flat_map(of_band)))
+    }
+}
+
+impl Series {
+    fn entry(&self) -> Entry {
+        Entry {
+            label: self.label.clone(),
+            style: Style(self.style),
+            line: self.marks != Marks::Only,
+            mark: self.marks != Marks::None,
+        }
+    }
+
+    fn draw_band(&self, frame: &Frame, svg: &mut Svg) {
+        let edges = |&(x, low, high): &(f64, f64, f64)| {
+            let above = frame.at((x, high))?;
+            let floor = frame.rulers.as_ref().map_or(above.1, |r| r.1.bottom());
+            let below = frame.at((x, low)).map_or((above.0, floor), |p| p);
+            Some((below, above))
+        };
+        for run in runs(self.band.iter().map(edges)) {
+            let outline: Vec<_> = run.iter().map(|e| e.0).chain(run.iter().rev().map(|e| e.1)).collect();
+            svg.path(&outline, true, &Style(self.style).translucent());
+        }
+    }
+
+    fn draw_line(&self, frame: &Frame, svg: &mut Svg) {
+        if self.marks == Marks::Only {
+            return;
+        }
+        for run in runs(self.points.iter().map(|&p| frame.at(p))) {
+            svg.path(&run, false, &Style(self.style).stroke());
+        }
+    }
+
+    fn draw_marks(&self, frame: &Frame, svg: &mut Svg) {
+        let inside = self.points.iter().filter_map(|&p| frame.at(p)).filter(|&p| frame.area.holds(p));
+        let points: Vec<_> = inside.collect();
+        let chosen = match self.marks {
+            Marks::None => Vec::new(),
+            Marks::Few if points.len() > FEW => spread(&points, frame.area.width),
+            _ => points,
+        };
+        draw_marks(svg, Style(self.style), &chosen);
+    }
+}
+
+/// A mark at each of `points`, in one path: marks that overlap don't hide each other's rims.
+pub(super) fn draw_marks(svg: &mut Svg, style: Style, points: &[(f64, f64)]) {
+    if points.is_empty() {
+        return;
+    }
+    let data: String = points.iter().map(|&p| style.mark(p)).collect();
+    svg.push(&format!("<path d=\"{data}\" {}/>", style.marks()));
+}
+
+/// A few points, about as far apart across the picture.
+fn spread(points: &[(f64, f64)], width: f64) -> Vec<(f64, f64)> {
+    let step = width / (FEW - 1) as f64;
+    let mut chosen: Vec<(f64, f64)> = Vec::new();
+    for &p in points {
+        if chosen.len() < FEW && chosen.last().is_none_or(|c| (p.0 - c.0).abs() >= step) {
+            chosen.push(p);
+        }
+    }
+    chosen
+}
+
+/// Pieces without a gap.
+pub(super) fn runs<T>(places: impl Iterator<Item = Option<T>>) -> Vec<Vec<T>> {
+    let mut out = vec![Vec::new()];
+    for place in places {
+        match (place, out.last_mut()) {
+            (Some(place), Some(run)) => run.push(place),
+            _ => out.push(Vec::new()),
+        }
+    }
+    out.retain(|run| !run.is_empty());
+    out
+}

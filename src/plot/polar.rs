@@ -1,0 +1,169 @@
+//! Curves over the angle in one plane.
+
+use super::Caption;
+use super::axis::{Axis, Ruler, Scale};
+use super::legend::{Entry, Legend};
+use super::lines::runs;
+use super::style::Style;
+use super::svg::{Anchor, Area, GRID, INK, Svg, TEXT, TOP, WIDTH, px, shortened};
+
+/// A curve around the origin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PolarCurve {
+    /// Its name in the legend; an empty one is not listed.
+    pub label: String,
+    /// (angle, radius): degrees from the normal, −90 to 90, positive to the right; a point that can't be drawn breaks the
+    /// curve.
+    pub points: Vec<(f64, f64)>,
+    /// Chooses colour and dash.
+    pub style: usize,
+}
+
+/// Curves over −90° to 90° in the plane of incidence, such as lobes and densities.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polar {
+    /// What it is.
+    pub caption: Caption,
+    /// What the radius is, with its unit; [`Scale::Log`] has no place for 0 at the origin and is taken for
+    /// [`Scale::Root`]. A range must begin at 0.
+    pub radius: Axis,
+    /// The curves.
+    pub curves: Vec<PolarCurve>,
+    /// Polar angles of `wo`, degrees: each is marked on the left, and its mirror direction on the right.
+    pub wo: Vec<f64>,
+}
+
+/// Radius of the half circle, pixels, and its centre.
+const RADIUS: f64 = 262.0;
+const CENTRE: (f64, f64) = (WIDTH / 2.0, TOP + 26.0 + RADIUS);
+/// From the base line to the legend.
+const BELOW: f64 = 46.0;
+
+impl Polar {
+    /// The picture: 640 pixels wide, 440 or so high, more with a long legend.
+    pub fn svg(&self) -> String {
+        let listed = self.curves.iter().filter(|c| !c.label.is_empty());
+        let entry =
+            |c: &PolarCurve| Entry { label: c.label.clone(), style: Style(c.style), line: true, mark: false };
+        let legend = Legend::new(listed.map(entry).collect());
+        let mut svg = Svg::new(CENTRE.1 + BELOW + legend.height() + 8.0, &self.caption);
+        let ruler = self.ruler();
+        draw_grid(&mut svg, ruler.as_ref());
+        let title = match self.axis().scale {
+            Scale::Root => format!("{} (root scale)", self.radius.title),
+            _ => self.radius.title.clone(),
+        };
+        let title = shortened(&title, TEXT, WIDTH - 40.0);
+        svg.label((CENTRE.0, CENTRE.1 + 36.0), Anchor::Middle, &title);
+        match ruler {
+            Some(ruler) => self.draw_curves(&mut svg, &ruler),
+            None => svg.no_data(&half()),
+        }
+        self.draw_directions(&mut svg);
+        legend.draw(&mut svg, CENTRE.1 + BELOW);
+        svg.finish()
+    }
+
+    fn axis(&self) -> Axis {
+        let scale = if self.radius.scale == Scale::Linear { Scale::Linear } else { Scale::Root };
+        Axis { scale, ..self.radius.clone() }
+    }
+
+    /// From the origin outwards; the origin is 0.
+    fn ruler(&self) -> Option<Ruler> {
+        let axis = self.axis();
+        let radii = self.curves.iter().flat_map(|c| &c.points).map(|p| p.1);
+        let greatest = radii.filter(|r| r.is_finite() && *r > 0.0).fold(0.0, f64::max);
+        let range = axis.range.filter(|r| r.0 == 0.0).or((greatest > 0.0).then_some((0.0, greatest * 1.04)));
+        range.and_then(|(low, high)| {
+            Ruler::new(&axis.with_range(low, high), std::iter::empty(), CENTRE.0, CENTRE.0 + RADIUS)
+        })
+    }
+
+    fn draw_curves(&self, svg: &mut Svg, ruler: &Ruler) {
+        svg.open_window(&half());
+        for curve in &self.curves {
+            let place = |&(angle, radius): &(f64, f64)| {
+                let distance = ruler.at(radius)? - CENTRE.0;
+                (angle.abs() <= 90.0 && distance >= 0.0).then(|| around(angle, distance))
+            };
+            for run in runs(curve.points.iter().map(place)) {
+                svg.path(&run, false, &Style(curve.style).stroke());
+            }
+        }
+        svg.close_window();
+    }
+
+    /// Lines towards `wo` and its mirror direction, and which is which.
+    fn draw_directions(&self, svg: &mut Svg) {
+        let single = self.wo.len() == 1;
+        for &theta in self.wo.iter().filter(|t| (0.0..=90.0).contains(*t)) {
+            let name = |name: &str| if single { name.to_owned() } else { format!("{name} {theta}°") };
+            let ends = [
+                (-theta, name("wo"), "stroke-dasharray=\"6 3\""),
+                (theta, name("mirror"), "stroke-dasharray=\"1.5 3\""),
+            ];
+            // At the normal both are one.
+            let ends = if theta == 0.0 { &ends[..1] } else { &ends[..] };
+            for (angle, label, dash) in ends {
+                svg.line(CENTRE, around(*angle, RADIUS), &format!("stroke=\"{INK}\" {dash}"));
+                let (x, y) = around(*angle, RADIUS - 14.0);
+                let (x, anchor) =
+                    if *angle < 0.0 { (x + 5.0, Anchor::Start) } else { (x - 5.0, Anchor::End) };
+                let anchor = if *angle == 0.0 { Anchor::Middle } else { anchor };
+                svg.label_above((x, y + 4.0), anchor, label);
+            }
+        }
+    }
+}
+
+/// The picture's part above the base line.
+fn half() -> Area {
+    Area {
+        x: CENTRE.0 - RADIUS - 1.0,
+        y: CENTRE.1 - RADIUS - 1.0,
+        width: 2.0 * RADIUS + 2.0,
+        height: RADIUS + 2.0,
+    }
+}
+
+/// Pixel at an angle in degrees and a distance from the centre.
+fn around(angle: f64, distance: f64) -> (f64, f64) {
+    let (sin, cos) = angle.to_radians().sin_cos();
+    (CENTRE.0 + distance * sin, CENTRE.1 - distance * cos)
+}
+
+/// Rings with their radii, spokes with their angles, and the surface.
+fn draw_grid(svg: &mut Svg, ruler: Option<&Ruler>) {
+    let ring = |svg: &mut Svg, radius: f64, ink: &str| {
+        let (left, right, y, r) = (px(CENTRE.0 - radius), px(CENTRE.0 + radius), px(CENTRE.1), px(radius));
+        svg.push(&format!(
+            "<path d=\"M{left} {y}A{r} {r} 0 0 1 {right} {y}\" fill=\"none\" stroke=\"{ink}\"/>"
+        ));
+    };
+    for tick in ruler.map(Ruler::ticks).unwrap_or_default() {
+        let radius = tick.at - CENTRE.0;
+        if radius > 1.0 && radius < RADIUS - 1.0 {
+            ring(svg, radius, GRID);
+        }
+        if let Some(label) = tick.label {
+            svg.label((tick.at, CENTRE.1 + 18.0), Anchor::Middle, &label);
+            svg.line((tick.at, CENTRE.1), (tick.at, CENTRE.1 + 5.0), &format!("stroke=\"{INK}\""));
+        }
+    }
+    ring(svg, RADIUS, INK);
+    for step in -6..=6 {
+        let angle = f64::from(step) * 15.0;
+        svg.line(CENTRE, around(angle, RADIUS), &format!("stroke=\"{GRID}\""));
+        if step % 2 == 0 {
+            let (x, y) = around(angle, RADIUS + 12.0);
+            let anchor = match step {
+                0 => Anchor::Middle,
+                s if s < 0 => Anchor::End,
+                _ => Anchor::Start,
+            };
+            svg.label((x, y + 4.0), anchor, &format!("{}°", angle.abs()));
+        }
+    }
+    svg.line(around(-90.0, RADIUS), around(90.0, RADIUS), &format!("stroke=\"{INK}\""));
+}

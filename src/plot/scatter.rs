@@ -1,0 +1,164 @@
+//! Points over two axes, and which of them nothing beats.
+
+use super::Caption;
+use super::axis::Axis;
+use super::cartesian::{Frame, MARGIN};
+use super::legend::{Entry, Legend};
+use super::style::Style;
+use super::svg::{Anchor, Area, INK, Svg, TEXT, escape, width_of};
+
+/// A point and what it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ScatterPoint {
+    /// Across.
+    pub x: f64,
+    /// Upwards.
+    pub y: f64,
+    /// Shown beside points of the front where there is room, and on hovering beside all.
+    pub label: String,
+}
+
+/// Points of one kind.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Group {
+    /// Its name in the legend; an empty one is not listed.
+    pub label: String,
+    /// Its points.
+    pub points: Vec<ScatterPoint>,
+    /// Chooses colour and mark.
+    pub style: usize,
+}
+
+/// Points in groups, smaller values better on both axes; the front of those that no other beats is a step line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scatter {
+    /// What it is.
+    pub caption: Caption,
+    /// The axis across.
+    pub x: Axis,
+    /// The axis upwards.
+    pub y: Axis,
+    /// The points.
+    pub groups: Vec<Group>,
+    /// Whether the front is drawn and its points labelled; without it all points are labelled where there is room.
+    pub front: bool,
+}
+
+/// A point in the picture.
+struct Placed<'a> {
+    at: (f64, f64),
+    label: &'a str,
+    on_front: bool,
+}
+
+impl Scatter {
+    /// The picture: 640 pixels wide, 440 or so high, more with a long legend.
+    pub fn svg(&self) -> String {
+        let axes = (&self.x, &self.y);
+        let all = || self.groups.iter().flat_map(|g| &g.points);
+        let frame = Frame::new(axes, all().map(|p| p.x), all().map(|p| p.y), MARGIN);
+        let mut svg = frame.begin(&self.caption, axes, &self.legend(), true);
+        let placed = self.place(&frame);
+        if self.front {
+            let front: Vec<_> = placed.iter().flatten().filter(|p| p.on_front).map(|p| p.at).collect();
+            draw_front(&mut svg, &frame.area, front);
+        }
+        for (group, points) in self.groups.iter().zip(&placed) {
+            svg.push(&format!("<g {}>", Style(group.style).marks()));
+            for p in points.iter().filter(|p| frame.area.holds(p.at)) {
+                let (mark, label) = (Style(group.style).mark(p.at), escape(p.label));
+                svg.push(&format!("<path d=\"{mark}\"><title>{label}</title></path>"));
+            }
+            svg.push("</g>");
+        }
+        draw_labels(&mut svg, &frame.area, &placed, self.front);
+        svg.finish()
+    }
+
+    fn legend(&self) -> Legend {
+        let entry =
+            |g: &Group| Entry { label: g.label.clone(), style: Style(g.style), line: false, mark: true };
+        Legend::new(self.groups.iter().filter(|g| !g.label.is_empty()).map(entry).collect())
+    }
+
+    fn place<'a>(&'a self, frame: &Frame) -> Vec<Vec<Placed<'a>>> {
+        let drawable = |p: &&ScatterPoint| frame.at((p.x, p.y)).is_some();
+        let all: Vec<(f64, f64)> =
+            self.groups.iter().flat_map(|g| &g.points).filter(drawable).map(|p| (p.x, p.y)).collect();
+        let front = front(&all);
+        let place = |p: &'a ScatterPoint| {
+            let at = frame.at((p.x, p.y))?;
+            Some(Placed { at, label: &p.label, on_front: front.contains(&(p.x, p.y)) })
+        };
+        self.groups.iter().map(|g| g.points.iter().filter_map(place).collect()).collect()
+    }
+}
+
+/// The points that no other beats: none is smaller on one axis and not greater on the other. By rising x.
+fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut sorted = points.to_vec();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut least = f64::INFINITY;
+    sorted.retain(|p| {
+        let unbeaten = p.1 < least;
+        least = least.min(p.1);
+        unbeaten
+    });
+    sorted
+}
+
+/// Steps from the upper edge along the front to the right edge.
+fn draw_front(svg: &mut Svg, area: &Area, mut front: Vec<(f64, f64)>) {
+    front.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((&first, &last)) = front.first().zip(front.last()) else { return };
+    let mut steps = vec![(first.0, area.y), first];
+    for pair in front.windows(2) {
+        steps.extend([(pair[1].0, pair[0].1), pair[1]]);
+    }
+    steps.push((area.right(), last.1));
+    svg.open_window(area);
+    svg.path(&steps, false, &format!("fill=\"none\" stroke=\"{INK}\" stroke-dasharray=\"5 3\""));
+    svg.close_window();
+}
+
+/// Labels where they cover neither points nor each other, and nowhere else.
+fn draw_labels(svg: &mut Svg, area: &Area, placed: &[Vec<Placed<'_>>], front_only: bool) {
+    let points: Vec<&Placed<'_>> = placed.iter().flatten().filter(|p| area.holds(p.at)).collect();
+    let mut taken: Vec<Area> = points.iter().map(|p| around(p.at)).collect();
+    for (own, p) in points.iter().enumerate() {
+        if p.label.is_empty() || (front_only && !p.on_front) {
+            continue;
+        }
+        let fits = |(_, _, room): &((f64, f64), Anchor, Area)| {
+            let inside = area.holds((room.x, room.y)) && area.holds((room.right(), room.bottom()));
+            inside && taken.iter().enumerate().all(|(i, t)| i == own || !overlap(t, room))
+        };
+        if let Some((at, anchor, room)) = places(p).into_iter().find(fits) {
+            svg.label_above(at, anchor, p.label);
+            taken.push(room);
+        }
+    }
+}
+
+fn around((x, y): (f64, f64)) -> Area {
+    Area { x: x - 4.0, y: y - 4.0, width: 8.0, height: 8.0 }
+}
+
+fn overlap(a: &Area, b: &Area) -> bool {
+    a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
+}
+
+/// Where a label may stand, the best place first, and the room it takes there.
+fn places(p: &Placed<'_>) -> Vec<((f64, f64), Anchor, Area)> {
+    let (width, (x, y)) = (width_of(p.label, TEXT), p.at);
+    let room = |left: f64, baseline: f64| Area { x: left, y: baseline - 10.0, width, height: 13.0 };
+    let mut out = Vec::new();
+    for dy in [4.0, -6.0, 15.0] {
+        out.push(((x + 7.0, y + dy), Anchor::Start, room(x + 7.0, y + dy)));
+        out.push(((x - 7.0, y + dy), Anchor::End, room(x - 7.0 - width, y + dy)));
+    }
+    for dy in [-8.0, 17.0] {
+        out.push(((x, y + dy), Anchor::Middle, room(x - width / 2.0, y + dy)));
+    }
+    out
+}

@@ -1,0 +1,276 @@
+//! Charts: well-formed pictures whatever the numbers, and in their right places for ordinary ones.
+
+use merlkit::image::Image;
+use merlkit::plot::{
+    Axis, Caption, Disc, DiscMark, Group, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale, Scatter,
+    ScatterPoint, Series, viridis,
+};
+
+/// Numbers that charts must survive.
+const HOSTILE: [f64; 14] = [
+    f64::NAN,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    f64::MAX,
+    f64::MIN,
+    5e-324,
+    -5e-324,
+    1e300,
+    -1e300,
+    0.0,
+    -0.0,
+    1e17,
+    1e17 + 16.0,
+    -3.0,
+];
+const HOSTILE_TEXT: &str = "</text><script>alert(\"1\")</script>&amp; ' \u{0} \u{1b} \u{ffff} \u{202e}\n";
+
+fn caption() -> Caption {
+    Caption::new("Title", "What it shows")
+}
+
+fn lines(series: Vec<Series>, scale: Scale) -> Lines {
+    let axis = |title: &str| Axis::new(title, scale);
+    Lines { caption: caption(), x: axis("x [s]"), y: axis("y [1]"), series }
+}
+
+fn series(points: Vec<(f64, f64)>) -> Series {
+    Series { label: "series".into(), points, ..Series::default() }
+}
+
+/// Parses a picture and holds what every one must: a role, a title, a description; no ids, scripts or addresses; numbers
+/// that are finite; text within the sheet.
+fn check(svg: &str) {
+    let document = roxmltree::Document::parse(svg).unwrap_or_else(|e| panic!("{e}: {svg}"));
+    let root = document.root_element();
+    assert_eq!((root.tag_name().name(), root.attribute("role")), ("svg", Some("img")));
+    let children: Vec<_> = root.children().filter(|c| c.is_element()).map(|c| c.tag_name().name()).collect();
+    assert_eq!(children[..2], ["title", "desc"]);
+    let [width, height] = ["width", "height"].map(|a| root.attribute(a).unwrap().parse::<f64>().unwrap());
+    for node in root.descendants().filter(|n| n.is_element()) {
+        let name = node.tag_name().name();
+        let known = ["svg", "title", "desc", "rect", "text", "line", "path", "g", "circle", "image"];
+        assert!(known.contains(&name), "{name}");
+        for attribute in node.attributes() {
+            let (key, value) = (attribute.name(), attribute.value());
+            assert!(key != "id" && !key.starts_with("on"), "{key}");
+            assert!(key != "href" || value.starts_with("data:image/png;base64,"), "{value}");
+            assert!(!value.contains("NaN") && !value.contains("inf"), "{key}={value}");
+        }
+        if name == "text" {
+            let [x, y] = ["x", "y"].map(|a| node.attribute(a).unwrap().parse::<f64>().unwrap());
+            assert!((0.0..=width).contains(&x) && (0.0..=height).contains(&y), "text at {x}, {y}: {svg}");
+        }
+    }
+}
+
+fn texts(svg: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let texts = document.descendants().filter(|n| n.has_tag_name("text") || n.tag_name().name() == "text");
+    texts.filter_map(|n| n.text().map(str::to_owned)).collect()
+}
+
+#[test]
+fn empty_charts_say_so() {
+    let nothing = [
+        lines(Vec::new(), Scale::Linear).svg(),
+        lines(vec![series(vec![(0.0, 1.0), (-1.0, f64::NAN)])], Scale::Log).svg(),
+        Scatter::default().svg(),
+        Polar::default().svg(),
+        Disc::default().svg(),
+        heat(vec![f64::NAN; 4], Scale::Log).svg().unwrap(),
+    ];
+    for svg in nothing {
+        check(&svg);
+        assert!(texts(&svg).contains(&"no data".to_owned()), "{svg}");
+    }
+    assert!(!texts(&lines(vec![series(vec![(1.0, 1.0)])], Scale::Log).svg()).contains(&"no data".to_owned()));
+}
+
+fn heat(values: Vec<f64>, scale: Scale) -> Heat {
+    Heat {
+        caption: caption(),
+        x: Axis::new("x", Scale::Root).with_range(0.0, 90.0),
+        y: Axis::new("y", Scale::Linear).with_range(0.0, 90.0),
+        pixels: Pixels::Values { width: 2, values, bar: Axis::new("f [sr⁻¹]", scale) },
+    }
+}
+
+#[test]
+fn hostile_numbers_and_texts_leave_a_well_formed_picture() {
+    let pairs: Vec<(f64, f64)> = HOSTILE.iter().flat_map(|&a| HOSTILE.map(|b| (a, b))).collect();
+    let band: Vec<(f64, f64, f64)> = pairs.iter().map(|&(a, b)| (a, b, -b)).collect();
+    let style = usize::MAX;
+    for scale in [Scale::Linear, Scale::Log, Scale::Root] {
+        for range in [
+            None,
+            Some((f64::NAN, 1.0)),
+            Some((2.0, 1.0)),
+            Some((5e-324, f64::MAX)),
+            Some((1e17, 1e17 + 16.0)),
+        ] {
+            let axis = Axis { title: HOSTILE_TEXT.repeat(9), scale, range };
+            let label = HOSTILE_TEXT.repeat(5);
+            let caption = Caption::new(HOSTILE_TEXT.repeat(5), HOSTILE_TEXT);
+            for marks in [Marks::Few, Marks::Each, Marks::Only, Marks::None] {
+                let one =
+                    Series { label: label.clone(), points: pairs.clone(), band: band.clone(), style, marks };
+                let series = vec![one; 9];
+                check(&Lines { caption: caption.clone(), x: axis.clone(), y: axis.clone(), series }.svg());
+            }
+            let points = pairs.iter().map(|&(x, y)| ScatterPoint { x, y, label: label.clone() }).collect();
+            let groups = vec![Group { label: label.clone(), points, style }];
+            check(
+                &Scatter { caption: caption.clone(), x: axis.clone(), y: axis.clone(), groups, front: true }
+                    .svg(),
+            );
+            let curves = vec![PolarCurve { label: label.clone(), points: pairs.clone(), style }];
+            check(
+                &Polar { caption: caption.clone(), radius: axis.clone(), curves, wo: HOSTILE.to_vec() }.svg(),
+            );
+            let mut heat = heat(HOSTILE.to_vec(), scale);
+            if let Pixels::Values { bar, .. } = &mut heat.pixels {
+                *bar = axis.clone();
+            }
+            check(&heat.svg().unwrap());
+        }
+    }
+    let marks = pairs.iter().map(|&at| DiscMark { at, label: HOSTILE_TEXT.into() }).collect();
+    let cells = vec![pairs.clone(), Vec::new()];
+    check(
+        &Disc { caption: caption(), cells, points: pairs, marks, labels: [HOSTILE_TEXT.into(), "p".into()] }
+            .svg(),
+    );
+}
+
+/// One value on a linear, a logarithmic and a root axis: extents from the least to the greatest f64.
+#[test]
+fn every_single_value_and_pair_has_an_axis() {
+    for scale in [Scale::Linear, Scale::Log, Scale::Root] {
+        for a in HOSTILE {
+            for b in HOSTILE {
+                let svg = lines(vec![series(vec![(a, b), (b, a)])], scale).svg();
+                check(&svg);
+                assert!(svg.len() < 60_000, "{scale:?} {a} {b}: {} bytes", svg.len());
+            }
+        }
+    }
+}
+
+#[test]
+fn pictures_are_the_same_each_time() {
+    let points: Vec<_> = (1..60).map(|i| (f64::from(i), f64::from(i * i))).collect();
+    let chart = lines(vec![series(points)], Scale::Log);
+    assert_eq!(chart.svg(), chart.clone().svg());
+}
+
+#[test]
+fn logarithmic_axes_have_a_label_at_each_decade() {
+    let svg = lines(vec![series(vec![(1e-6, 1.0), (1.0, 1e4)])], Scale::Log).svg();
+    let texts = texts(&svg);
+    for label in ["10⁻⁶", "10⁻⁵", "10⁻¹", "10⁰", "1", "10", "1000", "10000"] {
+        assert!(texts.contains(&label.to_owned()), "{label}: {texts:?}");
+    }
+    // Ticks without labels at 2 to 9 in each of six and four decades, and nowhere else.
+    let short = svg.matches("y2=\"351\"").count();
+    assert_eq!(short, 6 * 8, "{svg}");
+}
+
+#[test]
+fn points_lie_where_the_axes_say() {
+    let x = Axis::new("x", Scale::Log).with_range(1.0, 100.0);
+    let y = Axis::new("y", Scale::Linear).with_range(0.0, 2.0);
+    let one = Series { marks: Marks::None, ..series(vec![(1.0, 0.0), (10.0, 1.0), (100.0, 2.0)]) };
+    let svg = Lines { caption: caption(), x, y, series: vec![one] }.svg();
+    let line =
+        svg.lines().find(|l| l.starts_with("<path d=\"M") && l.contains("stroke=\"#0072b2\"")).unwrap();
+    let data = line.split('"').nth(1).unwrap().trim_start_matches('M');
+    let points: Vec<Vec<f64>> =
+        data.split('L').map(|p| p.split(' ').map(|n| n.parse().unwrap()).collect()).collect();
+    assert!((points[1][0] - (points[0][0] + points[2][0]) / 2.0).abs() < 0.02, "{data}");
+    assert!((points[1][1] - (points[0][1] + points[2][1]) / 2.0).abs() < 0.02, "{data}");
+    assert!(points[0][1] > points[2][1], "y runs upwards: {data}");
+}
+
+#[test]
+fn points_that_cannot_be_drawn_break_the_line() {
+    let points =
+        vec![(1.0, 1.0), (2.0, 2.0), (3.0, 0.0), (4.0, 1.0), (5.0, f64::NAN), (6.0, 3.0), (7.0, 3.0)];
+    let one = Series { marks: Marks::None, ..series(points) };
+    let svg = lines(vec![one], Scale::Log).svg();
+    // Two pieces of two points and a lone one, which no line can show; and the legend's.
+    assert_eq!(svg.matches("stroke-width=\"1.8\"").count(), 2 + 1, "{svg}");
+}
+
+#[test]
+fn styles_differ_in_colour_dash_and_mark() {
+    let curve = |style| Series { style, label: format!("s{style}"), ..series(vec![(0.0, 0.0), (1.0, 1.0)]) };
+    let attributes = |style: usize| {
+        let svg = lines(vec![curve(style)], Scale::Linear).svg();
+        let keep = |l: &&str| l.contains("stroke-width=\"1.8\"") || l.contains("stroke-width=\"0.8\"");
+        svg.lines().filter(keep).collect::<Vec<_>>().join("\n")
+    };
+    let all: std::collections::BTreeSet<String> = (0..210).map(attributes).collect();
+    assert_eq!(all.len(), 210);
+    for (a, b) in (0..12).flat_map(|a| (0..a).map(move |b| (a, b))) {
+        let dash = |i: usize| i % 5;
+        assert!(dash(a) != dash(b) || a % 6 != b % 6, "{a} and {b} look alike in black and white");
+    }
+}
+
+#[test]
+fn the_front_is_what_nothing_beats() {
+    let points = [(1.0, 9.0), (2.0, 5.0), (3.0, 6.0), (4.0, 2.0), (4.0, 3.0), (9.0, 2.0)];
+    let points = points.iter().enumerate().map(|(i, &(x, y))| ScatterPoint { x, y, label: format!("P{i}") });
+    let groups = vec![Group { label: "all".into(), points: points.collect(), style: 1 }];
+    let axis = |t: &str| Axis::new(t, Scale::Log);
+    let scatter = Scatter { caption: caption(), x: axis("bytes"), y: axis("error"), groups, front: true };
+    let svg = scatter.svg();
+    check(&svg);
+    let labels: Vec<_> = texts(&svg).into_iter().filter(|t| t.starts_with('P')).collect();
+    assert_eq!(labels, ["P0", "P1", "P3"]);
+    let front = svg.lines().find(|l| l.contains("stroke-dasharray=\"5 3\"")).unwrap();
+    assert_eq!(front.matches('L').count(), 2 + 2 * 2);
+    assert_eq!(svg.matches("<title>P").count(), 6, "every point has its label on hovering");
+}
+
+#[test]
+fn a_picture_holds_its_values_as_colours() {
+    let svg = heat(vec![1.0, 100.0, 10.0, f64::NAN], Scale::Log).svg().unwrap();
+    check(&svg);
+    let data = svg.split("base64,").nth(1).unwrap().split('"').next().unwrap();
+    use base64::Engine as _;
+    let png = base64::engine::general_purpose::STANDARD.decode(data).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut bytes).unwrap();
+    assert_eq!(bytes[..3], viridis(0.0));
+    assert_eq!(bytes[3..6], viridis(1.0));
+    assert_eq!(bytes[6..9], viridis(0.5));
+    assert_eq!(bytes[9..12], [255; 3]);
+    assert!(heat(vec![1.0; 3], Scale::Log).svg().is_err());
+    let mut without_range = heat(vec![1.0; 4], Scale::Log);
+    without_range.x.range = None;
+    assert!(without_range.svg().is_err());
+    let image = Image::new(1, 1, vec![merlkit::color::Rgb::ONE]).unwrap();
+    let picture = Heat { pixels: Pixels::Picture { image, exposure: 0.0 }, ..heat(Vec::new(), Scale::Log) };
+    check(&picture.svg().unwrap());
+}
+
+/// Lightness rises in even steps, so that equal ratios look equal and print in grey.
+#[test]
+fn the_colours_of_values_grow_lighter_evenly() {
+    let lightness = |v: f64| {
+        let linear = viridis(v).map(|c| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        });
+        let y = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+        116.0 * y.cbrt() - 16.0
+    };
+    let steps: Vec<f64> =
+        (0..16).map(|i| lightness(f64::from(i + 1) / 16.0) - lightness(f64::from(i) / 16.0)).collect();
+    let mean = steps.iter().sum::<f64>() / 16.0;
+    assert!(steps.iter().all(|s| (s / mean - 1.0).abs() < 0.3), "{steps:?}");
+    assert_eq!((viridis(f64::NAN), viridis(f64::INFINITY)), (viridis(0.0), viridis(1.0)));
+}
