@@ -12,7 +12,7 @@ use crate::points::PointSet;
 use crate::sampler::DirectionSampler;
 
 /// Seconds by the clock on the wall and by the processors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Seconds {
     /// Elapsed.
     pub wall: f64,

@@ -7,6 +7,7 @@ pub mod accuracy;
 mod albedo;
 pub mod check;
 pub mod chi_square;
+pub mod compare;
 pub mod convergence;
 pub mod cost;
 mod expected;

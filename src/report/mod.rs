@@ -4,16 +4,20 @@
 //! business.
 
 mod check;
+mod compare;
 mod hard;
 mod info;
+mod page;
 mod profile;
 mod sheet;
 mod summary;
 mod thesis;
 
 pub use check::CheckResult;
+pub use compare::{comparison_csv, targets};
 pub use hard::HardSheets;
 pub use info::Info;
+pub use page::comparison_page;
 pub use profile::{SamplerReport, thesis_legend};
 pub use sheet::Sheet;
 pub use summary::summary;

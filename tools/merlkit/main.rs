@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod failure;
 mod interrupt;
+mod journal;
 mod output;
 mod picture;
 mod progress;

@@ -112,6 +112,36 @@ impl LitPoint<'_> {
         Ok(self.measured(technique, sampler, reference, samples, runs))
     }
 
+    /// For each seed, the squared relative error at each number of samples, of a technique that suits the light; 0 where
+    /// `reference` is 0.
+    pub(super) fn squared_errors(
+        &self,
+        technique: Technique,
+        sampler: &dyn DirectionSampler,
+        reference: f64,
+        samples: &[usize],
+        runs: Runs,
+    ) -> Vec<Vec<f64>> {
+        let most = samples.iter().copied().max().unwrap_or(0);
+        let relative = |estimate: f64| if reference > 0.0 { estimate / reference - 1.0 } else { 0.0 };
+        let of_seed = |seed: u64| -> Vec<f64> {
+            let draws = Draws::new(self, sampler, technique, most, runs, runs.first_seed + seed);
+            samples.iter().map(|&n| relative(draws.estimate(n)).powi(2)).collect()
+        };
+        (0..runs.seeds).into_par_iter().map(of_seed).collect()
+    }
+
+    /// One estimate from `samples` samples, of the first seed of `runs`.
+    pub(super) fn estimate(
+        &self,
+        technique: Technique,
+        sampler: &dyn DirectionSampler,
+        samples: usize,
+        runs: Runs,
+    ) -> f64 {
+        Draws::new(self, sampler, technique, samples, runs, runs.first_seed).estimate(samples)
+    }
+
     fn measured(
         &self,
         technique: Technique,
@@ -120,16 +150,8 @@ impl LitPoint<'_> {
         samples: &[usize],
         runs: Runs,
     ) -> Vec<ErrorAt> {
-        let most = samples.iter().copied().max().unwrap_or(0);
-        let squared_errors = |seed: u64| -> Vec<f64> {
-            let draws = Draws::new(self, sampler, technique, most, runs, runs.first_seed + seed);
-            samples.iter().map(|&n| (draws.estimate(n) - reference).powi(2)).collect()
-        };
-        let squares: Vec<Vec<f64>> = (0..runs.seeds).into_par_iter().map(squared_errors).collect();
-        let rmse = |i: usize| {
-            let mean = squares.iter().map(|s| s[i]).sum::<f64>() / runs.seeds.max(1) as f64;
-            if reference > 0.0 { mean.sqrt() / reference } else { 0.0 }
-        };
+        let squares = self.squared_errors(technique, sampler, reference, samples, runs);
+        let rmse = |i: usize| (squares.iter().map(|s| s[i]).sum::<f64>() / runs.seeds.max(1) as f64).sqrt();
         let at = |(i, &samples): (usize, &usize)| ErrorAt {
             samples,
             evaluations: technique.evaluations(samples),
@@ -139,12 +161,16 @@ impl LitPoint<'_> {
     }
 }
 
-/// The least-squares slope of log error against log samples: −½ for independent draws. 0 for fewer than two errors above 0.
+/// [`slope_of`] errors.
 pub fn slope(errors: &[ErrorAt]) -> f64 {
+    slope_of(errors.iter().map(|e| (e.samples, e.rmse)))
+}
+
+/// The least-squares slope of log error against log samples: −½ for independent draws. 0 for fewer than two errors above 0.
+pub(super) fn slope_of(errors: impl Iterator<Item = (usize, f64)>) -> f64 {
     let logs: Vec<(f64, f64)> = errors
-        .iter()
-        .filter(|e| e.samples > 0 && e.rmse > 0.0)
-        .map(|e| ((e.samples as f64).ln(), e.rmse.ln()))
+        .filter(|&(samples, rmse)| samples > 0 && rmse > 0.0)
+        .map(|(samples, rmse)| ((samples as f64).ln(), rmse.ln()))
         .collect();
     let n = logs.len() as f64;
     let (mx, my) = logs.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));

@@ -9,7 +9,7 @@ use crate::sampler::DirectionSampler;
 use crate::{Error, Result};
 
 /// How directions are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Technique {
     /// N directions from the sampler.
@@ -28,6 +28,17 @@ pub enum Technique {
 }
 
 impl Technique {
+    /// Its name for people.
+    pub fn name(self) -> String {
+        match self {
+            Self::Brdf => "BRDF".into(),
+            Self::Light => "light".into(),
+            Self::Mis(Heuristic::Balance) => "MIS (balance)".into(),
+            Self::Mis(Heuristic::Power) => "MIS (power)".into(),
+            Self::Ris(candidates) => format!("RIS ({candidates} candidates)"),
+        }
+    }
+
     /// How often the integrand, the BRDF times the light, is evaluated for `samples` samples.
     pub fn evaluations(self, samples: usize) -> usize {
         match self {

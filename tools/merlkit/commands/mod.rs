@@ -2,6 +2,7 @@
 
 mod build;
 mod check;
+mod compare;
 mod decode;
 mod demo;
 mod eval;
@@ -25,6 +26,7 @@ pub enum Command {
     Sample(sample::Args),
     Report(report::Args),
     Check(check::Args),
+    Compare(compare::Args),
     Render(Box<render::Args>),
 }
 
@@ -41,6 +43,7 @@ impl Command {
             Self::Sample(args) => sample::run(&args),
             Self::Report(args) => report::run(&args),
             Self::Check(args) => check::run(&args),
+            Self::Compare(args) => compare::run(&args),
             Self::Render(args) => render::run(&args),
         }
     }

@@ -1,0 +1,159 @@
+//! What accuracy costs, as tables.
+
+use super::Sheet;
+use crate::measure::compare::{
+    Comparison, Curve, ErrorPoint, MaterialComparison, Reach, SHARED_BY, TARGETS, reach,
+};
+
+/// What each competitor needs to reach each of [`TARGETS`] at the lit point: seconds of one estimate, precomputation shared
+/// by 10⁶ samples, and samples in brackets. The quickest first, by the time to 1 %.
+pub fn targets(material: &MaterialComparison) -> Sheet {
+    let mut heading = vec![material.material.clone(), "KB".into(), "build s".into(), "ns/sample".into()];
+    heading.extend(TARGETS.map(|t| format!("to {} %", t * 100.0)));
+    heading.push("slope".into());
+    let mut sheet = Sheet { heading, rows: Vec::new() };
+    for curve in by_time(&material.curves) {
+        let mut row = vec![
+            curve.label.clone(),
+            format!("{:.1}", curve.table_bytes as f64 / 1000.0),
+            format!("{:.3}", curve.build_seconds),
+            format!("{:.0}", curve.ns_per_sample),
+        ];
+        row.extend(TARGETS.map(|target| reach(curve, target).map_or("never".into(), |r| cost(&r))));
+        row.push(format!("{:.2}", curve.sobol_slope));
+        sheet.push(row);
+    }
+    sheet
+}
+
+/// The curves, the quickest to 1 % first.
+pub(super) fn by_time(curves: &[Curve]) -> Vec<&Curve> {
+    let seconds = |c: &Curve| reach(c, 0.01).map_or(f64::INFINITY, |r| r.seconds[1]);
+    let mut order: Vec<&Curve> = curves.iter().collect();
+    order.sort_by(|a, b| seconds(a).total_cmp(&seconds(b)));
+    order
+}
+
+/// "12 µs (340)", with "~" where the samples are extrapolated.
+fn cost(reach: &Reach) -> String {
+    let about = if reach.extrapolated { "~" } else { "" };
+    format!("{about}{} ({:.3e})", duration(reach.seconds[1]), reach.samples)
+}
+
+/// Seconds in the unit that suits them.
+pub(super) fn duration(seconds: f64) -> String {
+    for (unit, name) in [(1e-9, "ns"), (1e-6, "µs"), (1e-3, "ms"), (1.0, "s"), (60.0, "min")] {
+        if seconds < 1000.0 * unit || name == "min" {
+            return format!("{} {name}", Rounded(seconds / unit));
+        }
+    }
+    String::new()
+}
+
+/// Three significant digits.
+struct Rounded(f64);
+
+impl std::fmt::Display for Rounded {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let decimals = if self.0 >= 100.0 {
+            0
+        } else if self.0 >= 10.0 {
+            1
+        } else {
+            2
+        };
+        write!(f, "{:.decimals$}", self.0)
+    }
+}
+
+/// One line a figure: experiment, material, scene, who, points, samples, what, value, unit.
+pub fn comparison_csv(comparison: &Comparison) -> Sheet {
+    let mut sheet = Sheet::new(&[
+        "experiment",
+        "material",
+        "scene",
+        "who",
+        "points",
+        "samples",
+        "figure",
+        "value",
+        "unit",
+    ]);
+    for material in &comparison.materials {
+        for curve in &material.curves {
+            push_curve(&mut sheet, &material.material, curve);
+        }
+    }
+    push_pictures(&mut sheet, comparison);
+    push_settings(&mut sheet, comparison);
+    sheet
+}
+
+fn push_curve(sheet: &mut Sheet, material: &str, curve: &Curve) {
+    let mut line = |points: &str, samples: String, figure: &str, value: f64, unit: &str| {
+        let start = ["point", material, "", &curve.label, points].map(String::from);
+        let end = [samples, figure.into(), format!("{value:e}"), unit.into()];
+        sheet.push(start.into_iter().chain(end).collect());
+    };
+    line("", String::new(), "table", curve.table_bytes as f64, "bytes");
+    line("", String::new(), "build", curve.build_seconds, "s");
+    line("", String::new(), "sample", curve.ns_per_sample, "ns");
+    for (points, errors, slope) in
+        [("random", &curve.random, curve.random_slope), ("sobol", &curve.sobol, curve.sobol_slope)]
+    {
+        line(points, String::new(), "slope", slope, "");
+        for ErrorPoint { samples, rmse, low, high } in errors {
+            line(points, samples.to_string(), "relative rmse", *rmse, "");
+            line(points, samples.to_string(), "relative rmse, low", *low, "");
+            line(points, samples.to_string(), "relative rmse, high", *high, "");
+        }
+    }
+    for r in TARGETS.iter().filter_map(|&target| reach(curve, target)) {
+        let note = if r.extrapolated { ", extrapolated" } else { "" };
+        let target = format!("to {}{note}", r.error);
+        line("sobol", format!("{:e}", r.samples), &format!("{target}: samples"), r.samples, "");
+        for (shared, seconds) in SHARED_BY.iter().zip(r.seconds) {
+            let figure = format!("{target}: precomputation shared by {shared}");
+            line("sobol", format!("{:e}", r.samples), &figure, seconds, "s");
+        }
+    }
+}
+
+fn push_pictures(sheet: &mut Sheet, comparison: &Comparison) {
+    for picture in &comparison.pictures {
+        for result in &picture.results {
+            let figures = [
+                ("mean relative error", result.errors.mean_relative, ""),
+                ("relMSE", result.errors.rel_mse, ""),
+                ("render", result.seconds.wall, "s"),
+                ("render, CPU", result.seconds.cpu, "s"),
+                ("build", result.build_seconds, "s"),
+            ];
+            for (figure, value, unit) in figures {
+                let start = ["picture", &picture.material, picture.scene.name(), &result.label, "sobol"];
+                let end = [result.samples.to_string(), figure.into(), format!("{value:e}"), unit.into()];
+                sheet.push(start.map(String::from).into_iter().chain(end).collect());
+            }
+        }
+    }
+}
+
+fn push_settings(sheet: &mut Sheet, comparison: &Comparison) {
+    for of in &comparison.settings {
+        for s in &of.settings {
+            let who = format!("{} {}", s.knob.name, s.knob.value);
+            let figures = [
+                ("table", s.table_bytes as f64, "bytes"),
+                ("build", s.build_seconds, "s"),
+                ("sample", s.sample_ns, "ns"),
+                ("relstd", s.relstd, ""),
+                ("relative rmse", s.rmse, ""),
+            ];
+            for (figure, value, unit) in figures {
+                let start = ["setting", &of.material, "", &who, ""];
+                let end = [String::new(), figure.into(), format!("{value:e}"), unit.into()];
+                sheet.push(start.map(String::from).into_iter().chain(end).collect());
+            }
+        }
+    }
+}

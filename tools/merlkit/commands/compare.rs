@@ -1,0 +1,241 @@
+//! `merlkit compare`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use merlkit::Error;
+use merlkit::brdf::{LookupRule, Measured};
+use merlkit::files::{Overwrite, check_writable, write_new};
+use merlkit::light::{Environment, SkySampling, studio};
+use merlkit::measure::compare::{
+    Comparison, ComparisonPlan, MaterialComparison, Named, PictureComparison, PicturePlan, PointPlan, SCHEMA,
+    SceneKind, SettingsComparison, competitors, curve, knobs, picture_competitors, picture_reference,
+    pictures, references, setting, verdict,
+};
+use merlkit::measure::cost::time;
+use merlkit::merl::Material;
+use merlkit::report::{comparison_csv, comparison_page, targets, write_json};
+
+use crate::failure::Outcome;
+use crate::journal::Journal;
+use crate::output;
+use crate::progress::Progress;
+use crate::{args, table};
+
+/// Measure what accuracy costs in time: every sampler against samples, seconds and bytes
+///
+/// A point lit by the built-in studio, pictures of spheres, and each sampler's own settings. Errors are relative, against
+/// references by quadrature (the point) or by many samples (pictures), which state their own error. DIR gets
+/// compare.json (everything), compare.csv (one line a figure) and compare.html (a page to read, without a network).
+/// What is finished is kept in DIR/compare.partial.jsonl until all is; Ctrl-C and --resume go on from there.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Paths to MERL binaries or names of embedded materials [default: eight of the embedded ones; with --quick nickel,
+    /// red-plastic and teflon]
+    #[arg(value_name = "MATERIAL")]
+    materials: Vec<String>,
+    /// Fewer samplers, angles, seeds and settings: a minute for three materials on two cores, instead of half an hour
+    #[arg(long)]
+    quick: bool,
+    /// Go on with a run of the same options that was stopped
+    #[arg(long)]
+    resume: bool,
+    /// What the table says between its samples
+    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    lookup: LookupRule,
+    /// Seed of the draws
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    /// Folder of the results
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    output: PathBuf,
+    /// Replace existing results [default: refuse]
+    #[arg(long)]
+    force: bool,
+}
+
+const QUICK: [&str; 3] = ["nickel", "red-plastic", "teflon"];
+const FULL: [&str; 8] = [
+    "alum-bronze",
+    "black-obsidian",
+    "blue-metallic-paint",
+    "chrome",
+    "nickel",
+    "red-plastic",
+    "teflon",
+    "violet-acrylic",
+];
+
+pub fn run(args: &Args) -> Outcome {
+    let overwrite = output::overwrite(args.force);
+    let [json, csv, page] = ["json", "csv", "html"].map(|e| args.output.join(format!("compare.{e}")));
+    std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
+    for path in [&json, &csv, &page] {
+        check_writable(path, overwrite)?;
+    }
+    let mut run = Run::new(args)?;
+    let comparison = run.comparison()?;
+    write(&json, overwrite, |out| write_json(out, "compare", &comparison))?;
+    write(&csv, overwrite, |out| comparison_csv(&comparison).write_csv(out))?;
+    write(&page, overwrite, |out| out.write_all(comparison_page(&comparison).as_bytes()))?;
+    let Run { journal, progress, .. } = run;
+    drop(progress);
+    journal.finish()?;
+    output::stdout(|out| {
+        for material in &comparison.materials {
+            writeln!(out, "{}", table::render(&targets(material)))?;
+        }
+        for verdict in comparison.materials.iter().filter_map(|m| m.verdict.as_ref()) {
+            writeln!(out, "{}", verdict.sentence)?;
+        }
+        writeln!(out, "{}\n{}\n{}", json.display(), csv.display(), page.display())
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn write(
+    path: &Path,
+    overwrite: Overwrite,
+    fill: impl FnOnce(&mut dyn std::io::Write) -> std::io::Result<()>,
+) -> Result<(), Error> {
+    write_new(path, overwrite, |out| fill(out).map_err(|e| Error::io(path, "write", e)))
+}
+
+/// A run under way.
+struct Run {
+    plan: ComparisonPlan,
+    materials: Vec<Material>,
+    sky: Environment,
+    journal: Journal,
+    progress: Progress,
+}
+
+impl Run {
+    fn new(args: &Args) -> Result<Self, Error> {
+        let default = if args.quick { &QUICK[..] } else { &FULL[..] };
+        let names = match args.materials.is_empty() {
+            true => default.iter().map(|&name| name.to_owned()).collect(),
+            false => args.materials.clone(),
+        };
+        let materials = args::resolve(&names)?;
+        args::refuse_repeated(&materials)?;
+        let plan = plan(args);
+        let path = args.output.join("compare.partial.jsonl");
+        if path.exists() && !args.resume && !args.force {
+            return Err(Error::argument(
+                format!("{} holds what a stopped run has finished", path.display()),
+                "pass --resume to go on with it, or --force to start again",
+            ));
+        }
+        let journal = Journal::open(&path, &(&plan, &names), args.resume)?;
+        let parts = parts(&plan, materials.len());
+        let progress = Progress::new("comparing", parts);
+        let sky = studio(SkySampling::Importance)?;
+        Ok(Self { plan, materials, sky, journal, progress })
+    }
+
+    fn comparison(&mut self) -> Result<Comparison, Error> {
+        let mut named: Vec<Named> = Vec::new();
+        let mut materials = Vec::new();
+        for material in std::mem::take(&mut self.materials) {
+            let brdf = Arc::new(Measured::new(Arc::new(material.load()?), self.plan.lookup));
+            materials.push(self.material(material.name(), &brdf)?);
+            named.push((material.name().into(), brdf));
+        }
+        let mut pictures = Vec::new();
+        for scene in scenes(self.plan.quick) {
+            for group in groups(scene, &named) {
+                pictures.push(self.pictures(scene, group)?);
+            }
+        }
+        let mut settings = Vec::new();
+        for (name, brdf) in &named[..settings_of(&self.plan, named.len())] {
+            settings.push(self.settings(name, brdf)?);
+        }
+        let threads = rayon::current_num_threads();
+        Ok(Comparison { plan: self.plan.clone(), threads, materials, pictures, settings })
+    }
+
+    /// The lit point.
+    fn material(&mut self, name: &str, brdf: &Arc<Measured>) -> Result<MaterialComparison, Error> {
+        let Self { plan, sky, journal, progress, .. } = self;
+        let key = format!("references/{name}");
+        let references = journal.recall_or(&key, || Ok(references(brdf, sky, &plan.point)))?;
+        let mut curves = Vec::new();
+        for (number, competitor) in competitors(plan.quick).into_iter().enumerate() {
+            curves.push(journal.recall_or(&format!("point/{name}/{number}"), || {
+                let (sampler, seconds) = time(|| competitor.spec.build(brdf));
+                let measured = (&plan.point, &references[..]);
+                Ok(curve(competitor, &sampler?, seconds.wall, brdf, sky, measured))
+            })?);
+            progress.advance();
+        }
+        let verdict = verdict(name, &curves);
+        Ok(MaterialComparison { material: name.into(), references, curves, verdict })
+    }
+
+    fn pictures(&mut self, scene: SceneKind, group: &[Named]) -> Result<PictureComparison, Error> {
+        let names: Vec<&str> = group.iter().map(|(name, _)| name.as_str()).collect();
+        let material = names.join(", ");
+        let Self { plan, journal, progress, .. } = self;
+        let comparison = journal.recall_or(&format!("picture/{}/{material}", scene.name()), || {
+            let (reference, film) = picture_reference(scene, group, &plan.picture)?;
+            let mut results = Vec::new();
+            for competitor in picture_competitors(plan.quick) {
+                results.extend(pictures(scene, group, competitor, &plan.picture, &film)?);
+            }
+            Ok(PictureComparison { scene, material, reference, results })
+        });
+        progress.advance_by(picture_competitors(plan.quick).len());
+        comparison
+    }
+
+    fn settings(&mut self, name: &str, brdf: &Measured) -> Result<SettingsComparison, Error> {
+        let Self { plan, sky, journal, progress, .. } = self;
+        let mut settings = Vec::new();
+        for (number, knob) in knobs(plan.quick, plan.lookup).into_iter().enumerate() {
+            settings.push(journal.recall_or(&format!("setting/{name}/{number}"), || {
+                setting(brdf.table(), sky, knob, &plan.point)
+            })?);
+            progress.advance();
+        }
+        Ok(SettingsComparison { material: name.into(), settings })
+    }
+}
+
+fn plan(args: &Args) -> ComparisonPlan {
+    let (point, picture) = match args.quick {
+        true => (PointPlan::quick(args.seed), PicturePlan::quick(args.seed)),
+        false => (PointPlan::full(args.seed), PicturePlan::full(args.seed)),
+    };
+    ComparisonPlan { schema: SCHEMA, quick: args.quick, lookup: args.lookup, point, picture }
+}
+
+fn scenes(quick: bool) -> Vec<SceneKind> {
+    if quick {
+        vec![SceneKind::Environment]
+    } else {
+        vec![SceneKind::Environment, SceneKind::Glossy, SceneKind::Three]
+    }
+}
+
+/// Who shares a picture: three at a time where the scene holds three, or else each its own.
+fn groups(scene: SceneKind, materials: &[Named]) -> Vec<&[Named]> {
+    match scene {
+        SceneKind::Three => materials.chunks_exact(3).take(1).collect(),
+        SceneKind::Environment | SceneKind::Glossy => materials.chunks(1).collect(),
+    }
+}
+
+/// Materials whose settings are tried.
+fn settings_of(plan: &ComparisonPlan, materials: usize) -> usize {
+    if plan.quick { materials.min(1) } else { materials }
+}
+
+/// Measurements in all, for the progress bar.
+fn parts(plan: &ComparisonPlan, materials: usize) -> usize {
+    let pictures = scenes(plan.quick).len() * materials * picture_competitors(plan.quick).len();
+    let settings = settings_of(plan, materials) * knobs(plan.quick, plan.lookup).len();
+    materials * competitors(plan.quick).len() + pictures + settings
+}
