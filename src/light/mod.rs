@@ -6,11 +6,13 @@
 mod area;
 mod delta;
 mod environment;
+mod lamps;
 mod studio;
 
 pub use area::Area;
 pub use delta::{Directional, Point};
 pub use environment::{Environment, SkySampling};
+pub use lamps::lamps;
 pub use studio::studio;
 
 use glam::{DVec2, DVec3};

@@ -12,6 +12,7 @@ mod profile;
 mod sheet;
 mod summary;
 mod thesis;
+mod tune;
 
 pub use check::CheckResult;
 pub use compare::{comparison_csv, targets};
@@ -22,6 +23,7 @@ pub use profile::{SamplerReport, thesis_legend};
 pub use sheet::Sheet;
 pub use summary::summary;
 pub use thesis::{ThesisFigures, thesis_figures, thesis_uniform_memory};
+pub use tune::{tuning_sheet, tuning_summary};
 
 use serde::Serialize;
 use std::io::{self, Write};

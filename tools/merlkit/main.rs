@@ -9,6 +9,7 @@ mod output;
 mod picture;
 mod progress;
 mod sampler_args;
+mod sky;
 mod table;
 mod version;
 

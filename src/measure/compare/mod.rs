@@ -14,6 +14,7 @@ mod picture;
 mod point;
 mod setting;
 mod target;
+mod tune;
 mod verdict;
 
 pub use candidates::{Competitor, competitors, picture_competitors};
@@ -24,6 +25,7 @@ pub use picture::{
 pub use point::{Curve, ErrorPoint, PointPlan, Reference, THESIS_SAMPLES, curve, references};
 pub use setting::{Knob, RMSE_SAMPLES, Setting, knobs, setting};
 pub use target::{Reach, SHARED_BY, TARGETS, reach, samples_to_reach};
+pub use tune::{MOST_SAMPLES, Proof, Tried, Tuning, Wish, tunable, tune};
 pub use verdict::{Verdict, verdict};
 
 use serde::{Deserialize, Serialize};
@@ -42,6 +44,8 @@ pub struct ComparisonPlan {
     pub quick: bool,
     /// Lookup rule of every table.
     pub lookup: LookupRule,
+    /// What lights the point.
+    pub sky: String,
     /// The lit point.
     pub point: PointPlan,
     /// The pictures.

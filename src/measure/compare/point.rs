@@ -221,6 +221,19 @@ fn nanoseconds(
     times[2]
 }
 
+/// Errors of directions from the sampler alone, under Sobol points.
+pub(super) fn errors_at(
+    sampler: &Sampler,
+    brdf: &Measured,
+    sky: &Environment,
+    references: &[Reference],
+    plan: &PointPlan,
+) -> Vec<ErrorPoint> {
+    let points: Vec<(LitPoint<'_>, f64)> =
+        references.iter().map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance)).collect();
+    errors(&points, sampler, Competitor::brdf(sampler.spec()), plan, PointSet::Sobol)
+}
+
 /// Relative RMSE from `samples` Sobol samples with 45° between `wo` and the normal, directions from the sampler alone.
 pub(super) fn error_at(
     sampler: &Sampler,

@@ -28,9 +28,13 @@ pub struct Reach {
 /// What `curve` needs, under Sobol points, to reach `error`; `None` if its error doesn't fall.
 pub fn reach(curve: &Curve, error: f64) -> Option<Reach> {
     let (samples, extrapolated) = samples_to_reach(&curve.sobol, error)?;
-    let sampling = samples * curve.ns_per_sample * 1e-9;
-    let seconds = SHARED_BY.map(|shared| sampling + curve.build_seconds * (samples / shared as f64).min(1.0));
+    let seconds = SHARED_BY.map(|shared| seconds(curve, samples, shared));
     Some(Reach { error, samples, extrapolated, seconds })
+}
+
+/// Seconds of one estimate with its share of the precomputation.
+pub(super) fn seconds(curve: &Curve, samples: f64, shared: u64) -> f64 {
+    samples * curve.ns_per_sample * 1e-9 + curve.build_seconds * (samples / shared as f64).min(1.0)
 }
 
 /// The slowest fall that is still called one.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use merlkit::Error;
 use merlkit::brdf::{LookupRule, Measured};
 use merlkit::files::{Overwrite, check_writable, write_new};
-use merlkit::light::{Environment, SkySampling, studio};
+use merlkit::light::Environment;
 use merlkit::measure::compare::{
     Comparison, ComparisonPlan, MaterialComparison, Named, PictureComparison, PicturePlan, PointPlan, SCHEMA,
     SceneKind, SettingsComparison, competitors, curve, knobs, picture_competitors, picture_reference,
@@ -21,11 +21,12 @@ use crate::failure::Outcome;
 use crate::journal::Journal;
 use crate::output;
 use crate::progress::Progress;
+use crate::sky::SkyArgs;
 use crate::{args, table};
 
 /// Measure what accuracy costs in time: every sampler against samples, seconds and bytes
 ///
-/// A point lit by the built-in studio, pictures of spheres, and each sampler's own settings. Errors are relative, against
+/// A lit point, pictures of spheres in the studio, and each sampler's own settings. Errors are relative, against
 /// references by quadrature (the point) or by many samples (pictures), which state their own error. DIR gets
 /// compare.json (everything), compare.csv (one line a figure) and compare.html (a page to read, without a network).
 /// What is finished is kept in DIR/compare.partial.jsonl until all is; Ctrl-C and --resume go on from there.
@@ -44,6 +45,8 @@ pub struct Args {
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
+    #[command(flatten)]
+    sky: SkyArgs,
     /// Seed of the draws
     #[arg(long, value_name = "K", default_value_t = 1)]
     seed: u64,
@@ -131,7 +134,7 @@ impl Run {
         let journal = Journal::open(&path, &(&plan, &names), args.resume)?;
         let parts = parts(&plan, materials.len());
         let progress = Progress::new("comparing", parts);
-        let sky = studio(SkySampling::Importance)?;
+        let sky = args.sky.load()?;
         Ok(Self { plan, materials, sky, journal, progress })
     }
 
@@ -209,7 +212,14 @@ fn plan(args: &Args) -> ComparisonPlan {
         true => (PointPlan::quick(args.seed), PicturePlan::quick(args.seed)),
         false => (PointPlan::full(args.seed), PicturePlan::full(args.seed)),
     };
-    ComparisonPlan { schema: SCHEMA, quick: args.quick, lookup: args.lookup, point, picture }
+    ComparisonPlan {
+        schema: SCHEMA,
+        quick: args.quick,
+        lookup: args.lookup,
+        sky: args.sky.environment.clone(),
+        point,
+        picture,
+    }
 }
 
 fn scenes(quick: bool) -> Vec<SceneKind> {

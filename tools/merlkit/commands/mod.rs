@@ -11,6 +11,7 @@ mod list;
 mod render;
 mod report;
 mod sample;
+mod tune;
 
 use crate::failure::Outcome;
 
@@ -27,6 +28,7 @@ pub enum Command {
     Report(report::Args),
     Check(check::Args),
     Compare(compare::Args),
+    Tune(tune::Args),
     Render(Box<render::Args>),
 }
 
@@ -44,6 +46,7 @@ impl Command {
             Self::Report(args) => report::run(&args),
             Self::Check(args) => check::run(&args),
             Self::Compare(args) => compare::run(&args),
+            Self::Tune(args) => tune::run(&args),
             Self::Render(args) => render::run(&args),
         }
     }

@@ -1,0 +1,107 @@
+//! `merlkit tune`
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use merlkit::brdf::{LookupRule, Measured};
+use merlkit::measure::compare::{PointPlan, Tuning, Wish, tunable, tune};
+use merlkit::merl::Material;
+use merlkit::report::{tuning_sheet, tuning_summary, write_json};
+use merlkit::sampler::store;
+
+use crate::failure::Outcome;
+use crate::output::{self, Destination};
+use crate::progress::Progress;
+use crate::sky::SkyArgs;
+use crate::{args, table};
+
+/// Choose the sampler and settings that reach an error in the least time
+///
+/// Tries every size of the half-vector table, the cascade CDF, the adaptive disc, fitted lobes and the cosine at a lit point
+/// (relative RMSE over three angles, Owen-scrambled Sobol points), takes the one that reaches E soonest within the limits,
+/// and measures it again on fresh seeds, with more samples if it takes more. Times are of one thread, and include the
+/// estimate's share of the precomputation. Exit status 1 if nothing reaches E within the limits.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Path to a MERL binary or name of an embedded material
+    #[arg(value_name = "MATERIAL")]
+    material: String,
+    /// Relative error of one estimate, root of the mean square: 0.01 or 1%
+    #[arg(long, value_name = "E", value_parser = args::share)]
+    target_error: f64,
+    /// Most bytes that the sampler's tables may hold [default: any]
+    #[arg(long, value_name = "BYTES")]
+    max_bytes: Option<usize>,
+    /// Most seconds that building may take on the threads of this run [default: any]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    max_build: Option<f64>,
+    /// Samples that share the precomputation: those of all that is rendered with the sampler
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    shared_by: u64,
+    /// What the table says between its samples
+    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    lookup: LookupRule,
+    #[command(flatten)]
+    sky: SkyArgs,
+    /// Seed of the draws
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    /// Write JSON with every figure to FILE as well, or to standard output (-) instead of the table [default: none]
+    #[arg(long, value_name = "FILE|-")]
+    json: Option<Destination>,
+    /// Write the chosen sampler to FILE; the cosine, which has no tables, is no choice then [default: none]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Replace existing files [default: refuse]
+    #[arg(long)]
+    force: bool,
+}
+
+fn seconds(argument: &str) -> Result<f64, String> {
+    let positive = argument.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0);
+    positive.ok_or_else(|| "expected seconds above 0".into())
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let overwrite = output::overwrite(args.force);
+    for file in args.output.iter().cloned().map(Destination::File).chain(args.json.clone()) {
+        file.check(overwrite)?;
+    }
+    let material = Material::resolve(&args.material)?;
+    let sky = args.sky.load()?;
+    let brdf = Arc::new(Measured::new(Arc::new(material.load()?), args.lookup));
+    let specs = tunable(args.output.is_some());
+    let progress = Progress::new("trying", specs.len());
+    let plan = PointPlan::quick(args.seed);
+    let tuning = tune(&brdf, &sky, wish(args), &specs, &plan, &|| progress.advance())?;
+    drop(progress);
+    if args.json != Some(Destination::Stdout) {
+        output::stdout(|out| {
+            writeln!(out, "{}", table::render(&tuning_sheet(material.name(), &tuning)))?;
+            writeln!(out, "{}", tuning_summary(material.name(), &tuning))
+        })?;
+    }
+    if let Some(destination) = &args.json {
+        destination.write(overwrite, |out| write_json(out, "tune", &tuning))?;
+    }
+    let Some(spec) = chosen(&tuning) else {
+        return Ok(ExitCode::from(1));
+    };
+    if let Some(path) = &args.output {
+        let bytes = store::save(&spec.build(&brdf)?, &material, args.lookup, path, overwrite)?;
+        output::message(&format!("{}: {bytes} bytes", path.display()));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn wish(args: &Args) -> Wish {
+    let Args { max_bytes, max_build, shared_by, .. } = *args;
+    Wish { error: args.target_error, max_bytes, max_build, shared_by }
+}
+
+/// The choice, if it was proved.
+fn chosen(tuning: &Tuning) -> Option<merlkit::sampler::SamplerSpec> {
+    tuning.proof?;
+    Some(tuning.tried.get(tuning.chosen?)?.curve.competitor.spec)
+}
