@@ -7,6 +7,7 @@ mod demo;
 mod eval;
 mod info;
 mod list;
+mod plot;
 mod render;
 mod report;
 mod sample;
@@ -23,6 +24,7 @@ pub enum Command {
     Decode(decode::Args),
     Build(build::Args),
     Sample(sample::Args),
+    Plot(Box<plot::Args>),
     Report(report::Args),
     Check(check::Args),
     Render(Box<render::Args>),
@@ -39,6 +41,7 @@ impl Command {
             Self::Decode(args) => decode::run(&args),
             Self::Build(args) => build::run(&args),
             Self::Sample(args) => sample::run(&args),
+            Self::Plot(args) => plot::run(&args),
             Self::Report(args) => report::run(&args),
             Self::Check(args) => check::run(&args),
             Self::Render(args) => render::run(&args),
