@@ -30,7 +30,7 @@ impl CascadeCdf {
             curve.extend((0..=self.settings.theta_h).map(|cell| {
                 let piece = marginal.at(k, cell as f64);
                 let t = (cell as f64 - piece.x0) / (piece.x1 - piece.x0);
-                (theta(cell as f64), piece.c0 + t * (piece.c1 - piece.c0))
+                (theta(cell as f64), piece.c0 * (1.0 - t) + piece.c1 * t)
             }));
         }
         Marginal { theta_o: self.knots.theta(k), curve, knots }

@@ -286,8 +286,7 @@ impl Subject<'_> {
     fn lobe_polar(&self) -> Result<String, Error> {
         let curves = self.curves()?;
         // A narrow lobe on an even scale is a line, and nothing beside it.
-        let all: Vec<f64> = curves.iter().flat_map(|c| &c.curve).map(|p| p.1).collect();
-        let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+        let mean = curves.iter().map(|c| mean(&c.curve)).sum::<f64>() / curves.len().max(1) as f64;
         let scale = if greatest(&curves) > PEAKED * mean { Scale::Root } else { Scale::Linear };
         let radius = Axis::new(self.value_title(), scale);
         let curves =
@@ -421,6 +420,11 @@ const PEAKED: f64 = 8.0;
 
 fn greatest(curves: &[Named]) -> f64 {
     curves.iter().flat_map(|c| &c.curve).map(|p| p.1).fold(0.0, f64::max)
+}
+
+/// Mean over the angle: points are closer where the curve is high.
+fn mean(curve: &Curve) -> f64 {
+    curve.windows(2).map(|w| (w[1].0 - w[0].0) * 0.5 * (w[0].1 + w[1].1)).sum::<f64>() / 180.0
 }
 
 /// The least value above 0; 0 if there is none.
