@@ -15,6 +15,7 @@ mod facts;
 pub mod hard;
 mod probe;
 pub mod profile;
+pub mod views;
 
 pub use albedo::{AlbedoEstimate, albedo_by_degree, directional_albedo, directional_albedo_with_error};
 pub use facts::{Albedo, AlbedoAboveOne, Asymmetry, Facts, TableFacts, facts, table_facts};

@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::cartesian::{Frame, MARGIN};
 use super::legend::{Entry, Legend};
 use super::style::Style;
-use super::svg::Svg;
+use super::svg::{Area, Svg};
 
 /// Where a series has marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,8 +68,8 @@ impl Lines {
             series.draw_line(&frame, &mut svg);
         }
         svg.close_window();
-        for series in &self.series {
-            series.draw_marks(&frame, &mut svg);
+        for (i, series) in self.series.iter().enumerate() {
+            series.draw_marks(&frame, &mut svg, i);
         }
         svg.finish()
     }
@@ -118,12 +118,12 @@ impl Series {
         }
     }
 
-    fn draw_marks(&self, frame: &Frame, svg: &mut Svg) {
+    fn draw_marks(&self, frame: &Frame, svg: &mut Svg, order: usize) {
         let inside = self.points.iter().filter_map(|&p| frame.at(p)).filter(|&p| frame.area.holds(p));
         let points: Vec<_> = inside.collect();
         let chosen = match self.marks {
             Marks::None => Vec::new(),
-            Marks::Few if points.len() > FEW => spread(&points, frame.area.width),
+            Marks::Few if points.len() > FEW => spread(&points, frame.area, order),
             _ => points,
         };
         draw_marks(svg, Style(self.style), &chosen);
@@ -139,14 +139,20 @@ pub(super) fn draw_marks(svg: &mut Svg, style: Style, points: &[(f64, f64)]) {
     svg.push(&format!("<path d=\"{data}\" {}/>", style.marks()));
 }
 
-/// A few points, about as far apart across the picture.
-fn spread(points: &[(f64, f64)], width: f64) -> Vec<(f64, f64)> {
-    let step = width / (FEW - 1) as f64;
-    let mut chosen: Vec<(f64, f64)> = Vec::new();
+/// A few points, about as far apart across the picture; not the same ones for the next curve, which may hide this one.
+fn spread(points: &[(f64, f64)], area: Area, order: usize) -> Vec<(f64, f64)> {
+    let step = area.width / (FEW - 1) as f64;
+    let mut next = area.x + step * (order % 3) as f64 / 3.0;
+    let mut chosen = Vec::new();
     for &p in points {
-        if chosen.len() < FEW && chosen.last().is_none_or(|c| (p.0 - c.0).abs() >= step) {
+        if chosen.len() < FEW && p.0 >= next {
             chosen.push(p);
+            next = p.0 + step;
         }
+    }
+    // A curve shorter than a step has one all the same.
+    if chosen.is_empty() {
+        chosen.extend(points.get(points.len() / 2));
     }
     chosen
 }

@@ -36,6 +36,8 @@ pub struct Polar {
 /// Radius of the half circle, pixels, and its centre.
 const RADIUS: f64 = 262.0;
 const CENTRE: (f64, f64) = (WIDTH / 2.0, TOP + 26.0 + RADIUS);
+/// Angle between a direction's line and its name, degrees.
+const BESIDE: f64 = 2.8;
 /// From the base line to the legend.
 const BELOW: f64 = 46.0;
 
@@ -107,9 +109,9 @@ impl Polar {
             let ends = if theta == 0.0 { &ends[..1] } else { &ends[..] };
             for (angle, label, dash) in ends {
                 svg.line(CENTRE, around(*angle, RADIUS), &format!("stroke=\"{INK}\" {dash}"));
-                let (x, y) = around(*angle, RADIUS - 14.0);
-                let (x, anchor) =
-                    if *angle < 0.0 { (x + 5.0, Anchor::Start) } else { (x - 5.0, Anchor::End) };
+                // Beside the line, on the normal's side.
+                let (x, y) = around(angle - angle.signum() * BESIDE, RADIUS - 14.0);
+                let anchor = if *angle < 0.0 { Anchor::Start } else { Anchor::End };
                 let anchor = if *angle == 0.0 { Anchor::Middle } else { anchor };
                 svg.label_above((x, y + 4.0), anchor, label);
             }

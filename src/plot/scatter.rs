@@ -153,9 +153,12 @@ fn places(p: &Placed<'_>) -> Vec<((f64, f64), Anchor, Area)> {
     let (width, (x, y)) = (width_of(p.label, TEXT), p.at);
     let room = |left: f64, baseline: f64| Area { x: left, y: baseline - 10.0, width, height: 13.0 };
     let mut out = Vec::new();
+    // Left of a point and below it none can beat it, so that there is room.
+    for dy in [15.0, 4.0, -6.0] {
+        out.push(((x - 7.0, y + dy), Anchor::End, room(x - 7.0 - width, y + dy)));
+    }
     for dy in [4.0, -6.0, 15.0] {
         out.push(((x + 7.0, y + dy), Anchor::Start, room(x + 7.0, y + dy)));
-        out.push(((x - 7.0, y + dy), Anchor::End, room(x - 7.0 - width, y + dy)));
     }
     for dy in [-8.0, 17.0] {
         out.push(((x, y + dy), Anchor::Middle, room(x - width / 2.0, y + dy)));

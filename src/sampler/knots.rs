@@ -60,6 +60,12 @@ impl ThetaKnots {
         (k as f64 * FRAC_PI_2 / (self.count - 1) as f64).min(LAST)
     }
 
+    /// The knot whose angle is nearest to `theta`, radians; the first for one that is not finite.
+    pub fn nearest(self, theta: f64) -> usize {
+        let distance = |k: &usize| if theta.is_finite() { (self.theta(*k) - theta).abs() } else { *k as f64 };
+        (0..self.count).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    }
+
     /// Tables that serve the upper direction `wo`.
     #[inline]
     pub fn neighbours(self, wo: Vec3) -> Neighbours {

@@ -10,8 +10,10 @@ mod lobe;
 mod spec;
 pub mod store;
 
-pub use adaptive_disc::{AdaptiveDisc, AdaptiveDiscSettings, Carry, Construction, LeafChoice};
-pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ThetaSpacing};
+pub use adaptive_disc::{
+    AdaptiveDisc, AdaptiveDiscSettings, Carry, Cell, Construction, LeafChoice, Subdivision,
+};
+pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, Marginal, ThetaSpacing};
 pub use cosine::Cosine;
 pub use factored::{Factored, FactoredSettings, Factors};
 pub use half_vector_table::{HalfVectorSettings, HalfVectorTable};

@@ -2,6 +2,7 @@
 
 mod eval;
 mod materials;
+mod plot;
 mod reports;
 mod run;
 mod samplers;

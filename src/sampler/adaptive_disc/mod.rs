@@ -8,8 +8,11 @@ mod bounds;
 mod build;
 mod many;
 mod square;
+mod subdivision;
 mod tree;
 mod warp;
+
+pub use subdivision::{Cell, Subdivision};
 
 pub(super) use square::DEEPEST;
 pub(super) use tree::{Forest, Leaf, MOST_LEAVES, WHOLE};

@@ -40,9 +40,15 @@ impl Node {
         f64::from(self.split[axis]) * SHARE
     }
 
+    /// Probability of child `i` within the node.
+    pub(super) fn child_share(&self, i: usize) -> f64 {
+        let part = |upper: usize, lower: f64| if upper == 1 { 1.0 - lower } else { lower };
+        part(i & 1, self.share(0)) * part(i >> 1, self.share(1 + (i & 1)))
+    }
+
     /// The node of child `i`, if it is one.
     #[inline]
-    fn child(&self, i: usize) -> Option<usize> {
+    pub(super) fn child(&self, i: usize) -> Option<usize> {
         let before = self.inner & ((1 << i) - 1);
         (self.inner >> i & 1 == 1).then(|| (self.first + before.count_ones()) as usize)
     }

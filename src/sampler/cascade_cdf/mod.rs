@@ -5,8 +5,10 @@
 
 mod axis;
 mod build;
+mod marginal;
 
 pub use axis::ThetaSpacing;
+pub use marginal::Marginal;
 
 pub(super) use axis::ThetaAxis;
 pub(super) use build::{contribution, masses};

@@ -8,6 +8,7 @@ mod demo;
 mod eval;
 mod info;
 mod list;
+mod plot;
 mod render;
 mod report;
 mod sample;
@@ -25,6 +26,7 @@ pub enum Command {
     Decode(decode::Args),
     Build(build::Args),
     Sample(sample::Args),
+    Plot(Box<plot::Args>),
     Report(report::Args),
     Check(check::Args),
     Compare(compare::Args),
@@ -43,6 +45,7 @@ impl Command {
             Self::Decode(args) => decode::run(&args),
             Self::Build(args) => build::run(&args),
             Self::Sample(args) => sample::run(&args),
+            Self::Plot(args) => plot::run(&args),
             Self::Report(args) => report::run(&args),
             Self::Check(args) => check::run(&args),
             Self::Compare(args) => compare::run(&args),

@@ -1,0 +1,86 @@
+//! `plot`.
+
+use crate::run::{fails, run, run_in, succeeds};
+
+const KINDS: [&str; 7] = ["lobe", "lobe-polar", "slice", "slice-rgb", "disc", "cdf", "albedo"];
+
+/// Standard output, parsed.
+fn picture(arguments: &[&str]) -> String {
+    let svg = succeeds(run(&[&["plot"], arguments, &["-o", "-"]].concat(), ""));
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    assert_eq!(document.root_element().attribute("role"), Some("img"));
+    svg
+}
+
+#[test]
+fn every_kind_is_a_picture_and_the_same_each_time() {
+    for kind in KINDS {
+        let svg = picture(&["teflon", "--kind", kind]);
+        assert!(svg.contains("<title>teflon: ") && !svg.contains("no data"), "{kind}: {}", &svg[..400]);
+        assert_eq!(svg, picture(&["teflon", "--kind", kind, "--threads", "1"]), "{kind}");
+    }
+}
+
+#[test]
+fn options_change_what_is_drawn() {
+    let lobe = ["nickel", "--kind", "lobe"];
+    let with = |more: &[&str]| picture(&[&lobe, more].concat());
+    assert_eq!(with(&[]), with(&["--theta", "30", "--lookup", "floor"]));
+    for more in [["--theta", "60"], ["--lookup", "centred"], ["--sampler", "half-vector"]] {
+        assert_ne!(with(&[]), with(&more), "{more:?}");
+    }
+    assert_ne!(
+        with(&["--sampler", "half-vector"]),
+        with(&["--sampler", "half-vector", "--table-size", "2KB"])
+    );
+    let several = with(&["--theta", "0,30", "--theta", "60"]);
+    assert!(
+        ["θ = 0°", "θ = 30°", "θ = 60°"].iter().all(|l| several.contains(&format!(">{l}<"))),
+        "{several}"
+    );
+    let disc = ["nickel", "--kind", "disc"];
+    let seeded = picture(&[&disc[..], &["--samples", "40", "--seed", "3"]].concat());
+    assert!(seeded.contains("40 directions drawn"), "{seeded}");
+    assert_ne!(seeded, picture(&[&disc[..], &["--samples", "40", "--seed", "4"]].concat()));
+    let cosine = picture(&[&disc[..], &["--sampler", "cosine", "--samples", "0"]].concat());
+    assert!(cosine.contains("no data"), "{cosine}");
+}
+
+#[test]
+fn files_have_a_default_name_and_are_replaced_with_force_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["plot", "teflon", "--kind", "slice"];
+    assert_eq!(succeeds(run_in(folder.path(), &arguments, "")), "");
+    let path = folder.path().join("teflon-slice.svg");
+    let svg = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(svg, picture(&arguments[1..]));
+    assert!(fails(run_in(folder.path(), &arguments, "")).contains("teflon-slice.svg"));
+    std::fs::write(&path, "old").unwrap();
+    let forced = [&arguments[..], &["--force"]].concat();
+    assert_eq!(succeeds(run_in(folder.path(), &forced, "")), "");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), svg);
+}
+
+#[test]
+fn mistakes_are_refused_with_what_to_do() {
+    for (arguments, expected) in [
+        (&["--kind", "lobe", "--theta", "90"][..], "0 to below 90"),
+        (&["--kind", "lobe", "--theta", "nan"], "0 to below 90"),
+        (&["--kind", "lobe", "--theta=-3"], "0 to below 90"),
+        (&["--kind", "lobe", "--theta", "1,2,3,4,5"], "at most 4"),
+        (&["--kind", "disc", "--theta", "1,2"], "at most 1"),
+        (&["--kind", "slice", "--theta", "3"], "--theta has no effect"),
+        (&["--kind", "albedo", "--lookup", "floor"], "--lookup has no effect"),
+        (&["--kind", "cdf", "--sampler", "cascade-cdf"], "--sampler has no effect"),
+        (&["--kind", "lobe", "--samples", "9"], "--samples has no effect"),
+        (&["--kind", "lobe", "--table-size", "2KB"], "name a --sampler"),
+        (&["--kind", "cdf", "--n-max", "3"], "--n-max"),
+        (&["--kind", "lobe", "-o", "lobe.png"], "SVG only"),
+        (&["--kind", "round"], "slice-rgb"),
+        (&[], "--kind"),
+    ] {
+        let text = fails(run(&[&["plot", "teflon"], arguments].concat(), ""));
+        assert!(text.contains(expected), "{arguments:?}: {text}");
+    }
+    assert!(fails(run(&["plot", "nikel", "--kind", "lobe"], "")).contains("nickel"));
+}
