@@ -2,6 +2,7 @@
 
 mod eval;
 mod materials;
+mod render;
 mod reports;
 mod run;
 mod samplers;
