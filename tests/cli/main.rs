@@ -3,6 +3,7 @@
 mod eval;
 mod materials;
 mod plot;
+mod render;
 mod reports;
 mod run;
 mod samplers;

@@ -1,0 +1,55 @@
+//! `render`: strategies and target errors.
+
+use crate::run::{fails, run_in, succeeds};
+
+const RENDER: [&str; 5] = ["render", "nickel", "--size", "24x24", "--force"];
+
+#[test]
+fn strategies_are_explained_and_differ() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |options: &[&str]| {
+        let text = succeeds(run_in(folder.path(), &[&RENDER[..], &["--spp", "4"], options].concat(), ""));
+        (text, std::fs::read(folder.path().join("render.exr")).unwrap())
+    };
+    let (text, ris) = picture(&["--strategy", "ris", "--explain"]);
+    let line = |name: &str| text.lines().find(|l| l.contains(name)).unwrap().to_owned();
+    assert!(line("| resampling").contains("| on"), "{text}");
+    assert!(line("| multiple importance").contains("| off"), "{text}");
+    assert!(ris == picture(&["--strategy", "ris", "--candidates", "8"]).1);
+    assert!(ris != picture(&["--strategy", "ris", "--candidates", "2"]).1);
+    let mis = picture(&[]).1;
+    assert!(mis == picture(&["--strategy", "mis", "--heuristic", "power"]).1);
+    assert!(mis != picture(&["--heuristic", "balance"]).1);
+}
+
+#[test]
+fn a_target_error_is_reached_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |options: &[&str]| succeeds(run_in(folder.path(), &[&RENDER[..], options].concat(), ""));
+    let tenth = text(&["--target-error", "0.1"]);
+    assert!(tenth.contains("estimated relative error") && tenth.contains("reached the target"), "{tenth}");
+    // But for the time, the same.
+    let last = |text: &str| text.lines().last().unwrap().to_owned();
+    assert_eq!(last(&text(&["--target-error", "10%"])), last(&tenth));
+    let short = text(&["--target-error", "0.001", "--max-spp", "32"]);
+    assert!(short.contains("did not reach the target: raise --max-spp 32"), "{short}");
+}
+
+#[test]
+fn options_of_other_strategies_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (options, expected) in [
+        (&["--candidates", "4"][..], "--candidates has no meaning with --strategy mis"),
+        (&["--strategy", "light", "--heuristic", "power"], "leave it out, or pass --strategy mis"),
+        (&["--strategy", "ris", "--candidates", "0"], "1..=65536"),
+        (&["--target-error", "-1"], "--target-error"),
+        (&["--target-error", "0"], "a share above 0"),
+        (&["--target-error", "0.1", "--spp", "4"], "cannot be used with"),
+        (&["--max-spp", "64"], "--target-error"),
+        (&["--target-error", "0.1", "--max-spp", "8"], "8 is not in 16.."),
+    ] {
+        let text = fails(run_in(folder.path(), &[&RENDER[..], options].concat(), ""));
+        assert!(text.contains(expected), "{options:?}: {text}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
