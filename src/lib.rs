@@ -3,7 +3,7 @@
 //! Data flows one way:
 //!
 //! ```text
-//! *.binary or embedded name → merl::MerlTable → brdf::Measured → sampler::{AdaptiveDisc, CascadeCdf} → sampler file
+//! *.binary or embedded name → merl::MerlTable → brdf::Measured → sampler::{HalfVectorTable, …, Lobe, Factored} → sampler file
 //! Brdf + DirectionSampler + light → render → image
 //! Brdf + DirectionSampler → measure → report
 //! ```

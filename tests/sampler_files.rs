@@ -12,14 +12,14 @@ use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice, Sampler,
-    SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, FactoredSettings, Factors,
+    HalfVectorSettings, LeafChoice, LobeKind, LobeSettings, Sampler, SamplerSpec,
 };
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
 use sha2::{Digest, Sha256};
 
-fn specs() -> [SamplerSpec; 6] {
+fn specs() -> [SamplerSpec; 9] {
     [
         SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { tables: 7, ..Default::default() }),
         SamplerSpec::CascadeCdf(CascadeCdfSettings { tables: 5, ..Default::default() }),
@@ -31,7 +31,15 @@ fn specs() -> [SamplerSpec; 6] {
         }),
         SamplerSpec::HalfVector(HalfVectorSettings::default()),
         SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1),
+        SamplerSpec::Lobe(LobeSettings::fitted(LobeKind::Ggx)),
+        SamplerSpec::Lobe(LobeSettings::fitted(LobeKind::AshikhminShirley)),
+        factored(),
     ]
+}
+
+fn factored() -> SamplerSpec {
+    let factors = Factors { outer: 3, inner: 2, theta: 40, phi: 12, half: true, floor: 0.01 };
+    SamplerSpec::Factored(FactoredSettings { tables: 5, factors: Some(factors), ..Default::default() })
 }
 
 fn built(spec: SamplerSpec, folder: &Path) -> (Sampler, Arc<Measured>, std::path::PathBuf) {
@@ -49,7 +57,7 @@ fn a_loaded_sampler_draws_the_same_bits() {
     for spec in specs() {
         let (fresh, _, path) = built(spec, folder.path());
         let (loaded, _) = SamplerFile::open(&path).unwrap().load(None).unwrap();
-        assert_eq!(loaded.spec(), spec);
+        assert_eq!(loaded.spec(), fresh.spec());
         assert_eq!(loaded.bytes(), fresh.bytes());
         for degrees in [0.0, 33.3, 71.0, 89.9] {
             let wo = spherical(f64::to_radians(degrees), 2.0).as_vec3();
@@ -423,6 +431,80 @@ fn forged_half_vector_tables_are_refused() {
     ];
     forgeries.extend(COMMON.into_iter().filter(|f| f.0 != "a floor above 1"));
     assert_each_is_refused(SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1), &forgeries);
+}
+
+#[test]
+fn forged_lobes_are_refused() {
+    let mut forgeries: Vec<Forgery> = vec![
+        ("another parameter", |f| f.set_f32("lobe.parameter", 0, 0.123), "parameters of the record"),
+        ("NaN for a parameter", |f| f.set_f32("lobe.parameter", 2, f32::NAN), "parameters of the record"),
+        ("a short tensor", |f| f.cut("lobe.parameter", 4), "3 values"),
+        ("no parameters", |f| f.settings("parameters", serde_json::Value::Null), "parameters of the record"),
+        ("another lobe", |f| f.settings("kind", "magic".into()), "metadata of a merlkit sampler"),
+        (
+            "parameters past their domain in both places",
+            |f| {
+                for i in 0..3 {
+                    f.set_f32("lobe.parameter", i, 0.0);
+                }
+                let zero = serde_json::json!({"along": 0.0, "across": 0.0, "diffuse": 0.0});
+                f.settings("parameters", zero);
+            },
+            "ggx with parameters 0, 0 and 0",
+        ),
+        (
+            "a missing tensor",
+            |f| {
+                f.tensors.remove("lobe.parameter");
+            },
+            "a tensor \"lobe.parameter\", found none",
+        ),
+        ("another type", |f| f.tensors.get_mut("lobe.parameter").unwrap().0 = Dtype::U32, "F32, found U32"),
+    ];
+    forgeries.extend(COMMON.into_iter().filter(|f| f.0 != "a floor above 1"));
+    assert_each_is_refused(specs()[6], &forgeries);
+}
+
+#[test]
+fn forged_factors_are_refused() {
+    let mut forgeries: Vec<Forgery> = vec![
+        ("NaN for a share", |f| f.set_f32("term.weight", 8, f32::NAN), "shares of table 1"),
+        ("a share below 0", |f| f.set_f32("term.weight", 8, -0.1), "shares of table 1"),
+        ("a share above 1", |f| f.set_f32("term.weight", 8, 1.5), "shares of table 1"),
+        (
+            "shares above 1 together",
+            |f| (6..12).for_each(|i| f.set_f32("term.weight", i, 0.3)),
+            "shares of table 1",
+        ),
+        (
+            "a term that can't be drawn",
+            |f| {
+                let row = f.u32("theta.start", 1) as usize;
+                (0..row).for_each(|i| f.set_u16("theta.cdf", i, 0));
+            },
+            "terms that can be drawn",
+        ),
+        ("a CDF that falls", |f| f.set_u16("phi.cdf", 3, 0), "phi curves"),
+        ("starts past the end", |f| f.set_u32("theta.start", 1, u32::MAX), "starts"),
+        ("a short tensor", |f| f.cut("term.weight", 4), "30 of 6 terms"),
+        ("another number of tables", |f| f.settings("tables", 6.into()), "36 of 6 terms"),
+        ("no tables", |f| f.settings("tables", 0.into()), "0 tables"),
+        ("more tables than can be", |f| f.settings("tables", u64::MAX.into()), "tables"),
+        ("no factors", |f| f.settings("factors", serde_json::Value::Null), "factors of a factored sampler"),
+        ("other cells", |f| f.record["spec"]["factors"]["theta"] = 41.into(), "theta curves over 41"),
+        ("another J", |f| f.record["spec"]["factors"]["outer"] = 4.into(), "of 8 terms"),
+        ("no J", |f| f.record["spec"]["factors"]["outer"] = 0.into(), "J is 0"),
+        ("a floor past 1", |f| f.record["spec"]["factors"]["floor"] = 1.5.into(), "floor is 1.5"),
+        (
+            "a missing tensor",
+            |f| {
+                f.tensors.remove("phi.cdf");
+            },
+            "a tensor \"phi.cdf\", found none",
+        ),
+    ];
+    forgeries.extend(COMMON.into_iter().filter(|f| f.0 != "a floor above 1"));
+    assert_each_is_refused(factored(), &forgeries);
 }
 
 /// A file of the given header, JSON, and bytes of tensors.

@@ -15,7 +15,7 @@ use crate::sampler::lobe::Nodes;
 use crate::sampler::{TableChoice, ThetaSpacing};
 
 /// Rounds of multiplicative updates; the divergence changes by some thousandths of itself after these.
-const ROUNDS: usize = 120;
+const ROUNDS: usize = 80;
 /// What is tried when the factors are not given: J, K, and cells over φw. θw has one cell a bin of MERL's.
 const TRIED: ([usize; 4], [usize; 3], [usize; 2]) = ([1, 2, 4, 8], [1, 2, 4], [16, 32]);
 const THETA: usize = 90;

@@ -16,6 +16,8 @@ const POINTS: usize = 34;
 /// Shapes, evenly spaced in the logarithm, and shares that the search starts from.
 const STARTS: (usize, [f32; 4]) = (9, [0.01, 0.1, 0.4, 0.9]);
 const MOST_STEPS: u64 = 120;
+/// What a black material is given: the cosine alone.
+const COSINE: LobeParameters = LobeParameters { along: 1.0, across: 1.0, diffuse: 1.0 };
 
 /// f_r·cosθ of a material at the nodes of a quadrature, for each of a few `wo`.
 pub(in crate::sampler) struct Nodes(Vec<View>);
@@ -99,8 +101,7 @@ impl Search<'_> {
             shares.map(|diffuse| LobeParameters { along: shape, across: shape, diffuse })
         });
         let costs = points.map(|p| (p, self.cost_of(&p)));
-        let first = LobeParameters { along: 1.0, across: 1.0, diffuse: 0.9 };
-        costs.fold((first, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
+        costs.fold((COSINE, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
     }
 }
 
@@ -115,6 +116,9 @@ impl CostFunction for Search<'_> {
 
 /// The parameters found by Nelder and Mead's simplex (1965) from the best of a grid; never worse than that.
 pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
+    if nodes.0.is_empty() {
+        return COSINE;
+    }
     let search = Search { kind, nodes };
     let (start, start_cost) = search.start();
     let origin = search.coordinates(&start);

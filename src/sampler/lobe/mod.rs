@@ -113,7 +113,8 @@ pub struct Lobe {
 
 impl Lobe {
     /// The lobe with the parameters given, or else those that make the weights f_r·cosθ/pdf most even: the least mean over
-    /// six angles of `wo` of ln(E\[w²\]/E\[w\]²), by quadrature. A black material keeps the fit's starting point.
+    /// six angles of `wo` of ln(E\[w²\]/E\[w\]²), by quadrature. A black material is given
+    /// the cosine alone.
     ///
     /// # Errors
     /// [`Error::Argument`] for parameters outside their domains.
