@@ -42,7 +42,7 @@ fn options_of_other_strategies_are_refused() {
         (&["--candidates", "4"][..], "--candidates has no meaning with --strategy mis"),
         (&["--strategy", "light", "--heuristic", "power"], "leave it out, or pass --strategy mis"),
         (&["--strategy", "ris", "--candidates", "0"], "1..=65536"),
-        (&["--target-error", "-1"], "--target-error"),
+        (&["--target-error=-1"], "a share above 0"),
         (&["--target-error", "0"], "a share above 0"),
         (&["--target-error", "0.1", "--spp", "4"], "cannot be used with"),
         (&["--max-spp", "64"], "--target-error"),
