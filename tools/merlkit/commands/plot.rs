@@ -13,7 +13,7 @@ use merlkit::merl::{Material, THETA_D_BINS, THETA_H_BINS};
 use merlkit::plot::{
     Axis, Caption, Disc, DiscMark, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale, Series,
 };
-use merlkit::sampler::{CascadeCdf, CascadeCdfSettings, Sampler, SamplerSpec};
+use merlkit::sampler::{CascadeCdf, CascadeCdfSettings, Marginal, Sampler, SamplerSpec};
 
 use crate::args;
 use crate::failure::Outcome;
@@ -330,22 +330,7 @@ impl Subject<'_> {
             Sampler::AdaptiveDisc(disc) => views::leaf_outlines(disc, theta),
             _ => (Vec::new(), theta),
         };
-        let leaves = match cells.len() {
-            0 => String::new(),
-            count => format!("{count} squares of the tree at {tree:.1}°; a dot is one below a pixel"),
-        };
-        let lost = if failed == 0 { String::new() } else { format!(", {failed} more failed") };
-        let drawn =
-            if samples == 0 { String::new() } else { format!("{} directions drawn{lost}", points.len()) };
-        let mark = |sign: f64, label: &str| DiscMark {
-            at: (sign * theta.to_radians().sin(), 0.0),
-            label: label.into(),
-        };
-        let marks = if theta == 0.0 {
-            vec![mark(0.0, "wo and mirror")]
-        } else {
-            vec![mark(-1.0, "wo"), mark(1.0, "mirror")]
-        };
+        let labels = [leaves_label(cells.len(), tree), draws_label(points.len(), failed)];
         let caption = Caption::new(
             format!("{}: {} at θ = {theta}°", self.name, spec.name()),
             format!(
@@ -356,7 +341,7 @@ impl Subject<'_> {
         );
         let pairs = |points: Vec<DVec2>| points.into_iter().map(|p| (p.x, p.y)).collect();
         let cells = cells.into_iter().map(pairs).collect();
-        Ok(Disc { caption, cells, points: pairs(points), marks, labels: [leaves, drawn] }.svg())
+        Ok(Disc { caption, cells, points: pairs(points), marks: ends(theta), labels }.svg())
     }
 
     fn cdf(&self) -> Result<String, Error> {
@@ -367,22 +352,7 @@ impl Subject<'_> {
         let whole = CascadeCdf::build(&*self.brdf, CascadeCdfSettings { tolerance: None, ..settings })?;
         let mut series = Vec::new();
         for (i, theta) in self.thetas.iter().map(|t| t.to_radians()).enumerate() {
-            let (before, after) = (whole.marginal(theta), stored.marginal(theta));
-            let degrees =
-                |points: Vec<(f64, f64)>| points.into_iter().map(|p| (p.0.to_degrees(), p.1)).collect();
-            let at = format!("θ = {:.1}°", before.theta_o.to_degrees());
-            let line = |label, points, style| Series {
-                label,
-                points,
-                style,
-                marks: Marks::None,
-                ..Series::default()
-            };
-            let counts = [before.knots.len(), after.knots.len()];
-            series.push(line(format!("{at}, {} knots", counts[0]), degrees(before.curve), 5 * i));
-            series.push(line(format!("{at}, compressed"), degrees(after.curve), 5 * i + 1));
-            let knots = line(format!("{at}, its {} knots", counts[1]), degrees(after.knots), 5 * i + 1);
-            series.push(Series { marks: Marks::Only, ..knots });
+            series.extend(before_and_after(whole.marginal(theta), stored.marginal(theta), 5 * i));
         }
         let caption = Caption::new(
             format!("{}: CDF over θh before and after compression", self.name),
@@ -413,6 +383,46 @@ impl Subject<'_> {
         let y = Axis::new("directional albedo", Scale::Linear).with_range(0.0, greatest * 1.08);
         Lines { caption, x, y, series }.svg()
     }
+}
+
+/// A CDF with all knots, compressed, and the knots that are left.
+fn before_and_after(before: Marginal, after: Marginal, style: usize) -> [Series; 3] {
+    let at = format!("θ = {:.1}°", before.theta_o.to_degrees());
+    let series = |label, points: Vec<(f64, f64)>, style, marks| {
+        let points = points.into_iter().map(|p| (p.0.to_degrees(), p.1)).collect();
+        Series { label, points, style, marks, ..Series::default() }
+    };
+    let (all, left) = (before.knots.len(), after.knots.len());
+    [
+        series(format!("{at}, {all} knots"), before.curve, style, Marks::None),
+        series(format!("{at}, compressed"), after.curve, style + 1, Marks::None),
+        series(format!("{at}, its {left} knots"), after.knots, style + 1, Marks::Only),
+    ]
+}
+
+fn leaves_label(count: usize, tree: f64) -> String {
+    match count {
+        0 => String::new(),
+        _ => format!("{count} squares of the tree at {tree:.1}°; a dot is one below a pixel"),
+    }
+}
+
+fn draws_label(drawn: usize, failed: usize) -> String {
+    match (drawn, failed) {
+        (0, 0) => String::new(),
+        (_, 0) => format!("{drawn} directions drawn"),
+        _ => format!("{drawn} directions drawn, {failed} more failed"),
+    }
+}
+
+/// `wo` and its mirror direction on the disc.
+fn ends(theta: f64) -> Vec<DiscMark> {
+    let reach = theta.to_radians().sin();
+    let mark = |x: f64, label: &str| DiscMark { at: (x, 0.0), label: label.into() };
+    if theta == 0.0 {
+        return vec![mark(0.0, "wo and mirror")];
+    }
+    vec![mark(-reach, "wo"), mark(reach, "mirror")]
 }
 
 /// A lobe whose greatest value is so many times its mean over angles is drawn under a root.
