@@ -1,5 +1,6 @@
 //! The command line as a user types it.
 
+mod compare;
 mod eval;
 mod materials;
 mod plot;

@@ -170,3 +170,23 @@ fn settings_out_of_range_are_errors() {
         assert!(matches!(spec.build(&brdf), Err(merlkit::Error::Argument { .. })), "{spec:?}");
     }
 }
+
+/// A draw that rounding takes across the edge of the only bin with light would have the floor's density alone, and a weight
+/// of 10⁷ where the mean is 10⁻³.
+#[test]
+fn no_weight_is_beyond_all_bounds_where_light_ends_at_an_edge() {
+    let table = Arc::new(merlkit::merl::HardCase::named("one-row").unwrap().table());
+    let brdf = Arc::new(Measured::new(table, LookupRule::Floor));
+    let settings = AdaptiveDiscSettings { tables: 3, ..Default::default() };
+    let disc = SamplerSpec::AdaptiveDisc(settings).build(&brdf).unwrap();
+    let wo = spherical(60.25f64.to_radians(), 2.5).as_vec3();
+    let (mut heaviest, mut lost) = (0.0f32, 0);
+    for i in 0..100_000 {
+        match disc.sample(wo, PointSet::Random.point(1, i, 0)) {
+            Some(s) => heaviest = heaviest.max(brdf.eval_cos(wo, s.wi).x / s.pdf),
+            None => lost += 1,
+        }
+    }
+    assert!(heaviest > 1e-4 && heaviest < 1e-1, "{heaviest}");
+    assert!(lost < 100, "{lost}");
+}

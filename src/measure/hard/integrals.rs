@@ -71,7 +71,7 @@ fn at(
     let (mass, rough) = (fine.spread(SCALAR).pdf_integral, coarse.spread(SCALAR).pdf_integral);
     let lost = (1.0 - mass).clamp(failed, 1.0);
     let chance = if failed > 0.0 { bernstein(lost * (1.0 - lost), 1.0) } else { 0.0 };
-    let bound = PDF_INTEGRAL + (mass - rough).abs() + chance;
+    let bound = PDF_INTEGRAL + 2.0 * (mass - rough).abs() + chance;
     let mass = subject.outcome(
         hard.name,
         HardCheck::PdfIntegral,

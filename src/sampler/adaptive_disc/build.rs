@@ -24,7 +24,7 @@ fn points_a_side(leaves: LeafChoice) -> usize {
 const NORMALISER_STEP: f64 = 5e-4;
 /// Bounds that exceed ∫ f by this factor, where leaves were split until there were no more to be had, mean that ∫ f may have
 /// missed what they are bounds of: spikes narrower than the lattices that agreed.
-const SUSPECT: f64 = 8.0;
+const SUSPECT: f64 = 4.0;
 /// Points in each bin of θh then.
 const FINEST: usize = 10_946;
 /// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
