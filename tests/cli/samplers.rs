@@ -119,7 +119,10 @@ fn bad_settings_name_the_option() {
         (&["--sampler", "adaptive-disc", "--grid", "4"], "4 pixels"),
         (&["--sampler", "cascade-cdf", "--resolution", "1024"], "--resolution <THETAxPHI>"),
         (&["--sampler", "cascade-cdf", "--tolerance", "nan"], "tolerance"),
-        (&["--sampler", "magic"], "[possible values: half-vector, adaptive-disc, cascade-cdf, cosine]"),
+        (
+            &["--sampler", "magic"],
+            "[possible values: half-vector, adaptive-disc, cascade-cdf, cosine, cosine-lobe",
+        ),
     ];
     for (settings, expected) in cases {
         let output = run(&[&sample, settings].concat(), "");

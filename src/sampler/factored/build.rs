@@ -19,7 +19,8 @@ const ROUNDS: usize = 80;
 /// What is tried when the factors are not given: J, K, and cells over φw. θw has one cell a bin of MERL's.
 const TRIED: ([usize; 4], [usize; 3], [usize; 2]) = ([1, 2, 4, 8], [1, 2, 4], [16, 32]);
 const THETA: usize = 90;
-/// Shares of cosine that are tried for the best of those.
+/// The share of cosine that those are tried with, and what is tried for the best of them.
+const FIRST_FLOOR: f64 = 0.01;
 const FLOORS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
 
 /// The sampler of the given factors.
@@ -29,40 +30,45 @@ pub(super) fn factored(brdf: &dyn Brdf, settings: FactoredSettings, factors: Fac
     Factored::from_parts(settings, terms(&outer, &factors))
 }
 
-/// The sampler of those factors that make weights most even, by the measure that lobes are fitted by. The first, that is the
-/// smallest, of equals.
+/// The sampler of those factors that make weights most even, by the measure that lobes are fitted by. The first of equals, that
+/// is the smallest; for a black material, the smallest of all.
 pub(super) fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factored> {
+    let least = Factors { outer: 1, inner: 1, theta: THETA, phi: TRIED.2[0], half: true, floor: FIRST_FLOOR };
+    let smallest = factored(brdf, FactoredSettings { factors: Some(least), ..settings }, least)?;
     let nodes = Nodes::of(brdf, settings.importance);
-    let (outer, inner, phi) = TRIED;
-    let floor = FLOORS[2];
-    let mut grids = Vec::new();
-    for phi in phi {
-        for half in [true, false] {
-            let factors = Factors { outer: 1, inner: 1, theta: THETA, phi, half, floor };
-            grids.push((factors, grid(brdf, &settings, &factors)?));
-        }
+    if nodes.is_empty() {
+        return Ok(smallest);
     }
-    let jobs: Vec<(&(Factors, Array2<f64>), usize)> =
-        grids.iter().flat_map(|g| outer.map(|j| (g, j))).collect();
     let rate = |factors: Factors, terms: Terms| {
         let settings = FactoredSettings { factors: Some(factors), ..settings };
         let sampler = Factored::from_parts(settings, terms)?;
         Ok((nodes.unevenness(|wo, wi| sampler.density(wo, wi)), sampler))
     };
+    let grids = grids(brdf, &settings, least)?;
+    let jobs: Vec<_> = grids.iter().flat_map(|grid| TRIED.0.map(|outer| (grid, outer))).collect();
     let of_job = |&((base, grid), outer): &(&(Factors, Array2<f64>), usize)| {
         let found = Factorisation::of(grid, outer);
-        let each = inner.map(|inner| Factors { outer, inner, ..*base });
+        let each = TRIED.1.map(|inner| Factors { outer, inner, ..*base });
         first_least(each.into_iter().map(|f| rate(f, terms(&found, &f))))
     };
     let each: Vec<Result<Option<(f64, Factored)>>> = jobs.par_iter().map(of_job).collect();
     let chosen = first_least(each.into_iter().filter_map(Result::transpose))?;
-    let base = Factors { outer: 1, inner: 1, theta: THETA, phi: phi[0], half: true, floor };
-    let Some((_, sampler)) = chosen else {
-        return factored(brdf, FactoredSettings { factors: Some(base), ..settings }, base);
-    };
-    let floors =
-        FLOORS.iter().map(|&floor| rate(Factors { floor, ..sampler.factors }, sampler.terms.clone()));
-    Ok(first_least(floors)?.map_or(sampler.clone(), |best| best.1))
+    let Factored { factors, terms, .. } = chosen.map_or(smallest, |best| best.1);
+    let floors = FLOORS.map(|floor| rate(Factors { floor, ..factors }, terms.clone()));
+    match first_least(floors.into_iter())? {
+        Some((_, sampler)) => Ok(sampler),
+        None => rate(factors, terms).map(|rated| rated.1),
+    }
+}
+
+/// The grids that are factored, by cells over φw and by what w is.
+fn grids(
+    brdf: &dyn Brdf,
+    settings: &FactoredSettings,
+    least: Factors,
+) -> Result<Vec<(Factors, Array2<f64>)>> {
+    let each = TRIED.2.into_iter().flat_map(|phi| [true, false].map(|half| Factors { phi, half, ..least }));
+    each.map(|factors| Ok((factors, grid(brdf, settings, &factors)?))).collect()
 }
 
 /// The first of the least of what is rated.

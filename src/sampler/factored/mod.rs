@@ -91,9 +91,9 @@ impl FactoredSettings {
 pub(super) struct Terms {
     /// Probability of each term, `[table][term]`; a row adds up to 1, or to 0 where the material is black.
     pub weights: Vec<f32>,
-    /// One curve over θw a term.
+    /// One curve over θw a term, with a knot at every edge of a cell.
     pub theta: Curves,
-    /// One curve over φw a term.
+    /// One curve over φw a term, likewise.
     pub phi: Curves,
 }
 
@@ -157,8 +157,9 @@ impl Factored {
         let b = (azimuth * (1.0 / TAU)).rem_euclid(1.0);
         let cells = [self.factors.theta as f64, self.factors.phi as f64];
         let slope = |curves: &Curves, l: usize, x: f64| {
+            // Every cell has a knot, so that pieces are one wide.
             let piece = curves.at(l, x);
-            (piece.c1 - piece.c0) / (piece.x1 - piece.x0)
+            piece.c1 - piece.c0
         };
         let (mut sum, mut shares) = (0.0, 0.0);
         for l in 0..self.factors.terms() {
@@ -181,7 +182,7 @@ impl Factored {
     fn draw(&self, wo: DVec3, l: usize, u: DVec2) -> DVec3 {
         let invert = |curves: &Curves, u: f64| {
             let s = curves.find(l, u);
-            s.x0 + ((u - s.c0) / (s.c1 - s.c0)).clamp(0.0, 1.0) * (s.x1 - s.x0)
+            s.x0 + ((u - s.c0) / (s.c1 - s.c0)).clamp(0.0, 1.0)
         };
         let a = invert(&self.terms.theta, u.x) / self.factors.theta as f64;
         let b = invert(&self.terms.phi, u.y) / self.factors.phi as f64;

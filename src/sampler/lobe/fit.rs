@@ -49,6 +49,11 @@ impl Nodes {
         Self(views.into_iter().filter(|v| v.albedo > 0.0).collect())
     }
 
+    /// Whether the material is black at all angles.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Mean over the angles of ln(E\[w²\]/E\[w\]²) of draws with density `pdf(wo, wi)`; 0 for a black material.
     pub fn unevenness(&self, pdf: impl Fn(Vec3, Vec3) -> f64 + Sync) -> f64 {
         let of = |view: &View| {
@@ -116,7 +121,7 @@ impl CostFunction for Search<'_> {
 
 /// The parameters found by Nelder and Mead's simplex (1965) from the best of a grid; never worse than that.
 pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
-    if nodes.0.is_empty() {
+    if nodes.is_empty() {
         return COSINE;
     }
     let search = Search { kind, nodes };

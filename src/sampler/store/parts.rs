@@ -340,6 +340,12 @@ pub(super) fn read_factored(tensors: &Tensors, settings: FactoredSettings) -> Re
         theta: read_curves(tensors, "theta", factors.theta)?,
         phi: read_curves(tensors, "phi", factors.phi)?,
     };
+    for (name, curves) in [("theta", &terms.theta), ("phi", &terms.phi)] {
+        if !curves.positions.is_empty() {
+            let found = format!("{} positions", curves.positions.len());
+            return Err(tensors.invalid_in(&format!("{name}.position"), 0, "knots at every cell", found));
+        }
+    }
     let count = factors.terms();
     for (name, expected, found) in [
         ("theta.start", count, terms.theta.len()),
