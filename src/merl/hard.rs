@@ -16,6 +16,8 @@ pub struct HardCase {
     pub about: &'static str,
     /// Whether light stands in the first bin of θh alone, 0.011° wide.
     pub is_narrow: bool,
+    /// Whether neighbouring cells differ by 10¹² and more, so that no quadrature settles.
+    pub is_torn: bool,
     /// Bins of φd: 180 or 360.
     phi_d_bins: usize,
     /// f_r by bin `(theta_h, theta_d, phi_d)`; may be negative, NaN or infinite.
@@ -33,7 +35,7 @@ impl HardCase {
         case("constant", "the same everywhere", |_, _, _| [0.2, 0.25, 0.3]),
         case("bright", "albedo of 9", |_, _, _| [3.0; 3]),
         narrow("peak", "a highlight of 1e8 times the mean value", |h, _, _| grey(h == 0, 1e6, 1e-4)),
-        case("spikes", "one cell in 5000 is 1e12 times the others", |h, d, p| {
+        torn("spikes", "one cell in 5000 is 1e12 times the others", |h, d, p| {
             grey(noise(h, d, p, 0) < 1.0 / 5000.0, 1e10, 1e-2)
         }),
         case("islands", "zeros in 15 % of the cells, in patches", |h, d, p| {
@@ -50,6 +52,7 @@ impl HardCase {
             name: "asymmetric-360",
             about: "1000 times brighter for phi_d below 180 degrees, 360 bins of phi_d",
             is_narrow: false,
+            is_torn: false,
             phi_d_bins: 360,
             value: |_, _, p| grey(p < 180, 0.6, 0.0006),
         },
@@ -63,7 +66,7 @@ impl HardCase {
         case("largest", "cells within a part in a hundred of f32's largest, 3.4e38", |h, d, p| {
             [f64::from(f32::MAX) * (1.0 - 0.01 * noise(h, d, p, 0)); 3]
         }),
-        case("every-magnitude", "cells spread evenly in the logarithm from 1e-38 to 1e38", |h, d, p| {
+        torn("every-magnitude", "cells spread evenly in the logarithm from 1e-38 to 1e38", |h, d, p| {
             [10f64.powf(76.0 * noise(h / 5, d / 5, p / 10, 0) - 38.0); 3]
         }),
     ];
@@ -105,7 +108,7 @@ const fn case(
     about: &'static str,
     value: fn(usize, usize, usize) -> [f64; 3],
 ) -> HardCase {
-    HardCase { name, about, is_narrow: false, phi_d_bins: 180, value }
+    HardCase { name, about, is_narrow: false, is_torn: false, phi_d_bins: 180, value }
 }
 
 const fn narrow(
@@ -114,6 +117,14 @@ const fn narrow(
     value: fn(usize, usize, usize) -> [f64; 3],
 ) -> HardCase {
     HardCase { is_narrow: true, ..case(name, about, value) }
+}
+
+const fn torn(
+    name: &'static str,
+    about: &'static str,
+    value: fn(usize, usize, usize) -> [f64; 3],
+) -> HardCase {
+    HardCase { is_torn: true, ..case(name, about, value) }
 }
 
 fn grey(one: bool, yes: f64, no: f64) -> [f64; 3] {
