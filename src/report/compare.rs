@@ -37,7 +37,12 @@ pub(super) fn by_time(curves: &[Curve]) -> Vec<&Curve> {
 /// "12 µs (340)", with "~" where the samples are extrapolated.
 fn cost(reach: &Reach) -> String {
     let about = if reach.extrapolated { "~" } else { "" };
-    format!("{about}{} ({:.3e})", duration(reach.seconds[1]), reach.samples)
+    format!("{about}{} ({})", duration(reach.seconds[1]), count(reach.samples))
+}
+
+/// Samples, as a whole number while it can be read.
+pub(super) fn count(samples: f64) -> String {
+    if samples < 1e6 { format!("{:.0}", samples.ceil()) } else { format!("{samples:.1e}") }
 }
 
 /// Seconds in the unit that suits them.

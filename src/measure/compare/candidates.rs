@@ -33,11 +33,6 @@ impl Competitor {
             technique => format!("{} of light and {}", technique.name(), self.spec.name()),
         }
     }
-
-    /// Whether it is one of ours or of the thesis, not of those they are compared with.
-    pub fn has_tables(&self) -> bool {
-        !matches!(self.spec, SamplerSpec::Cosine | SamplerSpec::Lobe(_))
-    }
 }
 
 /// The half-vector table of a preset's name.

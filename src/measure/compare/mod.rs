@@ -20,7 +20,7 @@ mod verdict;
 pub use candidates::{Competitor, competitors, picture_competitors};
 pub use picture::{
     LIT_FROM, Named, PICTURE_SAMPLES, PictureErrors, PicturePlan, PictureReference, PictureResult, SceneKind,
-    picture_errors, picture_reference, pictures, render_with,
+    picture_errors, picture_reference, pictures,
 };
 pub use point::{Curve, ErrorPoint, PointPlan, Reference, THESIS_SAMPLES, curve, references};
 pub use setting::{Knob, RMSE_SAMPLES, Setting, knobs, setting};

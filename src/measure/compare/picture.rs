@@ -171,7 +171,7 @@ fn png(image: &Image) -> Result<Vec<u8>> {
     encode_png(image.width(), image.height(), &encode_srgb(image, 0.0))
 }
 
-/// One sampler a material, for [`render_with`].
+/// One sampler a material.
 fn build(materials: &[Named], spec: &SamplerSpec) -> Result<Vec<Arc<Sampler>>> {
     materials.iter().map(|(_, brdf)| spec.build(brdf).map(Arc::new)).collect()
 }
@@ -210,10 +210,7 @@ pub fn pictures(
 }
 
 /// Renders `scene` and times it; loading and building are not counted.
-///
-/// # Errors
-/// Those of building the scene and of [`render()`].
-pub fn render_with(
+fn render_with(
     scene: SceneKind,
     materials: &[Named],
     samplers: &[Arc<Sampler>],
