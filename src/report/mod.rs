@@ -3,6 +3,7 @@
 //! JSON keeps full precision and fixed units, whatever a table on the screen shows. Where the output goes is the caller's
 //! business.
 
+mod charts;
 mod check;
 mod compare;
 mod hard;
@@ -14,6 +15,7 @@ mod summary;
 mod thesis;
 mod tune;
 
+pub use charts::{ChartSubject, material_charts};
 pub use check::CheckResult;
 pub use compare::{comparison_csv, targets};
 pub use hard::HardSheets;

@@ -15,7 +15,7 @@ use merlkit::measure::compare::{
 };
 use merlkit::measure::cost::time;
 use merlkit::merl::Material;
-use merlkit::report::{comparison_csv, comparison_page, targets, write_json};
+use merlkit::report::{comparison_csv, comparison_page, material_charts, targets, write_json};
 
 use crate::failure::Outcome;
 use crate::journal::Journal;
@@ -156,8 +156,13 @@ impl Run {
         for (name, brdf) in &named[..settings_of(&self.plan, named.len())] {
             settings.push(self.settings(name, brdf)?);
         }
+        let mut charts = Vec::new();
+        for (name, brdf) in &named {
+            charts.push(self.journal.recall_or(&format!("charts/{name}"), || material_charts(name, brdf))?);
+            self.progress.advance();
+        }
         let threads = rayon::current_num_threads();
-        Ok(Comparison { plan: self.plan.clone(), threads, materials, pictures, settings })
+        Ok(Comparison { plan: self.plan.clone(), threads, materials, pictures, settings, charts })
     }
 
     /// The lit point.
@@ -247,5 +252,6 @@ fn settings_of(plan: &ComparisonPlan, materials: usize) -> usize {
 fn parts(plan: &ComparisonPlan, materials: usize) -> usize {
     let pictures = scenes(plan.quick).len() * materials * picture_competitors(plan.quick).len();
     let settings = settings_of(plan, materials) * knobs(plan.quick, plan.lookup).len();
-    materials * competitors(plan.quick).len() + pictures + settings
+    let charts = materials;
+    materials * competitors(plan.quick).len() + pictures + settings + charts
 }
