@@ -15,7 +15,9 @@ use merlkit::measure::compare::{
 };
 use merlkit::measure::cost::time;
 use merlkit::merl::Material;
-use merlkit::report::{comparison_csv, comparison_page, material_charts, targets, write_json};
+use merlkit::report::{
+    ComparisonDocument, comparison_csv, comparison_page, material_charts, targets, write_json,
+};
 
 use crate::failure::Outcome;
 use crate::journal::Journal;
@@ -79,7 +81,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let mut run = Run::new(args)?;
     let comparison = run.comparison()?;
-    write(&json, overwrite, |out| write_json(out, "compare", &comparison))?;
+    write(&json, overwrite, |out| write_json(out, "compare", &ComparisonDocument::new(&comparison)))?;
     write(&csv, overwrite, |out| comparison_csv(&comparison).write_csv(out))?;
     write(&page, overwrite, |out| out.write_all(comparison_page(&comparison).as_bytes()))?;
     let Run { journal, progress, .. } = run;
