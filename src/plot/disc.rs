@@ -120,7 +120,7 @@ const POINTS: Style = Style(0);
 
 /// Pixel of a place; `None` unless it is near the disc.
 fn pixel((x, y): (f64, f64)) -> Option<(f64, f64)> {
-    (x.abs() <= 1.01 && y.abs() <= 1.01).then(|| (CENTRE.0 + RADIUS * x, CENTRE.1 - RADIUS * y))
+    (x.abs() <= 1.01 && y.abs() <= 1.01).then_some((CENTRE.0 + RADIUS * x, CENTRE.1 - RADIUS * y))
 }
 
 fn draw_mark(svg: &mut Svg, mark: &DiscMark) {

@@ -95,8 +95,9 @@ impl ChartSubject {
             }
             None => "f·cos θi, the mean of red, green and blue".into(),
         };
+        let of = self.sampler.as_ref().map_or(String::new(), |s| format!(" and {}", s.spec().name()));
         Caption::new(
-            format!("{}: lobe at θ = {} ({} lookup)", self.name, self.angles(), self.rule()),
+            format!("{}: lobe{of} at θ = {} ({} lookup)", self.name, self.angles(), self.rule()),
             format!(
                 "Over the polar angle of the light direction wi in the plane of incidence, in sr⁻¹: {shown}. \
                  The viewer wo stands at −θ, its mirror direction at θ."
@@ -124,7 +125,12 @@ impl ChartSubject {
 
     /// The same in polar coordinates.
     pub fn lobe_polar(&self) -> String {
-        let curves = self.curves();
+        let mut caption = self.lobe_caption();
+        let mut curves = self.curves();
+        if self.sampler.is_some() {
+            cut(&mut curves);
+            caption.description.push_str(" Densities end at twice the greatest ideal one.");
+        }
         // A narrow lobe on an even scale is a line, and nothing beside it.
         let mean = curves.iter().map(|c| mean(&c.curve)).sum::<f64>() / curves.len().max(1) as f64;
         let scale = if greatest(&curves) > PEAKED * mean { Scale::Root } else { Scale::Linear };
@@ -132,7 +138,7 @@ impl ChartSubject {
         let curves =
             curves.into_iter().map(|c| PolarCurve { label: c.label, points: c.curve, style: c.style });
         let curves = curves.collect();
-        Polar { caption: self.lobe_caption(), radius, curves, wo: self.thetas.clone() }.svg()
+        Polar { caption, radius, curves, wo: self.thetas.clone() }.svg()
     }
 
     /// The table at φd = 90° over θh and θd, as colours for values.
@@ -266,6 +272,15 @@ impl ChartSubject {
 /// A lobe whose greatest value is so many times its mean over angles is drawn under a root.
 const PEAKED: f64 = 8.0;
 
+/// Ends densities at twice the greatest ideal one: a peak that runs away at the mirror direction would hide the rest. `curves`
+/// are ideal densities and samplers' by turns.
+fn cut(curves: &mut [Named]) {
+    let ideal = curves.iter().step_by(2).flat_map(|c| &c.curve).map(|p| p.1).fold(0.0, f64::max);
+    if ideal > 0.0 {
+        curves.iter_mut().flat_map(|c| &mut c.curve).for_each(|p| p.1 = p.1.min(2.0 * ideal));
+    }
+}
+
 fn greatest(curves: &[Named]) -> f64 {
     curves.iter().flat_map(|c| &c.curve).map(|p| p.1).fold(0.0, f64::max)
 }
@@ -306,7 +321,8 @@ pub fn material_charts(name: &str, brdf: &Arc<Measured>) -> Result<MaterialChart
     let mut charts = MaterialCharts {
         material: name.into(),
         theta_o_deg: SHOWN_DEG,
-        densities: vec![lobes.lobe_polar()],
+        lobe: lobes.lobe_polar(),
+        densities: Vec::new(),
         discs: Vec::new(),
     };
     let shown = [

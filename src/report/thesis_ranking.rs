@@ -7,7 +7,7 @@ use crate::measure::compare::{Comparison, Competitor, PictureComparison, SceneKi
 use crate::measure::convergence::Technique;
 use crate::sampler::{HalfVectorSettings, LobeKind, SamplerSpec};
 
-/// The thesis's name for a sampler, what stands beside it here, and how that is told.
+/// The thesis's name for a sampler, empty for one that is new; what stands beside it here, and how that is told.
 struct Pair {
     thesis: &'static str,
     ours: &'static str,
@@ -45,12 +45,14 @@ const OF_SCENE_2: [Pair; 6] = [
     HALF_VECTOR,
 ];
 
-const OF_SCENE_6: [Pair; 5] = [
+const OF_SCENE_6: [Pair; 7] = [
     pair("uniform_ris", "cosine with RIS", |c| {
         matches!(c.technique, Technique::Ris(_)) && c.spec == SamplerSpec::Cosine
     }),
     FACTORED,
+    pair("factored_ris", "factored with RIS", |_| false),
     DISC,
+    pair("adaptive_disc_ris", "adaptive disc with RIS", |_| false),
     HALF_VECTOR,
     pair("", "half-vector with RIS", |c| matches!(c.technique, Technique::Ris(_)) && is_half_vector(&c.spec)),
 ];

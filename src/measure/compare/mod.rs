@@ -76,7 +76,9 @@ pub struct MaterialCharts {
     pub material: String,
     /// Polar angle of `wo` on the discs and beside the samplers' densities, degrees.
     pub theta_o_deg: f64,
-    /// The lobe at several angles, then by sampler the ideal density and the sampler's, in polar coordinates.
+    /// The lobe at several angles, in polar coordinates.
+    pub lobe: String,
+    /// By sampler, the ideal density and the sampler's in the same coordinates.
     pub densities: Vec<String>,
     /// By sampler, the disc with directions it draws, and its leaves where it has some.
     pub discs: Vec<String>,

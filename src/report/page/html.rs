@@ -20,17 +20,28 @@ pub(super) fn subheading(text: &str) -> String {
 
 /// A table of a sheet, whose first column names the rows.
 pub(super) fn table(caption: &str, sheet: &Sheet) -> String {
-    let heading: String = sheet.heading.iter().map(|h| column_head(h, "")).collect();
+    let words: Vec<&str> =
+        (0..sheet.heading.len()).map(|i| if is_text(sheet, i) { WORDS } else { "" }).collect();
+    let heading: String = sheet.heading.iter().zip(&words).map(|(h, class)| column_head(h, class)).collect();
     let row = |cells: &Vec<String>| {
         let cells = cells.iter().map(|c| escape(c)).enumerate();
         let cell = |(i, text): (usize, String)| match i {
             0 => format!("<th scope=\"row\">{text}</th>"),
-            _ => format!("<td>{text}</td>"),
+            _ => format!("<td{}>{text}</td>", words.get(i).unwrap_or(&"")),
         };
         format!("<tr>{}</tr>\n", cells.map(cell).collect::<String>())
     };
     let body: String = sheet.rows.iter().map(row).collect();
     framed(caption, &format!("<tr>{heading}</tr>\n"), &body)
+}
+
+/// Marks columns of words, which begin on the left.
+const WORDS: &str = " class=\"words\"";
+
+/// Whether no cell of a column is a figure.
+fn is_text(sheet: &Sheet, column: usize) -> bool {
+    let first = |row: &Vec<String>| row.get(column).and_then(|cell| cell.chars().next());
+    sheet.rows.iter().all(|row| first(row).is_some_and(char::is_alphabetic))
 }
 
 /// A heading of a column; `attributes` begin with a space.

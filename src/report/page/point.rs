@@ -14,7 +14,8 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     }
     let note = "Relative RMSE of the lit point over all angles and seeds, on logarithmic scales. Of each kind of sampler the \
                 quickest to 1 % is shown; those that sample the light too have charts of their own, beside the quickest \
-                that does not. Bands hold the true error with 95 %. In brackets the fitted slope: −0.5 is plain Monte \
+                that does not. Bands hold the true error with 95 %; where one reaches below a third of the error found, it is \
+                drawn to there. In brackets the fitted slope: −0.5 is plain Monte \
                 Carlo, −1 halves the error with twice the samples.";
     Section::new("point", "Error against samples and seconds", paragraph(note) + &all)
 }
@@ -33,6 +34,14 @@ impl Across {
             Self::Samples => "samples N",
             Self::Seconds => "seconds of an estimate, one thread",
             Self::SecondsWithBuild => "seconds of an estimate and of building the sampler",
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::Seconds => "seconds",
+            Self::SecondsWithBuild => "seconds with building",
         }
     }
 
@@ -82,7 +91,7 @@ fn material(material: &MaterialComparison) -> String {
         chart(name, &brdf, Across::SecondsWithBuild, Points::Sobol),
     ];
     if !light.is_empty() {
-        let name = format!("{name}, the light sampled too");
+        let name = format!("{name}, light too");
         pictures.push(chart(&name, &light, Across::Samples, Points::Sobol));
         pictures.push(chart(&name, &light, Across::SecondsWithBuild, Points::Sobol));
     }
@@ -94,7 +103,7 @@ fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> Strin
         let (errors, slope) = points.errors(curve);
         let place = |e: &ErrorPoint| across.place(curve, e.samples);
         let band = match across {
-            Across::Samples => errors.iter().map(|e| (place(e), e.low, e.high)).collect(),
+            Across::Samples => errors.iter().map(|e| (place(e), e.low.max(e.rmse / 3.0), e.high)).collect(),
             Across::Seconds | Across::SecondsWithBuild => Vec::new(),
         };
         Series {
@@ -106,7 +115,7 @@ fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> Strin
         }
     };
     let caption = Caption::new(
-        format!("{name}: error, {}", points.name()),
+        format!("{name}: error against {}, {}", across.name(), points.name()),
         format!(
             "Relative RMSE of the lit point against {}, {}, one curve a sampler.",
             across.title(),

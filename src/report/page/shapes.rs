@@ -13,7 +13,13 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
          have and the one it has. The closer these two, the smaller the error.",
         first.theta_o_deg
     );
-    let one = |of: &MaterialCharts| subheading(&of.material) + &charts(of.densities.iter().chain(&of.discs));
+    let one = |of: &MaterialCharts| {
+        subheading(&of.material)
+            + &{
+                let pairs = of.densities.iter().zip(&of.discs).flat_map(|(density, disc)| [density, disc]);
+                charts([&of.lobe]) + &charts(pairs)
+            }
+    };
     let all: String = comparison.charts.iter().map(one).collect();
     Section::new("shapes", "Lobes, densities, directions", paragraph(&note) + &all)
 }

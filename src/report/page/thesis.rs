@@ -6,7 +6,7 @@ use crate::measure::compare::Comparison;
 use crate::report::{ThesisTable, beside_thesis};
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
-    let one = |t: &ThesisTable| paragraph(&t.note) + &table(&t.title, &t.sheet);
+    let one = |t: &ThesisTable| table(&t.title, &t.sheet) + &paragraph(&t.note);
     let all: String = beside_thesis(comparison).iter().map(one).collect();
     if all.is_empty() {
         return None;
