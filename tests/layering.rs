@@ -24,7 +24,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "render", "merl",
         ],
     ),
-    ("report", &["measure", "error", "files", "plot"]),
+    ("report", &["measure", "error", "files", "plot", "brdf", "sampler", "merl", "image"]),
 ];
 
 #[test]

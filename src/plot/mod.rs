@@ -32,6 +32,7 @@ pub use heat::{Heat, Pixels};
 pub use lines::{Lines, Marks, Series};
 pub use polar::{Polar, PolarCurve};
 pub use scatter::{Group, Scatter, ScatterPoint};
+pub(crate) use svg::escape;
 
 /// What a chart is called, and what it shows in a sentence or two, for those who don't see it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -176,7 +176,7 @@ pub(super) fn px(x: f64) -> String {
 }
 
 /// Text as XML content or attribute; characters that XML 1.0 has no place for become U+FFFD.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -1,9 +1,26 @@
 //! What accuracy costs, as tables.
 
-use super::Sheet;
+use serde::Serialize;
+
+use super::{Sheet, ThesisTable, beside_thesis};
 use crate::measure::compare::{
     Comparison, Curve, ErrorPoint, MaterialComparison, Reach, SHARED_BY, TARGETS, reach,
 };
+
+/// What compare.json holds: the comparison's own fields, and the thesis's tables beside it.
+#[derive(Clone, Debug, Serialize)]
+pub struct ComparisonDocument<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    thesis: Vec<ThesisTable>,
+}
+
+impl<'a> ComparisonDocument<'a> {
+    /// With everything that a comparison has beside the thesis.
+    pub fn new(comparison: &'a Comparison) -> Self {
+        Self { comparison, thesis: beside_thesis(comparison) }
+    }
+}
 
 /// What each competitor needs to reach each of [`TARGETS`] at the lit point: seconds of one estimate, precomputation shared
 /// by 10⁶ samples, and samples in brackets. The quickest first, by the time to 1 %.

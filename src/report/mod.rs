@@ -3,6 +3,8 @@
 //! JSON keeps full precision and fixed units, whatever a table on the screen shows. Where the output goes is the caller's
 //! business.
 
+mod beside_thesis;
+mod charts;
 mod check;
 mod compare;
 mod hard;
@@ -12,10 +14,13 @@ mod profile;
 mod sheet;
 mod summary;
 mod thesis;
+mod thesis_ranking;
 mod tune;
 
+pub use beside_thesis::{ThesisTable, beside_thesis};
+pub use charts::{ChartSubject, material_charts};
 pub use check::CheckResult;
-pub use compare::{comparison_csv, targets};
+pub use compare::{ComparisonDocument, comparison_csv, targets};
 pub use hard::HardSheets;
 pub use info::Info;
 pub use page::comparison_page;

@@ -7,6 +7,13 @@ const UNIFORM_MEMORY: &str = include_str!("../../data/thesis/table_5_9_cascade_u
 const COMPRESSED_MEMORY: &str = include_str!("../../data/thesis/table_5_10_cascade_compressed_memory.csv");
 const PRECOMPUTE: &str = include_str!("../../data/thesis/table_6_23_precompute_and_memory.csv");
 const SAMPLING: &str = include_str!("../../data/thesis/table_6_24_sampling_time.csv");
+/// Tables 6.14 and 6.22: relative errors, percent, of pictures of scenes 2 and 6.
+pub(super) const SCENE_2: &str =
+    include_str!("../../data/thesis/table_6_14_sphere2_relative_error_percent.csv");
+pub(super) const SCENE_6: &str =
+    include_str!("../../data/thesis/table_6_22_scene6_environment_relative_error_percent.csv");
+/// Bytes of the thesis's KB.
+pub(super) const THESIS_KB: f64 = 1024.0;
 
 /// What the thesis gives for one method and material. Its machine was an AMD Opteron of 2007.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -58,6 +65,44 @@ pub fn thesis_uniform_memory() -> Vec<(u32, u32, f64)> {
     UNIFORM_MEMORY.lines().skip(1).filter_map(parse).collect()
 }
 
+/// What the thesis's tables of costs have for a material: by method, memory in KB and seconds.
+#[derive(Default)]
+pub(super) struct CostRows {
+    /// 5.10: (KB, seconds) of compressing.
+    pub compressed: Option<(f64, f64)>,
+    /// 6.23: (KB, seconds) of precomputing.
+    pub precompute: Vec<(&'static str, (f64, f64))>,
+    /// 6.24: seconds of drawing.
+    pub sampling: Vec<(&'static str, f64)>,
+}
+
+pub(super) fn cost_rows(material: &str) -> CostRows {
+    let methods = ["uniform CDF", "compressed CDF", "adaptive disc"];
+    let compressed = row(COMPRESSED_MEMORY, material).and_then(|r| Some((*r.get(2)?, *r.first()?)));
+    let precompute = row(PRECOMPUTE, material).unwrap_or_default();
+    let cost = |(i, &m): (usize, &&'static str)| Some((m, (*precompute.get(3 + i)?, *precompute.get(i)?)));
+    let sampling = row(SAMPLING, material).unwrap_or_default();
+    CostRows {
+        compressed,
+        precompute: methods.iter().enumerate().filter_map(cost).collect(),
+        sampling: ["uniform"].into_iter().chain(methods).zip(sampling).collect(),
+    }
+}
+
+/// Tables 6.14 and 6.22 by number of samples: each sampler's name and error in percent.
+pub(super) fn errors_by_samples(table: &'static str) -> Vec<(u64, Vec<(&'static str, f64)>)> {
+    let heading = table.lines().next().unwrap_or_default();
+    let samples = heading.split(',').skip(1).filter_map(|n| n.strip_prefix('n')?.parse().ok());
+    let lines = || table.lines().skip(1).filter_map(|line| line.split_once(','));
+    let column = |(i, samples): (usize, u64)| {
+        let error = |(name, numbers): (&'static str, &str)| {
+            Some((name, numbers.split(',').nth(i)?.parse::<f64>().ok()?))
+        };
+        (samples, lines().filter_map(error).collect())
+    };
+    samples.enumerate().map(column).collect()
+}
+
 /// The numbers of a material's row, without its name.
 fn row(table: &str, material: &str) -> Option<Vec<f64>> {
     table.lines().skip(1).find_map(|line| {
@@ -89,5 +134,12 @@ mod tests {
         assert_eq!((nickel[3].memory_kb, nickel[3].precompute_s), (Some(1023.62), Some(567.49)));
         assert!(thesis_figures("chrome").is_empty());
         assert_eq!(thesis_uniform_memory()[1], (100, 32, 82500.0));
+        let rows = cost_rows("nickel");
+        assert_eq!(rows.compressed, Some((1023.62, 567.49)));
+        assert_eq!(rows.precompute[2], ("adaptive disc", (846.15, 71.36)));
+        assert_eq!(rows.sampling[..2], [("uniform", 0.37), ("uniform CDF", 1.87)]);
+        let errors = errors_by_samples(SCENE_6);
+        assert_eq!((errors.len(), errors[0].0, errors[0].1[3]), (7, 25, ("adaptive_disc", 6.70)));
+        assert_eq!(errors_by_samples(SCENE_2)[8].0, 1_000_000);
     }
 }

@@ -65,6 +65,23 @@ pub struct Comparison {
     pub pictures: Vec<PictureComparison>,
     /// Each sampler's own settings, by material.
     pub settings: Vec<SettingsComparison>,
+    /// What materials and samplers look like.
+    pub charts: Vec<MaterialCharts>,
+}
+
+/// Charts of one material and of samplers built for it, each a whole SVG picture.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MaterialCharts {
+    /// Its name.
+    pub material: String,
+    /// Polar angle of `wo` on the discs and beside the samplers' densities, degrees.
+    pub theta_o_deg: f64,
+    /// The lobe at several angles, in polar coordinates.
+    pub lobe: String,
+    /// By sampler, the ideal density and the sampler's in the same coordinates.
+    pub densities: Vec<String>,
+    /// By sampler, the disc with directions it draws, and its leaves where it has some.
+    pub discs: Vec<String>,
 }
 
 /// One material at the lit point.

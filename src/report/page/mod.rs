@@ -1,8 +1,59 @@
 //! A page that shows a comparison.
 
+mod definitions;
+mod families;
+mod html;
+mod needs;
+mod pictures;
+mod point;
+mod settings;
+mod shapes;
+mod thesis;
+mod top;
+
 use crate::measure::compare::Comparison;
 
-/// One self-contained HTML page.
+/// One self-contained HTML page, which is well-formed XML as well: text, tables, SVG charts and PNG pictures, without
+/// scripts or addresses of other files. Parts of which nothing was measured are left out.
 pub fn comparison_page(comparison: &Comparison) -> String {
-    comparison.materials.iter().filter_map(|m| m.verdict.as_ref()).map(|v| v.sentence.as_str()).collect()
+    let sections: Vec<Section> = [
+        top::verdicts(comparison),
+        needs::section(comparison),
+        point::section(comparison),
+        settings::section(comparison),
+        pictures::section(comparison),
+        shapes::section(comparison),
+        thesis::section(comparison),
+        definitions::section(comparison),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let link = |s: &Section| format!("<li><a href=\"#{}\">{}</a></li>\n", s.id, html::escape(s.title));
+    let contents: String = sections.iter().map(link).collect();
+    let body: String = sections.iter().map(|s| html::section(s.id, s.title, &s.body)).collect();
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n\
+         <title>{TITLE}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{TITLE}</h1>\n{}</header>\n\
+         <nav aria-label=\"Contents\">\n<ul>\n{contents}</ul>\n</nav>\n<main>\n{body}</main>\n</body>\n</html>\n",
+        top::measured(comparison)
+    )
+}
+
+const TITLE: &str = "What accuracy costs in time";
+const STYLE: &str = include_str!("style.css");
+
+/// A part of the page.
+struct Section {
+    id: &'static str,
+    title: &'static str,
+    body: String,
+}
+
+impl Section {
+    /// A part with something in it; `None` for an empty body.
+    fn new(id: &'static str, title: &'static str, body: String) -> Option<Self> {
+        (!body.is_empty()).then_some(Self { id, title, body })
+    }
 }

@@ -15,7 +15,9 @@ use merlkit::measure::compare::{
 };
 use merlkit::measure::cost::time;
 use merlkit::merl::Material;
-use merlkit::report::{comparison_csv, comparison_page, targets, write_json};
+use merlkit::report::{
+    ComparisonDocument, comparison_csv, comparison_page, material_charts, targets, write_json,
+};
 
 use crate::failure::Outcome;
 use crate::journal::Journal;
@@ -79,7 +81,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let mut run = Run::new(args)?;
     let comparison = run.comparison()?;
-    write(&json, overwrite, |out| write_json(out, "compare", &comparison))?;
+    write(&json, overwrite, |out| write_json(out, "compare", &ComparisonDocument::new(&comparison)))?;
     write(&csv, overwrite, |out| comparison_csv(&comparison).write_csv(out))?;
     write(&page, overwrite, |out| out.write_all(comparison_page(&comparison).as_bytes()))?;
     let Run { journal, progress, .. } = run;
@@ -156,8 +158,13 @@ impl Run {
         for (name, brdf) in &named[..settings_of(&self.plan, named.len())] {
             settings.push(self.settings(name, brdf)?);
         }
+        let mut charts = Vec::new();
+        for (name, brdf) in &named {
+            charts.push(self.journal.recall_or(&format!("charts/{name}"), || material_charts(name, brdf))?);
+            self.progress.advance();
+        }
         let threads = rayon::current_num_threads();
-        Ok(Comparison { plan: self.plan.clone(), threads, materials, pictures, settings })
+        Ok(Comparison { plan: self.plan.clone(), threads, materials, pictures, settings, charts })
     }
 
     /// The lit point.
@@ -247,5 +254,6 @@ fn settings_of(plan: &ComparisonPlan, materials: usize) -> usize {
 fn parts(plan: &ComparisonPlan, materials: usize) -> usize {
     let pictures = scenes(plan.quick).len() * materials * picture_competitors(plan.quick).len();
     let settings = settings_of(plan, materials) * knobs(plan.quick, plan.lookup).len();
-    materials * competitors(plan.quick).len() + pictures + settings
+    let charts = materials;
+    materials * competitors(plan.quick).len() + pictures + settings + charts
 }

@@ -1,0 +1,66 @@
+//! Markup: sections, tables and figures, by XML's rules, so that any parser reads the page.
+
+pub(super) use crate::plot::escape;
+use crate::report::Sheet;
+
+/// A part of the page under a heading; `id` is what the contents link to.
+pub(super) fn section(id: &str, title: &str, body: &str) -> String {
+    format!("<section id=\"{id}\">\n<h2>{}</h2>\n{body}</section>\n", escape(title))
+}
+
+/// A paragraph of plain text.
+pub(super) fn paragraph(text: &str) -> String {
+    format!("<p>{}</p>\n", escape(text))
+}
+
+/// A heading within a section.
+pub(super) fn subheading(text: &str) -> String {
+    format!("<h3>{}</h3>\n", escape(text))
+}
+
+/// A table of a sheet, whose first column names the rows.
+pub(super) fn table(caption: &str, sheet: &Sheet) -> String {
+    let words: Vec<&str> =
+        (0..sheet.heading.len()).map(|i| if is_text(sheet, i) { WORDS } else { "" }).collect();
+    let heading: String = sheet.heading.iter().zip(&words).map(|(h, class)| column_head(h, class)).collect();
+    let row = |cells: &Vec<String>| {
+        let cells = cells.iter().map(|c| escape(c)).enumerate();
+        let cell = |(i, text): (usize, String)| match i {
+            0 => format!("<th scope=\"row\">{text}</th>"),
+            _ => format!("<td{}>{text}</td>", words.get(i).unwrap_or(&"")),
+        };
+        format!("<tr>{}</tr>\n", cells.map(cell).collect::<String>())
+    };
+    let body: String = sheet.rows.iter().map(row).collect();
+    framed(caption, &format!("<tr>{heading}</tr>\n"), &body)
+}
+
+/// Marks columns of words, which begin on the left.
+const WORDS: &str = " class=\"words\"";
+
+/// Whether no cell of a column is a figure.
+fn is_text(sheet: &Sheet, column: usize) -> bool {
+    let first = |row: &Vec<String>| row.get(column).and_then(|cell| cell.chars().next());
+    sheet.rows.iter().all(|row| first(row).is_some_and(char::is_alphabetic))
+}
+
+/// A heading of a column; `attributes` begin with a space.
+pub(super) fn column_head(text: &str, attributes: &str) -> String {
+    format!("<th scope=\"col\"{attributes}>{}</th>", escape(text))
+}
+
+/// A table from rows of markup, in a frame that scrolls where the screen is narrow.
+pub(super) fn framed(caption: &str, head: &str, body: &str) -> String {
+    format!(
+        "<div class=\"wide\" tabindex=\"0\"><table>\n<caption>{}</caption>\n<thead>\n{head}</thead>\n\
+         <tbody>\n{body}</tbody>\n</table></div>\n",
+        escape(caption)
+    )
+}
+
+/// Charts side by side, as many as the screen holds.
+pub(super) fn charts<'a>(pictures: impl IntoIterator<Item = &'a String>) -> String {
+    let figures: String =
+        pictures.into_iter().map(|svg| format!("<figure class=\"chart\">\n{svg}</figure>\n")).collect();
+    format!("<div class=\"charts\">\n{figures}</div>\n")
+}

@@ -1,0 +1,84 @@
+//! Samples, seconds and bytes to an error: the tables to act on.
+
+use super::Section;
+use super::html::{column_head, escape, framed, paragraph};
+use crate::measure::compare::{Comparison, Curve, MaterialComparison, Reach, SHARED_BY, TARGETS, reach};
+use crate::report::compare::{by_time, duration};
+
+pub(super) fn section(comparison: &Comparison) -> Option<Section> {
+    let tables: String = comparison.materials.iter().map(table).collect();
+    if tables.is_empty() {
+        return None;
+    }
+    let note = "Sobol points. N is the samples of one estimate; beside it the seconds of one estimate on one thread, with \
+                its share of the precomputation when that serves this estimate alone, or 10⁶ or 10⁹ samples. The quickest \
+                to 1 % stands first, the least of each column is underlined. A ~ marks samples beyond what was measured, \
+                continued along the last measurements; “never” an error that does not fall.";
+    Section::new("needs", "What an error costs", paragraph(note) + &tables)
+}
+
+fn table(material: &MaterialComparison) -> String {
+    let curves = by_time(&material.curves);
+    let needs: Vec<[Option<Reach>; TARGETS.len()]> =
+        curves.iter().map(|c| TARGETS.map(|target| reach(c, target))).collect();
+    let least = |target: usize, share: usize| {
+        let seconds = needs.iter().filter_map(|n| n[target]).map(|r| r.seconds[share]);
+        seconds.fold(f64::INFINITY, f64::min)
+    };
+    let least: [[f64; SHARED_BY.len()]; TARGETS.len()] =
+        std::array::from_fn(|t| std::array::from_fn(|s| least(t, s)));
+    let row = |(curve, needs): (&&Curve, &[Option<Reach>; TARGETS.len()])| {
+        let cells: String = needs.iter().zip(&least).map(|(r, least)| cells(r.as_ref(), least)).collect();
+        format!("<tr>{}{cells}</tr>\n", start(curve))
+    };
+    let body: String = curves.iter().zip(&needs).map(row).collect();
+    framed(&format!("{}: what it takes to reach an error", material.material), &head(), &body)
+}
+
+fn head() -> String {
+    let first: String =
+        ["sampler", "KB", "build", "ns a sample"].map(|h| column_head(h, " rowspan=\"2\"")).concat();
+    let group = |target: f64| {
+        format!("<th scope=\"colgroup\" class=\"first\" colspan=\"4\">to {} %</th>", target * 100.0)
+    };
+    let columns = [
+        column_head("N", " class=\"first\""),
+        column_head("alone", ""),
+        column_head("of 10⁶", ""),
+        column_head("of 10⁹", ""),
+    ];
+    let groups = TARGETS.map(group).concat();
+    format!("<tr>{first}{groups}</tr>\n<tr>{}</tr>\n", columns.concat().repeat(TARGETS.len()))
+}
+
+fn start(curve: &Curve) -> String {
+    format!(
+        "<th scope=\"row\">{}</th><td>{:.1}</td><td>{}</td><td>{:.0}</td>",
+        escape(&curve.label),
+        curve.table_bytes as f64 / 1000.0,
+        duration(curve.build_seconds),
+        curve.ns_per_sample
+    )
+}
+
+fn cells(reach: Option<&Reach>, least: &[f64; SHARED_BY.len()]) -> String {
+    let Some(reach) = reach else {
+        return "<td class=\"first\">never</td><td></td><td></td><td></td>".into();
+    };
+    let about = if reach.extrapolated { "~" } else { "" };
+    let seconds = |(&seconds, &least): (&f64, &f64)| match duration(seconds) {
+        text if seconds <= least => format!("<td><b>{text}</b></td>"),
+        text => format!("<td>{text}</td>"),
+    };
+    let times: String = reach.seconds.iter().zip(least).map(seconds).collect();
+    format!("<td class=\"first\">{about}{}</td>{times}", count(reach.samples))
+}
+
+/// A number of samples to two or three digits: "7", "5300", "1.2e6".
+fn count(samples: f64) -> String {
+    match samples {
+        n if n < 1000.0 => format!("{:.0}", n.ceil()),
+        n if n < 1e5 => format!("{:.0}", (n / 100.0).ceil() * 100.0),
+        n => format!("{n:.1e}"),
+    }
+}

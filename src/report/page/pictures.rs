@@ -1,0 +1,107 @@
+//! Pictures side by side, with what they are off by.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use super::Section;
+use super::families::{chosen, family};
+use super::html::{charts, escape, paragraph, subheading};
+use crate::measure::compare::{Comparison, PICTURE_SAMPLES, PictureComparison, PictureResult};
+use crate::plot::{Axis, Caption, Lines, Marks, Scale, Series};
+use crate::report::compare::duration;
+
+pub(super) fn section(comparison: &Comparison) -> Option<Section> {
+    let all: String = comparison.pictures.iter().map(scene).collect();
+    if all.is_empty() {
+        return None;
+    }
+    let note = format!(
+        "{PICTURE_SAMPLES} Sobol samples a pixel, the reference first. Under each its mean relative error over the lit \
+         pixels, and the seconds to render it on all threads; below it its relative difference from the reference: black \
+         is none, white 100 % and more. A click, or the space bar, enlarges a picture and makes it small again."
+    );
+    Section::new("pictures", "Pictures", paragraph(&note) + &all)
+}
+
+fn scene(picture: &PictureComparison) -> String {
+    let shown: Vec<&PictureResult> =
+        picture.results.iter().filter(|r| r.samples == PICTURE_SAMPLES && !r.png.is_empty()).collect();
+    let title = format!("{}: {}", picture.scene.name(), picture.material);
+    let figures: String = shown.iter().map(|r| result(&title, r)).collect();
+    let row = format!("<div class=\"pictures\">\n{}{figures}</div>\n", reference(&title, picture));
+    subheading(&title) + &row + &errors(&title, picture)
+}
+
+fn reference(title: &str, picture: &PictureComparison) -> String {
+    let reference = &picture.reference;
+    let image = image(&reference.png, &format!("{title}, reference"));
+    format!(
+        "<figure>{image}<figcaption><b>reference</b> {} samples, {}; off by {} itself</figcaption></figure>\n",
+        reference.samples,
+        escape(&reference.label),
+        percent(reference.relative_error)
+    )
+}
+
+fn result(title: &str, result: &PictureResult) -> String {
+    let error = percent(result.errors.mean_relative);
+    let picture = image(&result.png, &format!("{title}, {}: error {error}", result.label));
+    let difference =
+        image(&result.difference, &format!("{title}, {}: difference from the reference", result.label));
+    format!(
+        "<figure>{picture}{difference}<figcaption><b>{error}</b> {}, {}</figcaption></figure>\n",
+        escape(&result.label),
+        duration(result.seconds.wall)
+    )
+}
+
+/// A picture that grows when it is clicked; nothing if there is none.
+fn image(png: &[u8], alt: &str) -> String {
+    if png.is_empty() {
+        return String::new();
+    }
+    let (alt, data) = (escape(alt), STANDARD.encode(png));
+    format!(
+        "<label class=\"zoom\"><input type=\"checkbox\" aria-label=\"enlarge: {alt}\" />\
+         <img alt=\"{alt}\" src=\"data:image/png;base64,{data}\" /></label>"
+    )
+}
+
+fn percent(share: f64) -> String {
+    let percent = share * 100.0;
+    if percent < 10.0 { format!("{percent:.2} %") } else { format!("{percent:.1} %") }
+}
+
+/// Charts of errors against samples, if there are several numbers of them.
+fn errors(title: &str, picture: &PictureComparison) -> String {
+    let most = picture.results.iter().map(|r| r.samples).max().unwrap_or(0);
+    if picture.results.iter().all(|r| r.samples == most) {
+        return String::new();
+    }
+    let mut best: Vec<&PictureResult> = picture.results.iter().filter(|r| r.samples == most).collect();
+    best.sort_by(|a, b| a.errors.mean_relative.total_cmp(&b.errors.mean_relative));
+    let groups = chosen(&best, |r| &r.competitor);
+    let pictures: Vec<String> =
+        groups.iter().filter(|g| !g.is_empty()).map(|g| chart(title, picture, g)).collect();
+    charts(&pictures)
+}
+
+fn chart(title: &str, picture: &PictureComparison, shown: &[&PictureResult]) -> String {
+    let series = |of: &&PictureResult| {
+        let same = picture.results.iter().filter(|r| r.competitor == of.competitor);
+        Series {
+            label: of.label.clone(),
+            points: same.map(|r| (r.samples as f64, r.errors.mean_relative)).collect(),
+            style: family(&of.competitor),
+            marks: Marks::Each,
+            ..Series::default()
+        }
+    };
+    let caption = Caption::new(
+        title,
+        "Mean relative error over lit pixels against samples a pixel: the best at most samples of each kind of sampler.",
+    );
+    let x = Axis::new("samples a pixel", Scale::Log);
+    let y = Axis::new("mean relative error", Scale::Log);
+    Lines { caption, x, y, series: shown.iter().map(series).collect() }.svg()
+}

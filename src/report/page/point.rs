@@ -1,0 +1,133 @@
+//! Charts of the lit point's errors.
+
+use super::Section;
+use super::families::{chosen, family};
+use super::html::{charts, paragraph, subheading};
+use crate::measure::compare::{Comparison, Curve, ErrorPoint, MaterialComparison};
+use crate::plot::{Axis, Caption, Lines, Scale, Series};
+use crate::report::compare::by_time;
+
+pub(super) fn section(comparison: &Comparison) -> Option<Section> {
+    let all: String = comparison.materials.iter().map(material).collect();
+    if all.is_empty() {
+        return None;
+    }
+    let note = "Relative RMSE of the lit point over all angles and seeds, on logarithmic scales. Of each kind of sampler the \
+                quickest to 1 % is shown; those that sample the light too have charts of their own, beside the quickest \
+                that does not. Bands hold the true error with 95 %; where one reaches below a third of the error found, it is \
+                drawn to there. In brackets the fitted slope: −0.5 is plain Monte \
+                Carlo, −1 halves the error with twice the samples.";
+    Section::new("point", "Error against samples and seconds", paragraph(note) + &all)
+}
+
+/// What an error is held against.
+#[derive(Clone, Copy)]
+enum Across {
+    Samples,
+    Seconds,
+    SecondsWithBuild,
+}
+
+impl Across {
+    fn title(self) -> &'static str {
+        match self {
+            Self::Samples => "samples N",
+            Self::Seconds => "seconds of an estimate, one thread",
+            Self::SecondsWithBuild => "seconds of an estimate and of building the sampler",
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::Seconds => "seconds",
+            Self::SecondsWithBuild => "seconds with building",
+        }
+    }
+
+    fn place(self, curve: &Curve, samples: usize) -> f64 {
+        let seconds = samples as f64 * curve.ns_per_sample * 1e-9;
+        match self {
+            Self::Samples => samples as f64,
+            Self::Seconds => seconds,
+            Self::SecondsWithBuild => seconds + curve.build_seconds,
+        }
+    }
+}
+
+/// Which errors are shown.
+#[derive(Clone, Copy, PartialEq)]
+enum Points {
+    Sobol,
+    Random,
+}
+
+impl Points {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sobol => "Sobol points",
+            Self::Random => "random numbers",
+        }
+    }
+
+    fn errors(self, curve: &Curve) -> (&[ErrorPoint], f64) {
+        match self {
+            Self::Sobol => (&curve.sobol, curve.sobol_slope),
+            Self::Random => (&curve.random, curve.random_slope),
+        }
+    }
+}
+
+fn material(material: &MaterialComparison) -> String {
+    if material.curves.is_empty() {
+        return String::new();
+    }
+    let name = &material.material;
+    let [brdf, light] = chosen(&by_time(&material.curves), |c| &c.competitor);
+    let mut pictures = vec![
+        chart(name, &brdf, Across::Samples, Points::Sobol),
+        chart(name, &brdf, Across::Samples, Points::Random),
+        chart(name, &brdf, Across::Seconds, Points::Sobol),
+        chart(name, &brdf, Across::SecondsWithBuild, Points::Sobol),
+    ];
+    if !light.is_empty() {
+        let name = format!("{name}, light too");
+        pictures.push(chart(&name, &light, Across::Samples, Points::Sobol));
+        pictures.push(chart(&name, &light, Across::SecondsWithBuild, Points::Sobol));
+    }
+    subheading(name) + &charts(&pictures)
+}
+
+fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> String {
+    let series = |curve: &&Curve| {
+        let (errors, slope) = points.errors(curve);
+        let place = |e: &ErrorPoint| across.place(curve, e.samples);
+        let band = match across {
+            Across::Samples => errors.iter().map(|e| (place(e), e.low.max(e.rmse / 3.0), e.high)).collect(),
+            Across::Seconds | Across::SecondsWithBuild => Vec::new(),
+        };
+        Series {
+            label: format!("{} ({})", curve.label, signed(slope)),
+            points: errors.iter().map(|e| (place(e), e.rmse)).collect(),
+            band,
+            style: family(&curve.competitor),
+            ..Series::default()
+        }
+    };
+    let caption = Caption::new(
+        format!("{name}: error against {}, {}", across.name(), points.name()),
+        format!(
+            "Relative RMSE of the lit point against {}, {}, one curve a sampler.",
+            across.title(),
+            points.name()
+        ),
+    );
+    let x = Axis::new(across.title(), Scale::Log);
+    let y = Axis::new("relative RMSE", Scale::Log);
+    Lines { caption, x, y, series: curves.iter().map(series).collect() }.svg()
+}
+
+/// Two decimals with a true minus.
+fn signed(value: f64) -> String {
+    format!("{value:.2}").replace('-', "−")
+}
