@@ -81,7 +81,7 @@ fn mistakes_are_refused_with_what_to_do() {
         (&["--kind", "lobe", "--samples", "9"], "--samples has no effect"),
         (&["--kind", "lobe", "--table-size", "2KB"], "name a --sampler"),
         (&["--kind", "cdf", "--n-max", "3"], "--n-max"),
-        (&["--kind", "lobe", "-o", "lobe.png"], "SVG only"),
+        (&["--kind", "lobe", "-o", "lobe.jpg"], "SVG or PNG"),
         (&["--kind", "round"], "slice-rgb"),
         (&[], "--kind"),
     ] {
@@ -89,4 +89,16 @@ fn mistakes_are_refused_with_what_to_do() {
         assert!(text.contains(expected), "{arguments:?}: {text}");
     }
     assert!(fails(run(&["plot", "nikel", "--kind", "lobe"], "")).contains("nickel"));
+}
+
+#[test]
+fn png_is_written_by_builds_that_can() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["plot", "teflon", "--kind", "albedo", "-o", "a.png"];
+    if cfg!(feature = "png-plots") {
+        assert_eq!(succeeds(run_in(folder.path(), &arguments, "")), "");
+        assert!(std::fs::read(folder.path().join("a.png")).unwrap().starts_with(b"\x89PNG"));
+    } else {
+        assert!(fails(run_in(folder.path(), &arguments, "")).contains("--features png-plots"));
+    }
 }

@@ -8,6 +8,7 @@ mod journal;
 mod output;
 mod picture;
 mod progress;
+mod raster;
 mod sampler_args;
 mod sky;
 mod table;

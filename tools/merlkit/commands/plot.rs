@@ -13,7 +13,8 @@ use merlkit::sampler::SamplerSpec;
 use crate::args;
 use crate::failure::Outcome;
 use crate::output::{Destination, overwrite};
-use crate::sampler_args::{SAMPLERS, SamplerArgs};
+use crate::raster;
+use crate::sampler_args::{self, SamplerArgs};
 
 /// What to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -60,8 +61,8 @@ impl Kind {
 
 /// Draw a material or a sampler: lobes, densities, slices, leaves, CDFs, albedo
 ///
-/// Writes one SVG picture, 640 pixels wide; its text stays text and it needs no other file. For PNG, convert it with a
-/// viewer or rsvg-convert. Angles are degrees; f_r and densities are sr⁻¹, f_r as the mean of red, green and blue. In the
+/// Writes one SVG picture, 640 pixels wide; its text stays text and it needs no other file. A FILE that ends in .png becomes
+/// PNG of twice the size, in builds with the feature png-plots; others convert with a viewer or rsvg-convert. Angles are degrees; f_r and densities are sr⁻¹, f_r as the mean of red, green and blue. In the
 /// plane of incidence wo stands on the left, its mirror direction on the right.
 #[derive(clap::Args)]
 pub struct Args {
@@ -75,7 +76,7 @@ pub struct Args {
     #[arg(long, value_name = "DEG", value_delimiter = ',', allow_negative_numbers = true)]
     theta: Vec<f64>,
     /// Sampler whose density or directions are shown [default: lobes none, disc adaptive-disc]
-    #[arg(long, value_name = "NAME", value_parser = SAMPLERS)]
+    #[arg(long, value_name = "NAME", value_parser = sampler_args::any_name())]
     sampler: Option<String>,
     /// What the table says between its samples [default: floor]
     #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
@@ -86,7 +87,7 @@ pub struct Args {
     /// disc: seed of the draws [default: 0]
     #[arg(long, value_name = "K")]
     seed: Option<u64>,
-    /// SVG file, or standard output (-) [default: MATERIAL-KIND.svg]
+    /// SVG file (or PNG), or standard output (-) for SVG [default: MATERIAL-KIND.svg]
     #[arg(short, long, value_name = "FILE|-")]
     output: Option<Destination>,
     /// Replace an existing FILE [default: refuse]
@@ -104,7 +105,7 @@ pub fn run(args: &Args) -> Outcome {
     let material = Material::resolve(&args.material)?;
     let file = || Destination::File(format!("{}-{}.svg", material.name(), kind.name()).into());
     let destination = args.output.clone().unwrap_or_else(file);
-    refuse_other_formats(&destination)?;
+    let format = Format::of(&destination)?;
     destination.check(overwrite(args.force))?;
     let table = Arc::new(material.load()?);
     let brdf = Arc::new(Measured::new(table, args.lookup.unwrap_or_default()));
@@ -118,17 +119,34 @@ pub fn run(args: &Args) -> Outcome {
         Kind::Cdf => subject.cdf()?,
         Kind::Albedo => subject.albedo(),
     };
-    destination.write(overwrite(args.force), |out| out.write_all(svg.as_bytes()))?;
+    let bytes = match format {
+        Format::Svg => svg.into_bytes(),
+        Format::Png => raster::png(&svg)?,
+    };
+    destination.write(overwrite(args.force), |out| out.write_all(&bytes))?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn refuse_other_formats(destination: &Destination) -> Result<(), Error> {
-    match destination {
-        Destination::File(path) if path.extension() != Some(OsStr::new("svg")) => Err(Error::argument(
-            format!("{}: pictures are SVG only", path.display()),
-            "name a file that ends in .svg, and convert it with a viewer or rsvg-convert",
-        )),
-        _ => Ok(()),
+#[derive(Clone, Copy)]
+enum Format {
+    Svg,
+    Png,
+}
+
+impl Format {
+    /// By the extension.
+    fn of(destination: &Destination) -> Result<Self, Error> {
+        let Destination::File(path) = destination else {
+            return Ok(Self::Svg);
+        };
+        match path.extension().and_then(OsStr::to_str) {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => raster::check().map(|()| Self::Png),
+            _ => Err(Error::argument(
+                format!("{}: pictures are SVG or PNG", path.display()),
+                "name a file that ends in .svg",
+            )),
+        }
     }
 }
 
