@@ -161,7 +161,7 @@ impl LitPoint<'_> {
     }
 }
 
-/// [`slope_of`] errors.
+/// Least-squares slope of log error over log samples.
 pub fn slope(errors: &[ErrorAt]) -> f64 {
     slope_of(errors.iter().map(|e| (e.samples, e.rmse)))
 }

@@ -51,10 +51,10 @@ pub(super) fn column_head(text: &str, attributes: &str) -> String {
 
 /// A table from rows of markup, in a frame that scrolls where the screen is narrow.
 pub(super) fn framed(caption: &str, head: &str, body: &str) -> String {
+    let caption = escape(caption);
     format!(
-        "<div class=\"wide\" tabindex=\"0\"><table>\n<caption>{}</caption>\n<thead>\n{head}</thead>\n\
-         <tbody>\n{body}</tbody>\n</table></div>\n",
-        escape(caption)
+        "<div class=\"wide\" role=\"region\" aria-label=\"{caption}\" tabindex=\"0\"><table>\n\
+         <caption>{caption}</caption>\n<thead>\n{head}</thead>\n<tbody>\n{body}</tbody>\n</table></div>\n",
     )
 }
 

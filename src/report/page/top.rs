@@ -57,8 +57,8 @@ pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
     };
     let items: String = comparison.materials.iter().map(item).collect();
     let note = "The time to a relative error of 1 % at the lit point, with precomputation shared by 10⁶ samples, among \
-                samplers that draw from the BRDF alone. Extrapolated samples have a ~ in the tables; times a tenth apart \
-                are the same as far as one run tells.";
+                samplers that draw from the BRDF alone. Extrapolated samples have a ~ in the tables. Times vary \
+                from run to run: one run does not decide between near equals.";
     let table = table("Who reaches 1 % first", &summary(comparison));
     let body = format!("<ul class=\"verdicts\">\n{items}</ul>\n{}{table}", paragraph(note));
     Section::new("verdicts", "Verdicts", body)
