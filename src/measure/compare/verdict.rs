@@ -14,6 +14,9 @@ const SHARE: usize = 1;
 /// Cosine sampling is enough where it takes no longer than this times the quickest.
 const ENOUGH: f64 = 1.5;
 
+/// Beyond this, a ratio says more of the extrapolation than of the samplers.
+const MANY: f64 = 1000.0;
+
 /// Who reaches an error in the least time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
@@ -33,6 +36,8 @@ pub struct Verdict {
     pub next: Option<(String, f64)>,
     /// Cosine sampling's time over the best's; `None` if it never gets there.
     pub cosine_ratio: Option<f64>,
+    /// Whether that is beyond what was measured of the cosine.
+    pub cosine_extrapolated: bool,
     /// All of that in words.
     pub sentence: String,
 }
@@ -57,6 +62,7 @@ pub fn verdict(material: &str, curves: &[Curve]) -> Option<Verdict> {
         reach: best_reach,
         next: next.map(|(c, r)| (c.label.clone(), ratio(r))),
         cosine_ratio: cosine.map(|(_, r)| ratio(r)),
+        cosine_extrapolated: cosine.is_some_and(|(_, r)| r.extrapolated),
         sentence: String::new(),
     };
     verdict.sentence = sentence(material, &verdict);
@@ -78,10 +84,12 @@ fn sentence(material: &str, v: &Verdict) -> String {
         };
         return format!("{material}: cosine is enough to reach {percent} % ({beside})");
     }
+    let about = if v.cosine_extrapolated { "about " } else { "" };
     let against = match v.cosine_ratio {
-        Some(ratio) if ratio >= 10.0 => format!("{ratio:.0}× less time than cosine"),
-        Some(ratio) => format!("{ratio:.1}× less time than cosine"),
-        None => "which cosine never does".into(),
+        Some(ratio) if ratio >= MANY => format!("more than {MANY}× less time than cosine"),
+        Some(ratio) if ratio >= 10.0 => format!("{about}{ratio:.0}× less time than cosine"),
+        Some(ratio) => format!("{about}{ratio:.1}× less time than cosine"),
+        None => "a time that cosine never would".into(),
     };
     let kilobytes = v.table_bytes as f64 / 1000.0;
     let next =

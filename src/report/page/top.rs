@@ -126,7 +126,10 @@ fn summary(comparison: &Comparison) -> Sheet {
             verdict.best.clone(),
             format!("{:.1}", verdict.table_bytes as f64 / 1000.0),
             duration(seconds_of(verdict)),
-            verdict.cosine_ratio.map_or("never".into(), |r| format!("{r:.2}× the time")),
+            verdict.cosine_ratio.map_or("never".into(), |r| match r < 1000.0 {
+                true => format!("{r:.2}× the time"),
+                false => "over 1000× the time".into(),
+            }),
             table.map_or("never".into(), named),
             light.map_or("not measured".into(), named),
         ]);
