@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use merlkit::brdf::{Importance, LookupRule, Measured};
 use merlkit::geom::{POINTS_PER_BIN, spherical};
+use merlkit::measure::compare::MATERIALS;
 use merlkit::measure::convergence::{ErrorAt, Incident, LitPoint, Runs, slope};
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
@@ -14,16 +15,6 @@ use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
 };
 
-const MATERIALS: [&str; 8] = [
-    "alum-bronze",
-    "black-obsidian",
-    "blue-metallic-paint",
-    "chrome",
-    "nickel",
-    "red-plastic",
-    "teflon",
-    "violet-acrylic",
-];
 const SAMPLES: [usize; 7] = [16, 32, 64, 128, 256, 512, 1024];
 
 /// Radiance from a direction: lobes 30° and 15° wide over a gradient, all smooth.

@@ -23,7 +23,8 @@ use merlkit::merl::Material;
 use merlkit::points::Stream;
 use merlkit::sampler::store::encode;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, FactoredSettings, Factors, HalfVectorSettings, LeafChoice,
+    LobeKind, LobeParameters, LobeSettings, SamplerSpec,
 };
 use rayon::prelude::*;
 use safetensors::{Dtype, SafeTensors};
@@ -291,7 +292,7 @@ impl Parts {
 
 fn drive_sampler(name: &str, spec: SamplerSpec) {
     // They share the reader of the file, and each has a reader of its tensors.
-    let share = 5;
+    let share = 7;
     let (good, brdf) = (Parts::of(spec), exercise::brdf());
     let whole = good.clone().write();
     assert!(exercise::sampler(&whole, &brdf), "{name}: what was not mutated is accepted");
@@ -339,6 +340,16 @@ fn sampler_files_of_curves() {
 fn sampler_files_of_half_vectors() {
     let small = HalfVectorSettings { tables: 2, rows: 4, segments: 2, ..HalfVectorSettings::PRESETS[0].1 };
     drive_sampler("sampler-half-vector", SamplerSpec::HalfVector(small));
+}
+
+#[test]
+fn sampler_files_of_lobes_and_factors() {
+    let parameters = Some(LobeParameters { along: 0.2, across: 0.2, diffuse: 0.1 });
+    let lobe = LobeSettings { parameters, ..LobeSettings::fitted(LobeKind::Ward) };
+    drive_sampler("sampler-lobe", SamplerSpec::Lobe(lobe));
+    let factors = Some(Factors { outer: 2, inner: 1, theta: 4, phi: 3, half: true, floor: 0.01 });
+    let settings = FactoredSettings { tables: 2, factors, ..Default::default() };
+    drive_sampler("sampler-factors", SamplerSpec::Factored(settings));
 }
 
 /// What `merlkit eval` reads.

@@ -193,6 +193,16 @@ fn rising(cumulated: &[f64]) -> Vec<u16> {
     shares
 }
 
+/// Sums of the first 0, 1, 2 … of `masses`: one more than there are.
+pub fn cumulated(masses: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut sum = 0.0;
+    let sums = masses.into_iter().map(|mass| {
+        sum += mass;
+        sum
+    });
+    std::iter::once(0.0).chain(sums).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

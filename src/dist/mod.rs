@@ -8,6 +8,6 @@ mod piecewise;
 mod polyline;
 
 pub use combine::{Heuristic, Kept, Reservoir};
-pub use curves::{Curves, Segment, WHOLE};
+pub use curves::{Curves, Segment, WHOLE, cumulated};
 pub use piecewise::Piecewise2d;
 pub use polyline::simplify;

@@ -58,6 +58,23 @@ impl Environment {
         Ok(sky)
     }
 
+    /// An environment of `width` × `height` pixels whose radiance towards the unit vector of each pixel's centre is given.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_fn(
+        width: usize,
+        height: usize,
+        sampling: SkySampling,
+        radiance: impl Fn(DVec3) -> Rgb,
+    ) -> Result<Self> {
+        let pixel = |i: usize| {
+            let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+            radiance(direction_of(x / width as f64, (y / height as f64 * PI).cos()))
+        };
+        Self::new(width, height, (0..width * height).map(pixel).collect(), sampling)
+    }
+
     /// Equal radiance from everywhere.
     ///
     /// # Errors

@@ -5,7 +5,6 @@ use glam::DVec3;
 use super::environment::{Environment, SkySampling};
 use crate::Result;
 use crate::color::Rgb;
-use crate::geom::spherical;
 
 /// Size of the map: a cell is a tenth of the narrower lamp.
 const WIDTH: usize = 256;
@@ -17,17 +16,7 @@ const HEIGHT: usize = 128;
 /// # Errors
 /// None in practice: every pixel is finite.
 pub fn lamps(sampling: SkySampling) -> Result<Environment> {
-    let mut pixels = Vec::with_capacity(WIDTH * HEIGHT);
-    for y in 0..HEIGHT {
-        for x in 0..WIDTH {
-            let theta = (y as f64 + 0.5) / HEIGHT as f64 * std::f64::consts::PI;
-            let phi = ((x as f64 + 0.5) / WIDTH as f64 - 0.5) * std::f64::consts::TAU;
-            // `spherical` has its pole at z and its zero at x: here they are +y and −z.
-            let w = spherical(theta, phi);
-            pixels.push(Rgb::splat(radiance(DVec3::new(w.y, w.z, -w.x)) as f32));
-        }
-    }
-    Environment::new(WIDTH, HEIGHT, pixels, sampling)
+    Environment::from_fn(WIDTH, HEIGHT, sampling, |w| Rgb::splat(radiance(w) as f32))
 }
 
 fn radiance(w: DVec3) -> f64 {

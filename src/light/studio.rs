@@ -5,7 +5,6 @@ use glam::DVec3;
 use super::environment::{Environment, SkySampling};
 use crate::Result;
 use crate::color::Rgb;
-use crate::geom::spherical;
 
 /// Size of the map: fine enough for the sun's soft edge, small enough for a cache.
 const WIDTH: usize = 512;
@@ -46,18 +45,9 @@ impl Softbox {
 /// None in practice: every pixel is finite.
 pub fn studio(sampling: SkySampling) -> Result<Environment> {
     let lamps = lamps();
-    let mut pixels = Vec::with_capacity(WIDTH * HEIGHT);
-    for y in 0..HEIGHT {
-        for x in 0..WIDTH {
-            let theta = (y as f64 + 0.5) / HEIGHT as f64 * std::f64::consts::PI;
-            let phi = ((x as f64 + 0.5) / WIDTH as f64 - 0.5) * std::f64::consts::TAU;
-            // `spherical` has its pole at z and its zero at x: here they are +y and −z.
-            let w = spherical(theta, phi);
-            let direction = DVec3::new(w.y, w.z, -w.x);
-            pixels.push(lamps.iter().fold(sky(direction), |sum, lamp| sum + lamp.radiance(direction)));
-        }
-    }
-    Environment::new(WIDTH, HEIGHT, pixels, sampling)
+    Environment::from_fn(WIDTH, HEIGHT, sampling, |direction| {
+        lamps.iter().fold(sky(direction), |sum, lamp| sum + lamp.radiance(direction))
+    })
 }
 
 fn lamps() -> [Softbox; 3] {

@@ -23,6 +23,7 @@ pub use spec::{Sampler, SamplerSpec};
 
 use glam::{Vec2, Vec3};
 
+use crate::geom::is_upper;
 use crate::points::PointSet;
 
 /// A sampled direction and its density.
@@ -58,6 +59,15 @@ pub trait DirectionSampler: Send + Sync {
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
         self.sample_batch(wo, &well_spread(count, seed))
     }
+}
+
+/// What was drawn, with its density; `None` where it is not above the horizon or has no density.
+fn with_density(sampler: &impl DirectionSampler, wo: Vec3, wi: Vec3) -> Option<DirectionSample> {
+    if !is_upper(wi) {
+        return None;
+    }
+    let pdf = sampler.pdf(wo, wi);
+    (pdf > 0.0).then_some(DirectionSample { wi, pdf })
 }
 
 /// The first `count` Owen-scrambled Sobol points of a seed.

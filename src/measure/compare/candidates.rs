@@ -10,6 +10,18 @@ use crate::sampler::{
     LobeSettings, Sampler, SamplerSpec,
 };
 
+/// Materials that methods are compared on unless others are asked for: metals, paints, plastics and a diffuse one.
+pub const MATERIALS: [&str; 8] = [
+    "alum-bronze",
+    "black-obsidian",
+    "blue-metallic-paint",
+    "chrome",
+    "nickel",
+    "red-plastic",
+    "teflon",
+    "violet-acrylic",
+];
+
 /// A sampler and how it is used.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Competitor {

@@ -17,7 +17,7 @@ mod target;
 mod tune;
 mod verdict;
 
-pub use candidates::{Competitor, competitors, picture_competitors};
+pub use candidates::{Competitor, MATERIALS, competitors, picture_competitors};
 pub use picture::{
     LIT_FROM, Named, PICTURE_SAMPLES, PictureErrors, PicturePlan, PictureReference, PictureResult, SceneKind,
     picture_errors, picture_reference, pictures,

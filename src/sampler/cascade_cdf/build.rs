@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
-use ndarray::{Array2, ArrayView1, Axis};
+use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 
 use super::{CascadeCdfSettings, Tables, ThetaAxis, ThetaKnots};
 use crate::brdf::{Brdf, Importance};
-use crate::dist::{Curves, simplify};
+use crate::dist::{Curves, cumulated, simplify};
 use crate::geom::{reflect_about, spherical};
 
 /// Evaluations that a table is worth, however few its cells: coarse cells take the mean over several points.
@@ -78,11 +78,11 @@ pub(in crate::sampler) fn contribution(brdf: &dyn Brdf, importance: Importance, 
 /// the curves as stored.
 fn curves(masses: &Array2<f64>, tolerance: Option<f64>) -> (Curves, Curves) {
     let (mut marginal, mut conditional) = (Curves::new(), Curves::new());
-    let cumulated = cumulate(masses.sum_axis(Axis(1)).view());
-    let knots = push(&mut marginal, &cumulated, tolerance);
+    let marginal_sums = cumulated(masses.sum_axis(Axis(1)));
+    let knots = push(&mut marginal, &marginal_sums, tolerance);
     for piece in knots.windows(2) {
         let rows = masses.slice(ndarray::s![piece[0]..piece[1], ..]);
-        push(&mut conditional, &cumulate(rows.sum_axis(Axis(0)).view()), tolerance);
+        push(&mut conditional, &cumulated(rows.sum_axis(Axis(0))), tolerance);
     }
     (marginal, conditional)
 }
@@ -101,14 +101,4 @@ fn push(curves: &mut Curves, cumulated: &[f64], tolerance: Option<f64>) -> Vec<u
             knots
         }
     }
-}
-
-fn cumulate(masses: ArrayView1<'_, f64>) -> Vec<f64> {
-    let mut sum = 0.0;
-    std::iter::once(0.0)
-        .chain(masses.iter().map(|m| {
-            sum += m;
-            sum
-        }))
-        .collect()
 }

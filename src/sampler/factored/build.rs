@@ -1,13 +1,13 @@
 //! Tabulating, factoring, and the choice of factors.
 
 use glam::DVec3;
-use ndarray::{Array1, Array2, ArrayView1, Axis};
+use ndarray::{Array1, Array2, Axis};
 use rayon::prelude::*;
 
 use super::{Factored, FactoredSettings, Factors, Terms};
 use crate::Result;
 use crate::brdf::{Brdf, Importance};
-use crate::dist::Curves;
+use crate::dist::{Curves, cumulated};
 use crate::geom::spherical;
 use crate::sampler::cascade_cdf::{ThetaAxis, contribution, masses};
 use crate::sampler::knots::ThetaKnots;
@@ -170,8 +170,8 @@ fn terms(outer: &Factorisation, factors: &Factors) -> Terms {
         let masses = inner.left.sum_axis(Axis(0));
         let whole = masses.sum();
         for k in 0..factors.inner {
-            theta.push(&cumulated(inner.left.column(k)), None);
-            phi.push(&cumulated(inner.right.row(k)), None);
+            theta.push(&cumulated(inner.left.column(k).iter().copied()), None);
+            phi.push(&cumulated(inner.right.row(k).iter().copied()), None);
             let l = j * factors.inner + k;
             let drawn = whole > 0.0 && !theta.is_void(l) && !phi.is_void(l);
             let share = if drawn { masses[k] / whole } else { 0.0 };
@@ -181,14 +181,4 @@ fn terms(outer: &Factorisation, factors: &Factors) -> Terms {
     let sums = positive(weights.sum_axis(Axis(1))).insert_axis(Axis(1));
     let weights = (weights / &sums).iter().map(|&w| w as f32).collect();
     Terms { weights, theta, phi }
-}
-
-fn cumulated(masses: ArrayView1<'_, f64>) -> Vec<f64> {
-    let mut sum = 0.0;
-    std::iter::once(0.0)
-        .chain(masses.iter().map(|m| {
-            sum += m;
-            sum
-        }))
-        .collect()
 }

@@ -13,10 +13,10 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::cascade_cdf::ThetaAxis;
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
-use super::{DirectionSample, DirectionSampler, ThetaSpacing};
+use super::{DirectionSample, DirectionSampler, ThetaSpacing, with_density};
 use crate::brdf::{Brdf, Importance};
 use crate::dist::Curves;
-use crate::geom::{cosine_hemisphere, is_upper, reflect_about, spherical, to_spherical, unit_upper};
+use crate::geom::{cosine_hemisphere, reflect_about, spherical, to_spherical, unit_upper};
 use crate::{Error, Result};
 
 /// How many factors there are, and over what.
@@ -221,11 +221,7 @@ impl DirectionSampler for Factored {
             Some(l) => self.draw(wo.as_dvec3(), l, u),
         }
         .as_vec3();
-        if !is_upper(wi) {
-            return None;
-        }
-        let pdf = self.pdf(wo, wi);
-        (pdf > 0.0).then_some(DirectionSample { wi, pdf })
+        with_density(self, wo, wi)
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {

@@ -14,9 +14,9 @@ use std::f64::consts::FRAC_1_PI;
 use glam::{DVec2, Vec2, Vec3};
 
 use super::knots::split_unit;
-use super::{DirectionSample, DirectionSampler};
+use super::{DirectionSample, DirectionSampler, with_density};
 use crate::brdf::{Brdf, Importance};
-use crate::geom::{cosine_hemisphere, is_upper, unit_upper};
+use crate::geom::{cosine_hemisphere, unit_upper};
 use crate::{Error, Result};
 
 /// Which lobe.
@@ -182,11 +182,7 @@ impl DirectionSampler for Lobe {
             shape::draw(self.kind, [along, across].map(f64::from), wo.as_dvec3(), point)
         }
         .as_vec3();
-        if !is_upper(wi) {
-            return None;
-        }
-        let pdf = self.pdf(wo, wi);
-        (pdf > 0.0).then_some(DirectionSample { wi, pdf })
+        with_density(self, wo, wi)
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {

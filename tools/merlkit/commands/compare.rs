@@ -9,9 +9,9 @@ use merlkit::brdf::{LookupRule, Measured};
 use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::light::Environment;
 use merlkit::measure::compare::{
-    Comparison, ComparisonPlan, MaterialComparison, Named, PictureComparison, PicturePlan, PointPlan, SCHEMA,
-    SceneKind, SettingsComparison, competitors, curve, knobs, picture_competitors, picture_reference,
-    pictures, references, setting, verdict,
+    Comparison, ComparisonPlan, MATERIALS, MaterialComparison, Named, PictureComparison, PicturePlan,
+    PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors, curve, knobs, picture_competitors,
+    picture_reference, pictures, references, setting, verdict,
 };
 use merlkit::measure::cost::time;
 use merlkit::merl::Material;
@@ -61,16 +61,6 @@ pub struct Args {
 }
 
 const QUICK: [&str; 3] = ["nickel", "red-plastic", "teflon"];
-const FULL: [&str; 8] = [
-    "alum-bronze",
-    "black-obsidian",
-    "blue-metallic-paint",
-    "chrome",
-    "nickel",
-    "red-plastic",
-    "teflon",
-    "violet-acrylic",
-];
 
 pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
@@ -118,7 +108,7 @@ struct Run {
 
 impl Run {
     fn new(args: &Args) -> Result<Self, Error> {
-        let default = if args.quick { &QUICK[..] } else { &FULL[..] };
+        let default = if args.quick { &QUICK[..] } else { &MATERIALS[..] };
         let names = match args.materials.is_empty() {
             true => default.iter().map(|&name| name.to_owned()).collect(),
             false => args.materials.clone(),
