@@ -18,6 +18,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod brdf;
+pub mod bsdf;
 pub mod color;
 pub mod dist;
 mod error;
