@@ -6,6 +6,7 @@
 //! *.binary or embedded name → merl::MerlTable → brdf::Measured → sampler::{HalfVectorTable, …, Lobe, Factored} → sampler file
 //! Brdf + DirectionSampler + light → render → image
 //! Brdf + DirectionSampler → measure → report
+//! brdf::Measured → bsdf::BsdfFile (for Mitsuba and pbrt) → bsdf::Rgl: a Brdf and DirectionSampler, or a merl::MerlTable
 //! ```
 //!
 //! Conventions, stated once in [`geom`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both

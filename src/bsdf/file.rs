@@ -3,6 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, TAU};
 use std::path::Path;
 
+use super::spectrum::to_rgb;
 use super::tensors::{Data, Tensor, TensorFile, write};
 use crate::Result;
 use crate::files::Overwrite;
@@ -44,6 +45,16 @@ pub enum Colour {
         /// `[P, T, wavelengths, n, n]`.
         spectra: Tensor,
     },
+}
+
+impl Colour {
+    /// Linear sRGB, `[P, T, 3, n, n]`; spectra are seen in light of D65, in which a spectrum of ones is white.
+    pub fn to_rgb(&self) -> Tensor {
+        match self {
+            Self::Rgb(rgb) => rgb.clone(),
+            Self::Spectral { wavelengths, spectra } => to_rgb(wavelengths, spectra),
+        }
+    }
 }
 
 impl BsdfFile {

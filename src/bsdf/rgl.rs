@@ -4,8 +4,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 use glam::{DVec3, Vec3};
 
-use super::file::{BsdfFile, Colour};
-use super::spectrum::to_rgb;
+use super::file::BsdfFile;
 use super::warp::{Blend, Grid, Warp};
 use crate::color::Rgb;
 use crate::geom::{reflect_about, spherical, to_spherical, unit_upper};
@@ -53,15 +52,11 @@ impl Rgl {
     /// Normalises the tables.
     pub fn new(file: BsdfFile) -> Self {
         let symmetry = symmetry(&file);
-        let colour = match file.colour {
-            Colour::Rgb(rgb) => rgb,
-            Colour::Spectral { wavelengths, spectra } => to_rgb(&wavelengths, &spectra),
-        };
         Self {
             area: file.jacobian.then(|| [Grid::new(file.ndf, 1), Grid::new(file.sigma, 1)]),
             warp: Warp::new(file.vndf),
             luminance: Warp::new(file.luminance),
-            colour: Grid::new(colour, 3),
+            colour: Grid::new(file.colour.to_rgb(), 3),
             symmetry,
             theta_i: file.theta_i,
             phi_i: file.phi_i,

