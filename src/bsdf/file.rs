@@ -216,10 +216,10 @@ impl Reader<'_> {
     }
 }
 
-/// A field of rising numbers from `low` to `high`; a part in a million more is rounding.
+/// A field of rising numbers from `low` to `high`; 10⁻⁶ more is rounding.
 fn rising(file: &TensorFile, name: &str, low: f32, high: f32) -> Result<Vec<f32>> {
     let values = file.floats(name, 1)?.values;
-    let slack = 1e-6 * high;
+    let slack = 1e-6;
     if let Some(k) = values.iter().position(|v| !(low - slack..=high + slack).contains(v)) {
         return Err(file.wrong_value(name, k, &format!("values from {low} to {high}"), values[k]));
     }

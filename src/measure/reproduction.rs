@@ -12,8 +12,8 @@ use crate::{Error, Result, color};
 
 /// Pairs of directions that the relative errors are taken over.
 const PAIRS: u64 = 100_000;
-/// Points a bin of θh for the albedo and the spread: they resolve about 10⁻³.
-const POINTS_PER_BIN: usize = 233;
+/// Points a bin of θh for the spread and the albedo: they resolve about 10⁻³ and 10⁻⁴.
+const POINTS_PER_BIN: [usize; 2] = [233, 89];
 
 /// Differences of one BRDF from another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -23,7 +23,7 @@ pub struct ValueErrors {
     pub median: f64,
     /// Its 95th percentile.
     pub percentile_95: f64,
-    /// Largest relative difference of a directional albedo (mean of the channels) at [`LIMIT_ANGLES_DEG`].
+    /// Largest relative difference of a directional albedo (mean of the channels), at every degree from 0.5 to 85.5.
     pub albedo: f64,
 }
 
@@ -44,8 +44,8 @@ pub fn value_errors(found: &dyn Brdf, expected: &dyn Brdf) -> ValueErrors {
     let mut errors: Vec<f64> = errors.collect();
     errors.sort_by(f64::total_cmp);
     let quantile = |q: f64| errors.get((q * errors.len() as f64) as usize).copied().unwrap_or_default();
-    let albedo: Vec<f64> =
-        LIMIT_ANGLES_DEG.into_par_iter().map(|deg| albedo_error(found, expected, deg)).collect();
+    let degrees = (0..86u32).into_par_iter().map(|k| 0.5 + f64::from(k));
+    let albedo: Vec<f64> = degrees.map(|deg| albedo_error(found, expected, deg)).collect();
     ValueErrors {
         median: quantile(0.5),
         percentile_95: quantile(0.95),
@@ -55,7 +55,9 @@ pub fn value_errors(found: &dyn Brdf, expected: &dyn Brdf) -> ValueErrors {
 
 /// How well a file's own density draws from the material it was made from.
 pub fn draw_quality(file: &Rgl, brdf: &dyn Brdf) -> DrawQuality {
-    let spread = |degrees: f64| weight_spread(file, brdf, &quadrature(degrees), Importance::Luminance);
+    let spread = |degrees: f64| {
+        weight_spread(file, brdf, &quadrature(degrees, POINTS_PER_BIN[0]), Importance::Luminance)
+    };
     let spreads: Vec<_> = LIMIT_ANGLES_DEG.into_par_iter().map(spread).collect();
     let relstd = spreads.iter().map(|s| s.relstd);
     DrawQuality {
@@ -117,7 +119,7 @@ fn relative_error(found: &dyn Brdf, expected: &dyn Brdf, i: u64) -> Option<f64> 
 }
 
 fn albedo_error(found: &dyn Brdf, expected: &dyn Brdf, degrees: f64) -> f64 {
-    let quadrature = quadrature(degrees);
+    let quadrature = quadrature(degrees, POINTS_PER_BIN[1]);
     let albedo = |brdf: &dyn Brdf| {
         quadrature.integrate(|wi: Vec3| f64::from(color::mean(brdf.eval_cos(quadrature.wo(), wi))))
     };
@@ -125,6 +127,6 @@ fn albedo_error(found: &dyn Brdf, expected: &dyn Brdf, degrees: f64) -> f64 {
     if expected > 0.0 { (found / expected - 1.0).abs() } else { 0.0 }
 }
 
-fn quadrature(degrees: f64) -> Quadrature {
-    Quadrature::new(spherical(degrees.to_radians(), 0.0).as_vec3(), POINTS_PER_BIN)
+fn quadrature(degrees: f64, points_per_bin: usize) -> Quadrature {
+    Quadrature::new(spherical(degrees.to_radians(), 0.0).as_vec3(), points_per_bin)
 }
