@@ -14,7 +14,7 @@ use merlkit::files::Overwrite;
 use merlkit::geom::{Quadrature, spherical};
 use merlkit::measure::chi_square::{ChiSquareTest, Verdict};
 use merlkit::measure::{colour_error, draw_quality, size_within, value_errors};
-use merlkit::merl::{BinPoint, HardCase, Header, Material, MerlTable, decode_embedded, import_bsdf};
+use merlkit::merl::{BinPoint, HardCase, Material, decode_embedded, import_bsdf};
 use merlkit::points::Stream;
 
 const PATH: &str = "some.bsdf";
