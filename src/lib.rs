@@ -6,6 +6,7 @@
 //! *.binary or embedded name → merl::MerlTable → brdf::Measured → sampler::{HalfVectorTable, …, Lobe, Factored} → sampler file
 //! Brdf + DirectionSampler + light → render → image
 //! Brdf + DirectionSampler → measure → report
+//! brdf::Measured → bsdf::BsdfFile (for Mitsuba and pbrt) → bsdf::Rgl: a Brdf and DirectionSampler, or a merl::MerlTable
 //! ```
 //!
 //! Conventions, stated once in [`geom`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both
@@ -18,6 +19,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod brdf;
+pub mod bsdf;
 pub mod color;
 pub mod dist;
 mod error;

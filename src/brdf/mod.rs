@@ -9,6 +9,7 @@ mod importance;
 mod interpolate;
 mod keys;
 mod measured;
+mod rgl;
 mod tangents;
 
 pub use bins::BinIndex;

@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::{MerlTable, embedded, load};
+use super::{BinPoint, MerlTable, embedded, import_bsdf, load};
+use crate::bsdf::looks_like_bsdf;
 use crate::files::RegularFile;
 use crate::{Error, Result};
 
 /// Where a material's values come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// A MERL binary.
+    /// A MERL binary, or a `.bsdf` file of an isotropic material.
     File(PathBuf),
     /// One of the embedded networks.
     Embedded(String),
@@ -25,7 +26,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// Resolves an argument: an embedded name, or a path to a MERL binary.
+    /// Resolves an argument: an embedded name, or a path to a MERL binary or a `.bsdf` file.
     ///
     /// A bare word is an embedded name first; `./nickel` or `nickel.binary` is a path.
     ///
@@ -60,12 +61,13 @@ impl Material {
         &self.source
     }
 
-    /// Loads or decodes the table.
+    /// Loads or decodes the table. A `.bsdf` file, known by its first bytes, is resampled at the centres of bins.
     ///
     /// # Errors
-    /// As [`load`].
+    /// As [`load`], or as [`import_bsdf`].
     pub fn load(&self) -> Result<MerlTable> {
         match &self.source {
+            Source::File(path) if looks_like_bsdf(path) => Ok(import_bsdf(path, BinPoint::Centre)?.0),
             Source::File(path) => load(path),
             Source::Embedded(name) => embedded::decode(name)
                 .ok_or_else(|| Error::argument(format!("no material {name}"), suggestion(name))),

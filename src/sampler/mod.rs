@@ -7,6 +7,7 @@ mod factored;
 mod half_vector_table;
 mod knots;
 mod lobe;
+mod rgl;
 mod spec;
 pub mod store;
 

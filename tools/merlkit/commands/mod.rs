@@ -6,6 +6,8 @@ mod compare;
 mod decode;
 mod demo;
 mod eval;
+mod export;
+mod import;
 mod info;
 mod list;
 mod plot;
@@ -26,6 +28,8 @@ pub enum Command {
     Decode(decode::Args),
     Build(build::Args),
     Sample(sample::Args),
+    Export(export::Args),
+    Import(import::Args),
     Plot(Box<plot::Args>),
     Report(report::Args),
     Check(check::Args),
@@ -45,6 +49,8 @@ impl Command {
             Self::Decode(args) => decode::run(&args),
             Self::Build(args) => build::run(&args),
             Self::Sample(args) => sample::run(&args),
+            Self::Export(args) => export::run(&args),
+            Self::Import(args) => import::run(&args),
             Self::Plot(args) => plot::run(&args),
             Self::Report(args) => report::run(&args),
             Self::Check(args) => check::run(&args),

@@ -1,0 +1,21 @@
+//! A `.bsdf` file as a BRDF.
+
+use glam::Vec3;
+
+use super::Brdf;
+use crate::bsdf::Rgl;
+use crate::color::Rgb;
+
+impl Brdf for Rgl {
+    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.value(wo, wi)
+    }
+
+    fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.value_cos(wo, wi)
+    }
+
+    fn is_isotropic(&self) -> bool {
+        Self::is_isotropic(self)
+    }
+}

@@ -1,0 +1,230 @@
+//! What a `.bsdf` file of a measured material holds (Dupuy & Jakob 2018), checked.
+
+use std::f32::consts::{FRAC_PI_2, TAU};
+use std::path::Path;
+
+use super::spectrum::to_rgb;
+use super::tensors::{Data, Tensor, TensorFile, write};
+use crate::Result;
+use crate::files::Overwrite;
+
+/// The tensors of a measured material, as Mitsuba 3 and pbrt-v4 read them.
+///
+/// Axes: x = √(2θ/π) is the last, y = φ/2π + ½ the one before. P is the number of `phi_i`, T that of `theta_i`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BsdfFile {
+    /// What the material is, in words.
+    pub description: String,
+    /// Polar angles of the given direction, radians; rising, within [0, π/2].
+    pub theta_i: Vec<f32>,
+    /// Azimuths of the given direction, radians; rising, within ±2π. At most two: the material is isotropic.
+    pub phi_i: Vec<f32>,
+    /// Whether values are multiplied by `ndf`/(4 `sigma`).
+    pub jacobian: bool,
+    /// Distribution of half vectors, `[h, w]`, ≥ 0.
+    pub ndf: Tensor,
+    /// Projected area of the half vectors towards the given direction, `[h, w]`, ≥ 0.
+    pub sigma: Tensor,
+    /// Density by which the unit square is stretched over half vectors, `[P, T, h, w]`; ≥ 0, no slice zero.
+    pub vndf: Tensor,
+    /// Density of draws on the square, `[P, T, n, n]`; ≥ 0, no slice zero.
+    pub luminance: Tensor,
+    /// Values on the square.
+    pub colour: Colour,
+}
+
+/// Values of f_r·cosθ, up to `ndf`/(4 `sigma`), on the square of `luminance`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Colour {
+    /// Linear sRGB, `[P, T, 3, n, n]`.
+    Rgb(Tensor),
+    /// Spectra over wavelengths.
+    Spectral {
+        /// Wavelengths, nm; rising.
+        wavelengths: Vec<f32>,
+        /// `[P, T, wavelengths, n, n]`.
+        spectra: Tensor,
+    },
+}
+
+impl Colour {
+    /// Linear sRGB, `[P, T, 3, n, n]`; spectra are seen in light of D65, in which a spectrum of ones is white.
+    pub fn to_rgb(&self) -> Tensor {
+        match self {
+            Self::Rgb(rgb) => rgb.clone(),
+            Self::Spectral { wavelengths, spectra } => to_rgb(wavelengths, spectra),
+        }
+    }
+}
+
+impl BsdfFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`crate::Error::Io`]; [`crate::Error::Unsupported`] for what is no regular file or of more than 4 GiB; [`crate::Error::Invalid`] naming what
+    /// does not fit, and where.
+    pub fn open(path: &Path) -> Result<Self> {
+        Self::from_tensors(&TensorFile::open(path)?)
+    }
+
+    /// A file from its bytes; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`].
+    pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Self> {
+        Self::from_tensors(&TensorFile::from_bytes(bytes, path)?)
+    }
+
+    fn from_tensors(file: &TensorFile) -> Result<Self> {
+        let theta_i = rising(file, "theta_i", 0.0, FRAC_PI_2)?;
+        let phi_i = rising(file, "phi_i", -TAU, TAU)?;
+        let slices = [phi_i.len(), theta_i.len()];
+        let read = Reader { file, slices };
+        let jacobian = match file.bytes("jacobian")? {
+            [flag] => *flag != 0,
+            other => {
+                return Err(file.wrong_entry("jacobian", "one byte", format!("{} bytes", other.len())));
+            }
+        };
+        let luminance = read.density("luminance")?;
+        let side = luminance.shape[2];
+        if luminance.shape[3] != side {
+            let found = format!("{} × {side}", luminance.shape[3]);
+            return Err(file.wrong_entry("luminance", "as many columns as rows", found));
+        }
+        Ok(Self {
+            description: String::from_utf8_lossy(file.bytes("description")?).into_owned(),
+            jacobian,
+            ndf: read.grid("ndf")?,
+            sigma: read.grid("sigma")?,
+            vndf: read.density("vndf")?,
+            luminance,
+            colour: read.colour(side)?,
+            theta_i,
+            phi_i,
+        })
+    }
+
+    /// Writes the file: all of it appears, or nothing does. Returns its length in bytes.
+    ///
+    /// # Errors
+    /// As [`crate::files::write_new`].
+    pub fn write(&self, path: &Path, overwrite: Overwrite) -> Result<u64> {
+        let jacobian = [u8::from(self.jacobian)];
+        let (axis_theta, axis_phi) = ([self.theta_i.len()], [self.phi_i.len()]);
+        let mut fields = vec![
+            ("description", Data::Bytes(self.description.as_bytes())),
+            ("jacobian", Data::Bytes(&jacobian)),
+            ("theta_i", Data::Floats(&axis_theta, &self.theta_i)),
+            ("phi_i", Data::Floats(&axis_phi, &self.phi_i)),
+        ];
+        for (name, tensor) in
+            [("ndf", &self.ndf), ("sigma", &self.sigma), ("vndf", &self.vndf), ("luminance", &self.luminance)]
+        {
+            fields.push((name, Data::Floats(&tensor.shape, &tensor.values)));
+        }
+        let axis;
+        match &self.colour {
+            Colour::Rgb(rgb) => fields.push(("rgb", Data::Floats(&rgb.shape, &rgb.values))),
+            Colour::Spectral { wavelengths, spectra } => {
+                axis = [wavelengths.len()];
+                fields.push(("wavelengths", Data::Floats(&axis, wavelengths)));
+                fields.push(("spectra", Data::Floats(&spectra.shape, &spectra.values)));
+            }
+        }
+        write(path, overwrite, &fields)
+    }
+
+    /// Whether turning both directions about the normal leaves values as they are: at most two `phi_i`.
+    pub fn is_isotropic(&self) -> bool {
+        self.phi_i.len() <= 2
+    }
+}
+
+/// Reads tensors that begin with the axes P and T.
+struct Reader<'a> {
+    file: &'a TensorFile,
+    slices: [usize; 2],
+}
+
+impl Reader<'_> {
+    /// `[h, w]`, at least 2 × 2, values ≥ 0.
+    fn grid(&self, name: &str) -> Result<Tensor> {
+        let tensor = self.file.floats(name, 2)?;
+        self.at_least_two(name, &tensor)?;
+        self.not_negative(name, &tensor)?;
+        Ok(tensor)
+    }
+
+    /// `[P, T, h, w]`, at least 2 × 2 each; values ≥ 0, one of them above 0 in each slice.
+    fn density(&self, name: &str) -> Result<Tensor> {
+        let tensor = self.file.floats(name, 4)?;
+        self.at_least_two(name, &tensor)?;
+        self.of_slices(name, &tensor)?;
+        self.not_negative(name, &tensor)?;
+        let slice = tensor.shape[2] * tensor.shape[3];
+        match tensor.values.chunks_exact(slice).position(|s| s.iter().all(|&v| v == 0.0)) {
+            Some(k) => Err(self.file.wrong_value(name, k * slice, "a slice that is not all zero", 0.0)),
+            None => Ok(tensor),
+        }
+    }
+
+    /// Spectra where there are wavelengths, as the renderers have it; RGB otherwise.
+    fn colour(&self, side: usize) -> Result<Colour> {
+        if !self.file.has("wavelengths") {
+            return Ok(Colour::Rgb(self.channels("rgb", 3, side)?));
+        }
+        let wavelengths = rising(self.file, "wavelengths", 1.0, 1e6)?;
+        let spectra = self.channels("spectra", wavelengths.len(), side)?;
+        Ok(Colour::Spectral { wavelengths, spectra })
+    }
+
+    fn channels(&self, name: &str, count: usize, side: usize) -> Result<Tensor> {
+        let tensor = self.file.floats(name, 5)?;
+        self.of_slices(name, &tensor)?;
+        if tensor.shape[2..] != [count, side, side] {
+            let found = format!("{:?}", &tensor.shape[2..]);
+            return Err(self.file.wrong_entry(name, format!("the shape [{count}, {side}, {side}]"), found));
+        }
+        Ok(tensor)
+    }
+
+    fn of_slices(&self, name: &str, tensor: &Tensor) -> Result<()> {
+        if tensor.shape[..2] == self.slices {
+            return Ok(());
+        }
+        let [p, t] = self.slices;
+        let expected = format!("slices for {p} phi_i and {t} theta_i");
+        Err(self.file.wrong_entry(name, expected, format!("the shape {:?}", tensor.shape)))
+    }
+
+    fn at_least_two(&self, name: &str, tensor: &Tensor) -> Result<()> {
+        match tensor.shape.iter().rev().take(2).all(|&n| n >= 2) {
+            true => Ok(()),
+            false => {
+                let found = format!("the shape {:?}", tensor.shape);
+                Err(self.file.wrong_entry(name, "at least 2 rows and columns", found))
+            }
+        }
+    }
+
+    fn not_negative(&self, name: &str, tensor: &Tensor) -> Result<()> {
+        match tensor.values.iter().position(|&v| v < 0.0) {
+            Some(k) => Err(self.file.wrong_value(name, k, "values ≥ 0", tensor.values[k])),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A field of rising numbers from `low` to `high`; 10⁻⁶ more is rounding.
+fn rising(file: &TensorFile, name: &str, low: f32, high: f32) -> Result<Vec<f32>> {
+    let values = file.floats(name, 1)?.values;
+    let slack = 1e-6;
+    if let Some(k) = values.iter().position(|v| !(low - slack..=high + slack).contains(v)) {
+        return Err(file.wrong_value(name, k, &format!("values from {low} to {high}"), values[k]));
+    }
+    match values.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(k) => Err(file.wrong_value(name, k + 1, "rising values", values[k + 1])),
+        None => Ok(values),
+    }
+}

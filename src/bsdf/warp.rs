@@ -1,0 +1,251 @@
+//! Bilinear functions on the unit square that depend on two angles, and the map of the square that follows one.
+//!
+//! Functions at angles between the tabulated ones are means of the neighbours, outside them the nearest. Points of the square
+//! are (x, y); x runs along the rows.
+
+use super::tensors::Tensor;
+
+/// The (at most four) tabulated slices about a pair of angles, and their shares.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blend([(usize, f64); 4]);
+
+impl Blend {
+    /// For grids that depend on nothing.
+    pub const ONLY: Self = Self([(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]);
+
+    /// About `phi` and `theta` on the axes of a file; slices are numbered with theta the faster.
+    pub fn about(phi: f64, theta: f64, phi_i: &[f32], theta_i: &[f32]) -> Self {
+        let ((p, v), (t, w)) = (neighbours(phi, phi_i), neighbours(theta, theta_i));
+        let at = |p: usize, t: usize| p.min(phi_i.len() - 1) * theta_i.len() + t.min(theta_i.len() - 1);
+        Self([
+            (at(p, t), (1.0 - v) * (1.0 - w)),
+            (at(p, t + 1), (1.0 - v) * w),
+            (at(p + 1, t), v * (1.0 - w)),
+            (at(p + 1, t + 1), v * w),
+        ])
+    }
+
+    #[inline]
+    fn of(&self, value: impl Fn(usize) -> f32) -> f64 {
+        let mut sum = 0.0;
+        for &(slice, share) in &self.0 {
+            if share > 0.0 {
+                sum += share * f64::from(value(slice));
+            }
+        }
+        sum
+    }
+}
+
+/// The tabulated value at or below `x` on a rising axis that is not empty, and the share of the next; clamped at both ends.
+fn neighbours(x: f64, axis: &[f32]) -> (usize, f64) {
+    let low =
+        axis.partition_point(|&a| f64::from(a) <= x).saturating_sub(1).min(axis.len().saturating_sub(2));
+    match axis.get(low..low + 2) {
+        Some(&[a, b]) => {
+            let (a, b) = (f64::from(a), f64::from(b));
+            (low, ((x - a) / (b - a)).clamp(0.0, 1.0))
+        }
+        _ => (0, 0.0),
+    }
+}
+
+/// A cell of a grid and the place in it.
+#[derive(Clone, Copy)]
+struct Patch {
+    column: usize,
+    row: usize,
+    x: f64,
+    y: f64,
+}
+
+impl Patch {
+    /// The cell that holds a point; points outside the square go to its edge.
+    fn of(point: [f64; 2], width: usize, height: usize) -> Self {
+        let along = |v: f64, n: usize| {
+            let scaled = v.clamp(0.0, 1.0) * (n - 1) as f64;
+            let cell = (scaled as usize).min(n - 2);
+            (cell, scaled - cell as f64)
+        };
+        let ((column, x), (row, y)) = (along(point[0], width), along(point[1], height));
+        Self { column, row, x, y }
+    }
+}
+
+/// `shape` is `[…, h, w]`, every `[h, w]` one slice of `channels` in a row.
+pub(super) struct Grid {
+    values: Vec<f32>,
+    width: usize,
+    height: usize,
+    channels: usize,
+}
+
+impl Grid {
+    /// A tensor whose last two axes, of at least 2 each, are the square; the one before is `channels` long, if not 1.
+    pub fn new(tensor: Tensor, channels: usize) -> Self {
+        let axes = tensor.shape.len();
+        Self {
+            width: tensor.shape[axes - 1],
+            height: tensor.shape[axes - 2],
+            channels,
+            values: tensor.values,
+        }
+    }
+
+    /// Value of a channel at a point.
+    pub fn at(&self, point: [f64; 2], channel: usize, blend: &Blend) -> f64 {
+        let patch = Patch::of(point, self.width, self.height);
+        let [left, right] = self.corners(&patch, channel, blend);
+        left + (right - left) * patch.x
+    }
+
+    /// Values on the left and right of a cell.
+    fn corners(&self, patch: &Patch, channel: usize, blend: &Blend) -> [f64; 2] {
+        let first = patch.row * self.width + patch.column;
+        let side = |k: usize| {
+            let at = |k: usize| {
+                blend.of(|slice| {
+                    let start = (slice * self.channels + channel) * self.width * self.height;
+                    self.values[start + k]
+                })
+            };
+            let (low, high) = (at(first + k), at(first + k + self.width));
+            low + (high - low) * patch.y
+        };
+        [side(0), side(1)]
+    }
+
+    /// Bytes of the values.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.values[..])
+    }
+
+    fn slices(&self) -> impl Iterator<Item = &[f32]> {
+        self.values.chunks_exact(self.width * self.height)
+    }
+}
+
+/// A density on the square in each slice, and the continuous map that draws from it: y by the marginal, then x by the
+/// density along the row, both piecewise linear.
+pub(super) struct Warp {
+    density: Grid,
+    /// Integral over x up to each column, of each row: `[slice, h, w − 1]`.
+    along: Vec<f32>,
+    /// Integral over y up to each row: `[slice, h − 1]`.
+    rows: Vec<f32>,
+}
+
+impl Warp {
+    /// From values ≥ 0, each slice above 0 somewhere; slices are normalised.
+    pub fn new(tensor: Tensor) -> Self {
+        let mut density = Grid::new(tensor, 1);
+        let (w, h) = (density.width, density.height);
+        let (step_x, step_y) = (0.5 / (w - 1) as f64, 0.5 / (h - 1) as f64);
+        let (mut along, mut rows, mut scales) = (Vec::new(), Vec::new(), Vec::new());
+        for slice in density.slices() {
+            let sums: Vec<Vec<f64>> = slice.chunks_exact(w).map(|row| running(row, step_x)).collect();
+            let totals: Vec<f32> = sums.iter().map(|s| s[w - 2] as f32).collect();
+            let marginal = running(&totals, step_y);
+            let scale = 1.0 / marginal[h - 2];
+            along.extend(sums.iter().flatten().map(|&v| (v * scale) as f32));
+            rows.extend(marginal.iter().map(|&v| (v * scale) as f32));
+            scales.push(scale);
+        }
+        for (slice, scale) in density.values.chunks_exact_mut(w * h).zip(scales) {
+            slice.iter_mut().for_each(|v| *v = (f64::from(*v) * scale) as f32);
+        }
+        Self { density, along, rows }
+    }
+
+    /// Density at a point of the square.
+    pub fn density(&self, point: [f64; 2], blend: &Blend) -> f64 {
+        self.density.at(point, 0, blend)
+    }
+
+    /// The point of the square that is mapped to `point`, and the density there. 0 on both axes where nothing is drawn.
+    pub fn invert(&self, point: [f64; 2], blend: &Blend) -> ([f64; 2], f64) {
+        let (w, h) = (self.density.width, self.density.height);
+        let patch = Patch::of(point, w, h);
+        let [left, right] = self.density.corners(&patch, 0, blend);
+        let inside = 0.5 * (left + left + (right - left) * patch.x) * patch.x / (w - 1) as f64;
+        let x = self.row_sum(&patch, patch.column, blend) + inside;
+        let whole = self.row_sum(&patch, w - 1, blend);
+        let [low, high] = self.row_totals(patch.row, blend);
+        let inside = 0.5 * (low + low + (high - low) * patch.y) * patch.y / (h - 1) as f64;
+        let y = self.rows_to(patch.row, blend) + inside;
+        let pdf = left + (right - left) * patch.x;
+        ([if whole > 0.0 { x / whole } else { 0.0 }, y], pdf)
+    }
+
+    /// The point that `u` is mapped to.
+    pub fn sample(&self, u: [f64; 2], blend: &Blend) -> [f64; 2] {
+        let (w, h) = (self.density.width, self.density.height);
+        let row = search(h - 1, |k| self.rows_to(k + 1, blend) <= u[1]);
+        let [low, high] = self.row_totals(row, blend);
+        let y = within((u[1] - self.rows_to(row, blend)) * (h - 1) as f64, low, high);
+        let mut patch = Patch { column: 0, row, x: 0.0, y };
+        let target = u[0] * self.row_sum(&patch, w - 1, blend);
+        patch.column = search(w - 1, |k| self.row_sum(&patch, k + 1, blend) <= target);
+        let [left, right] = self.density.corners(&patch, 0, blend);
+        let rest = target - self.row_sum(&patch, patch.column, blend);
+        let x = within(rest * (w - 1) as f64, left, right);
+        [(patch.column as f64 + x) / (w - 1) as f64, (row as f64 + y) / (h - 1) as f64]
+    }
+
+    /// Bytes of the tables.
+    pub fn bytes(&self) -> usize {
+        self.density.bytes() + size_of_val(&self.along[..]) + size_of_val(&self.rows[..])
+    }
+
+    /// Integral over x up to a column, along the row that a patch's y means.
+    fn row_sum(&self, patch: &Patch, column: usize, blend: &Blend) -> f64 {
+        if column == 0 {
+            return 0.0;
+        }
+        let (w, h) = (self.density.width, self.density.height);
+        let at = |row: usize| blend.of(|slice| self.along[(slice * h + row) * (w - 1) + column - 1]);
+        let (low, high) = (at(patch.row), at(patch.row + 1));
+        low + (high - low) * patch.y
+    }
+
+    /// Integrals over x along a row and the next.
+    fn row_totals(&self, row: usize, blend: &Blend) -> [f64; 2] {
+        let last = self.density.width - 1;
+        [0.0, 1.0].map(|y| self.row_sum(&Patch { column: 0, row, x: 0.0, y }, last, blend))
+    }
+
+    /// Integral over y up to a row.
+    fn rows_to(&self, row: usize, blend: &Blend) -> f64 {
+        let h = self.density.height;
+        if row == 0 { 0.0 } else { blend.of(|slice| self.rows[slice * (h - 1) + row - 1]) }
+    }
+}
+
+/// Integral of the linear interpolant up to each value but the first; `half_step` is half the distance between values.
+fn running(values: &[f32], half_step: f64) -> Vec<f64> {
+    let mut sum = 0.0;
+    let trapezoids = values.windows(2).map(|v| half_step * (f64::from(v[0]) + f64::from(v[1])));
+    trapezoids
+        .map(|t| {
+            sum += t;
+            sum
+        })
+        .collect()
+}
+
+/// The number of values for which `is_below` holds, at most `count − 1`; it holds for the first ones.
+fn search(count: usize, is_below: impl Fn(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, count - 1);
+    while low < high {
+        let middle = (low + high) / 2;
+        if is_below(middle) { low = middle + 1 } else { high = middle }
+    }
+    low
+}
+
+/// Where the integral of a density that goes from `a` to `b` over [0, 1] reaches `mass`.
+fn within(mass: f64, a: f64, b: f64) -> f64 {
+    let root = (a * a + 2.0 * mass * (b - a)).max(0.0).sqrt();
+    let x = 2.0 * mass / (a + root);
+    if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 }
+}

@@ -1,0 +1,38 @@
+//! What exported files make of their materials.
+
+use super::Sheet;
+use crate::measure::{DrawQuality, ValueErrors};
+
+/// A sheet for [`export_row`]s.
+pub fn export_sheet() -> Sheet {
+    Sheet::new(&[
+        "file",
+        "MB",
+        "median %",
+        "95th %",
+        "albedo %",
+        "colour %",
+        "relstd",
+        "draws below the horizon %",
+    ])
+}
+
+/// A file, its length, the largest error of a colour in it (a share), errors of its values and how it draws.
+pub fn export_row(
+    file: String,
+    bytes: u64,
+    colour: f64,
+    errors: &ValueErrors,
+    draws: &DrawQuality,
+) -> Vec<String> {
+    vec![
+        file,
+        format!("{:.2}", bytes as f64 * 1e-6),
+        format!("{:.3}", 100.0 * errors.median),
+        format!("{:.2}", 100.0 * errors.percentile_95),
+        format!("{:.2}", 100.0 * errors.albedo),
+        format!("{:.4}", 100.0 * colour),
+        format!("{:.3} to {:.3}", draws.least_relstd, draws.largest_relstd),
+        format!("{:.2}", 100.0 * draws.failed),
+    ]
+}
