@@ -76,11 +76,13 @@ pub fn competitors(quick: bool) -> Vec<Competitor> {
     all
 }
 
-/// All whose pictures are compared: as [`competitors`], and resampling, which saves rays in a picture.
+/// All whose pictures are compared: as [`competitors`], and resampling, which saves rays in a picture; `quick` leaves out the
+/// factored BRDF, which takes seconds to fit.
 pub fn picture_competitors(quick: bool) -> Vec<Competitor> {
     let resampled = [half_vector("64KB"), SamplerSpec::Cosine];
     let ris = |spec| Competitor { spec, technique: Technique::Ris(Strategy::CANDIDATES) };
-    competitors(quick).into_iter().chain(resampled.map(ris)).collect()
+    let slow = |c: &Competitor| quick && matches!(c.spec, SamplerSpec::Factored(_));
+    competitors(quick).into_iter().filter(|c| !slow(c)).chain(resampled.map(ris)).collect()
 }
 
 /// Ways to take the light into account.

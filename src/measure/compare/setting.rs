@@ -55,8 +55,8 @@ pub fn knobs(quick: bool, lookup: LookupRule) -> Vec<Knob> {
     all.extend(disc_knobs(lookup));
     all.extend(cascade_knobs(lookup));
     if quick {
-        // Every other one still shows the shape of the front.
-        return all.into_iter().step_by(2).collect();
+        // Every third still shows the shape of the front.
+        return all.into_iter().step_by(3).collect();
     }
     all.extend(LookupRule::ALL.map(|rule| {
         let spec = SamplerSpec::HalfVector(HalfVectorSettings::default());
