@@ -30,30 +30,28 @@ pub struct ThesisFigures {
 
 /// The thesis's figures for a material by its embedded name; empty where it has none.
 pub fn thesis_figures(material: &str) -> Vec<ThesisFigures> {
-    let mut all = Vec::new();
-    if let Some(row) = row(PRECOMPUTE, material) {
-        let sampling = self::row(SAMPLING, material);
-        let at = |row: &Option<Vec<f64>>, i: usize| row.as_ref().and_then(|r| r.get(i).copied());
-        let methods =
-            [("adaptive disc, 60 quadtrees", 2, 3), ("uniform CDF", 0, 1), ("compressed CDF", 1, 2)];
-        for (method, column, sampling_column) in methods {
-            all.push(ThesisFigures {
-                method: format!("thesis (6.23, 6.24): {method}"),
-                memory_kb: row.get(3 + column).copied(),
-                precompute_s: row.get(column).copied(),
-                sampling_s: at(&sampling, sampling_column),
-            });
-        }
-    }
-    if let Some(row) = row(COMPRESSED_MEMORY, material) {
-        all.push(ThesisFigures {
-            method: "thesis (5.10): compressed CDF".into(),
-            memory_kb: row.get(2).copied(),
-            precompute_s: row.first().copied(),
-            sampling_s: None,
-        });
-    }
-    all
+    let CostRows { compressed, precompute, sampling } = cost_rows(material);
+    let named = |(method, words): (&str, &str)| {
+        let &(_, (kb, seconds)) = precompute.iter().find(|p| p.0 == method)?;
+        Some(ThesisFigures {
+            method: format!("thesis (6.23, 6.24): {words}"),
+            memory_kb: Some(kb),
+            precompute_s: Some(seconds),
+            sampling_s: sampling.iter().find(|s| s.0 == method).map(|s| s.1),
+        })
+    };
+    let methods = [
+        ("adaptive disc", "adaptive disc, 60 quadtrees"),
+        ("uniform CDF", "uniform CDF"),
+        ("compressed CDF", "compressed CDF"),
+    ];
+    let alone = compressed.map(|(kb, seconds)| ThesisFigures {
+        method: "thesis (5.10): compressed CDF".into(),
+        memory_kb: Some(kb),
+        precompute_s: Some(seconds),
+        sampling_s: None,
+    });
+    methods.into_iter().filter_map(named).chain(alone).collect()
 }
 
 /// The thesis's memory of uniform CDFs, whatever the material: (cells over θh, cells over φh, KB).
