@@ -126,7 +126,8 @@ pub fn check_hard(
         let table = Arc::new(case.table());
         for (rule, &lookup) in LookupRule::ALL.iter().enumerate() {
             let brdf = Arc::new(Measured::new(table.clone(), lookup));
-            let subject = Subject { case, lookup, brdf, angles: thoroughness.angles(number), seed };
+            let angles = thoroughness.angles(number);
+            let subject = Subject { case, lookup, brdf, thoroughness, angles, seed };
             outcomes.extend(pointwise::values(&subject));
             let samplers = hard_samplers().into_iter().enumerate();
             let taken: Vec<HardSampler> =
@@ -148,6 +149,7 @@ struct Subject<'a> {
     case: &'a HardCase,
     lookup: LookupRule,
     brdf: Arc<Measured>,
+    thoroughness: Thoroughness,
     angles: &'static [f64],
     seed: u64,
 }
