@@ -188,10 +188,14 @@ fn an_interrupted_render_leaves_nothing_half_written() {
 fn an_interrupted_check_keeps_the_finished_outcomes() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["check", "--all", "--draws", "1000", "--sampler", "cosine", "--json", "c.json"];
-    let running = Running::start(folder.path(), &arguments);
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    running.interrupt();
-    let text = std::fs::read_to_string(folder.path().join("c.json")).unwrap();
+    // `check` shows nothing until it is done, so on a slow machine the first waits may be too short for one material.
+    let text = [1, 2, 4, 8, 16].into_iter().find_map(|seconds| {
+        let running = Running::start(folder.path(), &arguments);
+        std::thread::sleep(std::time::Duration::from_secs(seconds));
+        running.interrupt();
+        std::fs::read_to_string(folder.path().join("c.json")).ok()
+    });
+    let text = text.expect("no outcome was kept in 16 s");
     let document: serde_json::Value = serde_json::from_str(&text).unwrap();
     let finished = document["results"].as_array().unwrap().len();
     assert!((1..100).contains(&finished), "{finished}");

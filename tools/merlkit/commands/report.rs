@@ -82,12 +82,12 @@ pub fn run(args: &Args) -> Outcome {
     for material in &materials {
         let figures = profile(material, args.lookup, &specs, &settings, &|| progress.advance())?;
         let report = SamplerReport::new(figures);
-        if tables {
-            progress.aside(|| {
-                output::stdout(|out| writeln!(out, "{}\n{}", report.legend(), table::render(&report.sheet())))
-            })?;
-        }
+        let shown = format!("{}\n{}", report.legend(), table::render(&report.sheet()));
+        // Kept before it is shown: who sees it and presses Ctrl-C finds it in the files.
         lock(&reports).push(report);
+        if tables {
+            progress.aside(|| output::stdout(|out| writeln!(out, "{shown}")))?;
+        }
     }
     drop(progress);
     if tables && lock(&reports).len() > 1 {
