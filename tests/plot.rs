@@ -288,7 +288,7 @@ mod views {
     use merlkit::points::Stream;
     use merlkit::sampler::{
         AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, DirectionSampler,
-        LeafChoice, Subdivision,
+        LeafChoice, ShownCdf, Subdivision,
     };
 
     static NICKEL: LazyLock<Arc<Measured>> = LazyLock::new(|| {
@@ -375,8 +375,28 @@ mod views {
         }
         let cdf =
             CascadeCdf::build(&*black(), CascadeCdfSettings { tables: 2, ..Default::default() }).unwrap();
-        assert!(cdf.marginal(0.0).knots.is_empty() && cdf.marginal(0.0).curve.is_empty());
+        for curve in [cdf.marginal(0.0), cdf.conditional(0.0)] {
+            assert!(curve.knots.is_empty() && curve.curve.is_empty());
+        }
         assert!(views::ideal_density(&*black(), 30.0).is_empty());
+    }
+
+    /// Both are of the piece that holds the median, rise from 0 to 1 over a turn, and the compressed one has fewer knots.
+    fn conditionals(before: &ShownCdf, after: &ShownCdf, whole: &ShownCdf, small: &ShownCdf) {
+        for (cdf, marginal) in [(before, whole), (after, small)] {
+            let below = |theta_h: f64| marginal.knots.iter().find(|k| k.0 == theta_h).unwrap().1;
+            let [from, to] = cdf.theta_h.map(below);
+            assert!(from <= 0.5 && 0.5 <= to, "{from} {to}");
+            assert_eq!(cdf.curve.len(), 65);
+            assert!(cdf.curve.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 <= w[1].1));
+            assert_eq!((cdf.curve[0], cdf.curve[64]), ((0.0, 0.0), (std::f64::consts::TAU, 1.0)));
+            assert!(cdf.knots.iter().all(|k| cdf.curve.contains(k)));
+        }
+        assert_eq!(before.knots, before.curve);
+        assert!(after.knots.len() < 60, "{}", after.knots.len());
+        // Half vectors of a metal turn about the normal's direction alike: no lobe of azimuths is far from the other.
+        let far = before.curve.iter().zip(&after.curve).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max);
+        assert!(far < 0.2, "{far}");
     }
 
     #[test]
@@ -401,6 +421,7 @@ mod views {
                     assert!(a.0 == b.0 && (a.1 - b.1).abs() < tolerance + 5e-4, "{a:?} {b:?}");
                 }
                 assert_eq!((after.curve[0], after.curve[256].1), ((0.0, 0.0), 1.0));
+                conditionals(&whole.conditional(theta), &small.conditional(theta), &before, &after);
             }
         }
     }

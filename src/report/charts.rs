@@ -14,6 +14,7 @@ use crate::plot::{
 };
 use crate::sampler::{
     AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, HalfVectorSettings, Sampler, SamplerSpec,
+    ShownCdf,
 };
 use crate::{Error, Result};
 
@@ -213,6 +214,43 @@ impl ChartSubject {
     /// # Errors
     /// [`crate::Error::Argument`] if the sampler is no cascade CDF; those of building it.
     pub fn cdf(&self) -> Result<String> {
+        let (series, of) = self.compressed(CascadeCdf::marginal, |_| String::new())?;
+        let caption = Caption::new(
+            format!("{}: CDF over θh before and after compression", self.name),
+            format!("Probability of a half vector below θh, by {of}."),
+        );
+        let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
+        let y = Axis::new("probability below θh", Scale::Linear).with_range(0.0, 1.0);
+        Ok(Lines { caption, x, y, series }.svg())
+    }
+
+    /// CDF over φh, of the θh that halves the draws, before and after compression, with its knots.
+    ///
+    /// # Errors
+    /// As [`Self::cdf`].
+    pub fn cdf_azimuth(&self) -> Result<String> {
+        let span = |cdf: &ShownCdf| {
+            let [from, to] = cdf.theta_h.map(f64::to_degrees);
+            format!(", θh {from:.2}–{to:.2}°")
+        };
+        let (series, of) = self.compressed(CascadeCdf::conditional, span)?;
+        let caption = Caption::new(
+            format!("{}: CDF over φh before and after compression", self.name),
+            format!(
+                "Probability of an azimuth of the half vector below φh, counted from wo, where θh halves the draws, by {of}."
+            ),
+        );
+        let x = Axis::new("φh [°]", Scale::Linear).with_range(0.0, 360.0);
+        let y = Axis::new("probability below φh", Scale::Linear).with_range(0.0, 1.0);
+        Ok(Lines { caption, x, y, series }.svg())
+    }
+
+    /// A curve at each angle before and after compression, with its knots; and what tables they are of.
+    fn compressed(
+        &self,
+        curve: impl Fn(&CascadeCdf, f64) -> ShownCdf,
+        span: impl Fn(&ShownCdf) -> String,
+    ) -> Result<(Vec<Series>, String)> {
         let Some(Sampler::CascadeCdf(stored)) = &self.sampler else {
             return Err(Error::argument("a CDF of another sampler", "choose cascade-cdf"));
         };
@@ -220,35 +258,26 @@ impl ChartSubject {
         let whole = CascadeCdf::build(&*self.brdf, CascadeCdfSettings { tolerance: None, ..settings })?;
         let mut series = Vec::new();
         for (i, theta) in self.thetas.iter().map(|t| t.to_radians()).enumerate() {
-            let (before, after) = (whole.marginal(theta), stored.marginal(theta));
-            let degrees =
-                |points: Vec<(f64, f64)>| points.into_iter().map(|p| (p.0.to_degrees(), p.1)).collect();
-            let at = format!("θ = {:.1}°", before.theta_o.to_degrees());
-            let line = |label, points, style| Series {
+            let (before, after) = (curve(&whole, theta), curve(stored, theta));
+            let degrees = |points: &[(f64, f64)]| points.iter().map(|p| (p.0.to_degrees(), p.1)).collect();
+            let at = |cdf: &ShownCdf| format!("θ = {:.1}°{}", cdf.theta_o.to_degrees(), span(cdf));
+            let line = |label, points: &[(f64, f64)], style| Series {
                 label,
-                points,
+                points: degrees(points),
                 style,
                 marks: Marks::None,
                 ..Series::default()
             };
-            let counts = [before.knots.len(), after.knots.len()];
-            series.push(line(format!("{at}, {} knots", counts[0]), degrees(before.curve), 5 * i));
-            series.push(line(format!("{at}, compressed"), degrees(after.curve), 5 * i + 1));
-            let knots = line(format!("{at}, its {} knots", counts[1]), degrees(after.knots), 5 * i + 1);
-            series.push(Series { marks: Marks::Only, ..knots });
+            series.push(line(format!("{}, {} knots", at(&before), before.knots.len()), &before.curve, 5 * i));
+            series.push(line(format!("{}, compressed", at(&after)), &after.curve, 5 * i + 1));
+            let label = format!("{}, its {} knots", at(&after), after.knots.len());
+            series.push(Series { marks: Marks::Only, ..line(label, &after.knots, 5 * i + 1) });
         }
-        let caption = Caption::new(
-            format!("{}: CDF over θh before and after compression", self.name),
-            format!(
-                "Probability of a half vector below θh, by the tables of {} nearest to θ = {}, {} lookup.",
-                SamplerSpec::CascadeCdf(settings).label(),
-                self.angles(),
-                self.rule()
-            ),
-        );
-        let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
-        let y = Axis::new("probability below θh", Scale::Linear).with_range(0.0, 1.0);
-        Ok(Lines { caption, x, y, series }.svg())
+        let label = SamplerSpec::CascadeCdf(settings).label();
+        Ok((
+            series,
+            format!("the tables of {label} nearest to θ = {}, {} lookup", self.angles(), self.rule()),
+        ))
     }
 
     /// Directional albedo over θ by each of the three lookup rules.

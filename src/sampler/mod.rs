@@ -14,7 +14,7 @@ pub mod store;
 pub use adaptive_disc::{
     AdaptiveDisc, AdaptiveDiscSettings, Carry, Cell, Construction, LeafChoice, Subdivision,
 };
-pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, Marginal, ThetaSpacing};
+pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ShownCdf, ThetaSpacing};
 pub use cosine::Cosine;
 pub use factored::{Factored, FactoredSettings, Factors};
 pub use half_vector_table::{HalfVectorSettings, HalfVectorTable};

@@ -2,7 +2,7 @@
 
 use crate::run::{fails, run, run_in, succeeds};
 
-const KINDS: [&str; 7] = ["lobe", "lobe-polar", "slice", "slice-rgb", "disc", "cdf", "albedo"];
+const KINDS: [&str; 8] = ["lobe", "lobe-polar", "slice", "slice-rgb", "disc", "cdf", "cdf-azimuth", "albedo"];
 
 /// Standard output, parsed.
 fn picture(arguments: &[&str]) -> String {
@@ -16,12 +16,13 @@ fn picture(arguments: &[&str]) -> String {
 fn every_kind_is_a_picture_and_the_same_each_time() {
     for kind in KINDS {
         // Few tables: these pictures show one.
-        let tables: &[&str] = if ["disc", "cdf"].contains(&kind) { &["--tables", "3"] } else { &[] };
+        let tables: &[&str] =
+            if ["disc", "cdf", "cdf-azimuth"].contains(&kind) { &["--tables", "3"] } else { &[] };
         let arguments = [&["teflon", "--kind", kind], tables].concat();
         let svg = picture(&arguments);
         assert!(svg.contains("<title>teflon: ") && !svg.contains("no data"), "{kind}: {}", &svg[..400]);
         // The others have nothing that threads share.
-        if ["disc", "cdf", "albedo"].contains(&kind) {
+        if ["disc", "cdf", "cdf-azimuth", "albedo"].contains(&kind) {
             assert_eq!(svg, picture(&[&arguments[..], &["--threads", "1"]].concat()), "{kind}");
         }
     }

@@ -5,10 +5,10 @@
 
 mod axis;
 mod build;
-mod marginal;
+mod shown;
 
 pub use axis::ThetaSpacing;
-pub use marginal::Marginal;
+pub use shown::ShownCdf;
 
 pub(super) use axis::ThetaAxis;
 pub(super) use build::{contribution, masses};

@@ -10,8 +10,8 @@ use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::light::Environment;
 use merlkit::measure::compare::{
     Comparison, ComparisonPlan, MATERIALS, MaterialComparison, Named, PictureComparison, PicturePlan,
-    PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors, curve, knobs, picture_competitors,
-    picture_reference, pictures, references, setting, verdict,
+    PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors, curve, knobs,
+    picture_competitors, picture_reference, pictures, references, setting, verdict,
 };
 use merlkit::measure::cost::time;
 use merlkit::merl::Material;
@@ -179,16 +179,28 @@ impl Run {
         let names: Vec<&str> = group.iter().map(|(name, _)| name.as_str()).collect();
         let material = names.join(", ");
         let Self { plan, journal, progress, .. } = self;
-        let comparison = journal.recall_or(&format!("picture/{}/{material}", scene.name()), || {
-            let (reference, film) = picture_reference(scene, group, &plan.picture)?;
-            let mut results = Vec::new();
-            for competitor in picture_competitors(plan.quick) {
-                results.extend(pictures(scene, group, competitor, &plan.picture, &film)?);
-            }
-            Ok(PictureComparison { scene, material, reference, results })
-        });
-        progress.advance_by(picture_competitors(plan.quick).len());
-        comparison
+        let key = format!("picture/{}/{material}", scene.name());
+        let mut film = None;
+        let reference = journal.recall_or(&format!("{key}/reference"), || {
+            let (reference, rendered) = picture_reference(scene, group, &plan.picture)?;
+            film = Some(rendered);
+            Ok(reference)
+        })?;
+        let mut results: Vec<PictureResult> = Vec::new();
+        for (number, competitor) in picture_competitors(plan.quick).into_iter().enumerate() {
+            let one = journal.recall_or(&format!("{key}/{number}"), || {
+                // A run that goes on renders the reference again if it is still needed; it is the same.
+                let rendered = film.take().map_or_else(
+                    || picture_reference(scene, group, &plan.picture).map(|(_, rendered)| rendered),
+                    Ok,
+                )?;
+                let rendered = film.insert(rendered);
+                pictures(scene, group, competitor, &plan.picture, rendered)
+            });
+            results.extend(one?);
+            progress.advance();
+        }
+        Ok(PictureComparison { scene, material, reference, results })
     }
 
     fn settings(&mut self, name: &str, brdf: &Measured) -> Result<SettingsComparison, Error> {
@@ -242,7 +254,11 @@ fn settings_of(plan: &ComparisonPlan, materials: usize) -> usize {
 
 /// Measurements in all, for the progress bar.
 fn parts(plan: &ComparisonPlan, materials: usize) -> usize {
-    let pictures = scenes(plan.quick).len() * materials * picture_competitors(plan.quick).len();
+    let spheres = scenes(plan.quick).into_iter().map(|scene| match scene {
+        SceneKind::Three => usize::from(materials >= 3),
+        SceneKind::Environment | SceneKind::Glossy => materials,
+    });
+    let pictures = spheres.sum::<usize>() * picture_competitors(plan.quick).len();
     let settings = settings_of(plan, materials) * knobs(plan.quick, plan.lookup).len();
     let charts = materials;
     materials * competitors(plan.quick).len() + pictures + settings + charts

@@ -31,6 +31,8 @@ enum Kind {
     Disc,
     /// cascade-cdf's CDF over θh before and after compression, with its knots
     Cdf,
+    /// Its CDF over φh, for the θh that halves the draws, before and after compression
+    CdfAzimuth,
     /// Directional albedo over θ by each of the three lookup rules
     Albedo,
 }
@@ -44,6 +46,7 @@ impl Kind {
             Self::SliceRgb => "slice-rgb",
             Self::Disc => "disc",
             Self::Cdf => "cdf",
+            Self::CdfAzimuth => "cdf-azimuth",
             Self::Albedo => "albedo",
         }
     }
@@ -51,8 +54,7 @@ impl Kind {
     /// Whether an option named so has an effect.
     fn takes(self, option: &str) -> bool {
         match option {
-            "--theta" => !matches!(self, Self::Slice | Self::SliceRgb | Self::Albedo),
-            "--lookup" => matches!(self, Self::Lobe | Self::LobePolar | Self::Disc | Self::Cdf),
+            "--theta" | "--lookup" => !matches!(self, Self::Slice | Self::SliceRgb | Self::Albedo),
             "--sampler" => matches!(self, Self::Lobe | Self::LobePolar | Self::Disc),
             _ => self == Self::Disc,
         }
@@ -117,6 +119,7 @@ pub fn run(args: &Args) -> Outcome {
         Kind::SliceRgb => subject.slice_rgb()?,
         Kind::Disc => subject.disc(args.samples.unwrap_or(1000) as usize, args.seed.unwrap_or(0)),
         Kind::Cdf => subject.cdf()?,
+        Kind::CdfAzimuth => subject.cdf_azimuth()?,
         Kind::Albedo => subject.albedo(),
     };
     let bytes = match format {
@@ -191,7 +194,7 @@ impl Args {
     /// The sampler that is shown.
     fn sampler_name(&self) -> Option<&str> {
         match self.kind {
-            Kind::Cdf => Some("cascade-cdf"),
+            Kind::Cdf | Kind::CdfAzimuth => Some("cascade-cdf"),
             Kind::Disc => Some(self.sampler.as_deref().unwrap_or("adaptive-disc")),
             _ => self.sampler.as_deref(),
         }

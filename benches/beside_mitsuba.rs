@@ -1,0 +1,350 @@
+//! A sphere of nickel under the studio, here and in Mitsuba 3: seconds to equal error.
+//!
+//! Mitsuba renders it with `measured` and the file that `merlkit export` writes, and with a BSDF in Python that looks the table
+//! up and draws by the cosine. Wants a `python3` that has mitsuba and numpy; says so and does nothing without. Vectorised
+//! variants need LLVM (`DRJIT_LIBLLVM_PATH`; 14 aborts on `measured`, 19 works) and are left out where it is missing.
+//! `cargo bench --bench beside_mitsuba`.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::{DVec2, DVec3};
+use merlkit::brdf::{Brdf, LookupRule, Measured};
+use merlkit::bsdf::{BsdfSize, tabulate};
+use merlkit::color::{Rgb, luminance};
+use merlkit::files::Overwrite;
+use merlkit::image::{Image, write_exr};
+use merlkit::light::{SkySampling, studio};
+use merlkit::merl::decode_embedded;
+use merlkit::points::PointSet;
+use merlkit::render::{
+    Camera, EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Sphere, Surface, render,
+};
+use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
+use serde_json::{Value, json};
+
+const MATERIAL: &str = "nickel";
+/// Of the table, and of what the `.bsdf` file is made of.
+const LOOKUP: LookupRule = LookupRule::Linear;
+/// Pixels a side.
+const SIDE: usize = 512;
+const SKY: [usize; 2] = [512, 256];
+const SAMPLES: [u64; 3] = [4, 16, 64];
+/// Pictures of each, of which the error is the spread.
+const SEEDS: u64 = 4;
+/// relMSE that is to be reached.
+const TARGETS: [f64; 2] = [1e-3, 1e-4];
+const BSDF_SIZE: &str = "6MB";
+
+/// One of the renderers, set up in one way.
+struct Contender {
+    name: &'static str,
+    /// Variant and material of Mitsuba; `None` is ours.
+    peer: Option<(&'static str, &'static str)>,
+}
+
+const CONTENDERS: [Contender; 4] = [
+    Contender { name: "merlkit, half-vector 64KB", peer: None },
+    Contender { name: "Mitsuba scalar_rgb, measured", peer: Some(("scalar_rgb", "measured")) },
+    Contender { name: "Mitsuba llvm_ad_rgb, measured", peer: Some(("llvm_ad_rgb", "measured")) },
+    Contender { name: "Mitsuba llvm_ad_rgb, plugin in Python", peer: Some(("llvm_ad_rgb", "plugin")) },
+];
+
+type Picture = Vec<Rgb>;
+
+/// Files of the scene, and what Mitsuba needs to know of it.
+struct Files {
+    folder: tempfile::TempDir,
+    sky: PathBuf,
+    scene: PathBuf,
+}
+
+impl Files {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let (sky, bsdf, table, scene) = (at("sky.exr"), at("m.bsdf"), at("table"), at("scene.json"));
+        write_exr(&sky, &sky_map(), Overwrite::Refuse).expect("a sky");
+        let brdf = brdf();
+        let size = BsdfSize::ALL.into_iter().find(|s| s.name == BSDF_SIZE).expect("a size");
+        let file = tabulate(|wo, wi| brdf.eval(wo, wi), size, MATERIAL.into());
+        file.write(&bsdf, Overwrite::Refuse).expect("a .bsdf file");
+        std::fs::write(&table, cells(&brdf)).expect("a table");
+        let (Camera { eye, target, vertical_angle }, ball) = (spec(&sky).camera, ball(&sky));
+        let described = json!({
+            "side": SIDE, "sky": sky, "bsdf": bsdf, "table": table,
+            "camera": {"eye": eye.to_array(), "target": target.to_array(), "degrees": vertical_angle.to_degrees()},
+            "ball": {"centre": ball.centre.to_array(), "radius": ball.radius},
+        });
+        std::fs::write(&scene, described.to_string()).expect("a scene");
+        Self { folder, sky, scene }
+    }
+}
+
+fn brdf() -> Measured {
+    Measured::new(Arc::new(decode_embedded(MATERIAL).expect("an embedded material")), LOOKUP)
+}
+
+/// f32 by θh, θd, φd and channel.
+fn cells(brdf: &Measured) -> Vec<u8> {
+    let table = brdf.table();
+    let mut bytes = Vec::new();
+    for (h, d, p) in (0..90 * 90 * 180).map(|i| (i / (90 * 180), i / 180 % 90, i % 180)) {
+        let cell = table.cells()[table.index(h, d, p)].truncate();
+        cell.to_array().iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+    }
+    bytes
+}
+
+/// The studio by pixels: the middle of the map is −z, its right half +x.
+fn sky_map() -> Image {
+    let sky = studio(SkySampling::Uniform).expect("a sky");
+    let [width, height] = SKY;
+    let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+    Image::from_fn(width, height, |x, y| {
+        let (theta, phi) =
+            (share(y, height) * std::f64::consts::PI, (share(x, width) - 0.5) * std::f64::consts::TAU);
+        sky.radiance(DVec3::new(theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos()))
+    })
+    .expect("a map")
+}
+
+fn spec(sky: &Path) -> SceneSpec {
+    let light = LightSpec::Environment(EnvironmentSource::File(sky.to_owned()));
+    SceneSpec { lights: vec![light], depth: 1, ..SceneSpec::row(&[MATERIAL.to_owned()], 1.0) }
+}
+
+fn ball(sky: &Path) -> Sphere {
+    spec(sky).spheres[0].shape
+}
+
+/// Pixels whose every corner shows the sphere.
+fn mask(sky: &Path) -> Vec<bool> {
+    let (camera, ball) = (spec(sky).camera, ball(sky));
+    let shows = |x: usize, y: usize| {
+        let p = DVec2::new(x as f64, y as f64) / SIDE as f64;
+        ball.enter(&camera.ray(p, 1.0)).is_some()
+    };
+    let whole = |(x, y)| shows(x, y) && shows(x + 1, y) && shows(x, y + 1) && shows(x + 1, y + 1);
+    (0..SIDE * SIDE).map(|i| whole((i % SIDE, i / SIDE))).collect()
+}
+
+/// This library, with what it has loaded.
+struct Ours {
+    plan: EffectPlan,
+    scene: Scene,
+}
+
+impl Ours {
+    /// From the embedded network to a scene, the sampler included.
+    fn load(sky: &Path) -> Self {
+        let spec = spec(sky);
+        let plan = EffectPlan::of(&spec);
+        let surface = |_, _| {
+            let brdf = Arc::new(brdf());
+            let sampler = HalfVectorTable::build(&*brdf, HalfVectorSettings::default())?;
+            Ok(Surface { brdf, sampler: Some(Arc::new(sampler) as Arc<dyn DirectionSampler>) })
+        };
+        let scene = Scene::build(&spec, &plan, surface).expect("a scene");
+        Self { plan, scene }
+    }
+
+    fn render(&self, samples: u64, seed: u64) -> Picture {
+        let settings = Settings { width: SIDE, height: SIDE, samples, seed, points: PointSet::Sobol };
+        let film = render(&self.scene, &self.plan, &settings, &|_| {}).expect("a picture");
+        film.to_image().expect("an image").into_pixels()
+    }
+}
+
+/// Mitsuba in a process of its own.
+struct Mitsuba {
+    child: Child,
+    requests: ChildStdin,
+    replies: BufReader<ChildStdout>,
+    out: PathBuf,
+}
+
+impl Mitsuba {
+    fn start(files: &Files) -> Option<Self> {
+        let has = Command::new("python3").args(["-c", "import mitsuba, numpy"]).output();
+        if !has.is_ok_and(|o| o.status.success()) {
+            return None;
+        }
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba/render.py");
+        let mut python = Command::new("python3");
+        python.arg(script).arg(&files.scene).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut child = python.spawn().ok()?;
+        let (requests, replies) = (child.stdin.take()?, BufReader::new(child.stdout.take()?));
+        Some(Self { child, requests, replies, out: files.folder.path().join("picture") })
+    }
+
+    /// After it went away.
+    fn restart(&mut self, files: &Files) {
+        if let Some(again) = Self::start(files) {
+            *self = again;
+        }
+    }
+
+    /// The picture, seconds to load and seconds to render; `None` if it went away.
+    fn render(&mut self, peer: (&str, &str), samples: u64, seed: u64) -> Option<(Picture, f64, f64)> {
+        let (variant, material) = peer;
+        let request = json!({"variant": variant, "material": material, "samples": samples, "seed": seed, "out": self.out});
+        writeln!(self.requests, "{request}").ok()?;
+        let mut line = String::new();
+        self.replies.read_line(&mut line).ok()?;
+        let reply: Value = serde_json::from_str(&line).ok()?;
+        let bytes = std::fs::read(&self.out).ok()?;
+        let numbers: Vec<f32> =
+            bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        let picture = numbers.chunks_exact(3).map(Rgb::from_slice).collect();
+        Some((picture, reply["load"].as_f64()?, reply["render"].as_f64()?))
+    }
+}
+
+impl Drop for Mitsuba {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// What was measured of a contender.
+#[derive(Default)]
+struct Record {
+    /// Seconds from files or networks to a scene; of Mitsuba without starting Python.
+    load: f64,
+    /// Pictures and seconds by [`SAMPLES`] and seed.
+    runs: [Vec<(Picture, f64)>; SAMPLES.len()],
+}
+
+impl Record {
+    /// Mean of the pictures with most samples, by luminance.
+    fn mean(&self) -> Vec<f64> {
+        let runs = &self.runs[SAMPLES.len() - 1];
+        let pixel = |i| runs.iter().map(|(p, _)| f64::from(luminance(p[i]))).sum::<f64>() / runs.len() as f64;
+        (0..SIDE * SIDE).map(pixel).collect()
+    }
+
+    /// Seconds, the median, and relMSE of pictures of `SAMPLES[k]`: their variance over the squared mean, which knows of no
+    /// reference; ε is a hundredth of the squared mean of all.
+    fn point(&self, k: usize, mask: &[bool]) -> (f64, f64) {
+        let (runs, mean) = (&self.runs[k], self.mean());
+        let mut seconds: Vec<f64> = runs.iter().map(|r| r.1).collect();
+        seconds.sort_by(f64::total_cmp);
+        let seen: Vec<usize> = (0..mask.len()).filter(|&i| mask[i]).collect();
+        let level = seen.iter().map(|&i| mean[i]).sum::<f64>() / seen.len() as f64;
+        let error = |&i: &usize| {
+            let values: Vec<f64> = runs.iter().map(|(p, _)| f64::from(luminance(p[i]))).collect();
+            let centre = values.iter().sum::<f64>() / values.len() as f64;
+            let variance =
+                values.iter().map(|v| (v - centre).powi(2)).sum::<f64>() / (values.len() - 1) as f64;
+            variance / (mean[i] * mean[i] + 0.01 * level * level)
+        };
+        (seconds[seconds.len() / 2], seen.iter().map(error).sum::<f64>() / seen.len() as f64)
+    }
+
+    fn points(&self, mask: &[bool]) -> Vec<(f64, f64)> {
+        (0..SAMPLES.len()).map(|k| self.point(k, mask)).collect()
+    }
+}
+
+/// Seconds to a relMSE by the power law through the two points next to it, and whether it lies beyond all points.
+fn seconds_to(target: f64, points: &[(f64, f64)]) -> (f64, bool) {
+    let next = points.iter().position(|p| p.1 <= target).unwrap_or(points.len() - 1).max(1);
+    let ((s0, e0), (s1, e1)) = (points[next - 1], points[next]);
+    let slope = (s1 / s0).ln() / (e1 / e0).ln();
+    let beyond = target < points[points.len() - 1].1 || target > points[0].1;
+    (s0 * (target / e0).powf(slope), beyond)
+}
+
+/// Brightness of all of the sphere against ours, and the median over its pixels of the relative difference.
+fn beside(mean: &[f64], ours: &[f64], mask: &[bool]) -> (f64, f64) {
+    let seen = || (0..mask.len()).filter(|&i| mask[i]);
+    let sum = |picture: &[f64]| seen().map(|i| picture[i]).sum::<f64>();
+    let mut differences: Vec<f64> = seen().map(|i| (mean[i] / ours[i] - 1.0).abs()).collect();
+    differences.sort_by(f64::total_cmp);
+    (sum(mean) / sum(ours) - 1.0, differences[differences.len() / 2])
+}
+
+/// All contenders in turn, seed after seed, so that a machine that changes speed does so for all. Those that fail are left out.
+fn measure(files: &Files, mitsuba: &mut Mitsuba) -> Vec<(&'static str, Record)> {
+    let start = Instant::now();
+    let ours = Ours::load(&files.sky);
+    let loaded = start.elapsed().as_secs_f64();
+    let mut records: Vec<_> = CONTENDERS.iter().map(|c| (c, Some(Record::default()))).collect();
+    for seed in 0..SEEDS {
+        for (contender, slot) in &mut records {
+            let Some(mut record) = slot.take() else { continue };
+            let all = SAMPLES.iter().enumerate().try_for_each(|(k, &samples)| {
+                let (picture, load, seconds) = match contender.peer {
+                    Some(peer) => mitsuba.render(peer, samples, seed)?,
+                    None => {
+                        let start = Instant::now();
+                        let picture = ours.render(samples, seed);
+                        (
+                            picture,
+                            if seed + k as u64 == 0 { loaded } else { 0.0 },
+                            start.elapsed().as_secs_f64(),
+                        )
+                    }
+                };
+                record.load += load;
+                record.runs[k].push((picture, seconds));
+                Some(())
+            });
+            match all {
+                Some(()) => *slot = Some(record),
+                None => {
+                    println!("{}: left out, Mitsuba could not", contender.name);
+                    mitsuba.restart(files);
+                }
+            }
+        }
+    }
+    records.into_iter().filter_map(|(c, r)| Some((c.name, r?))).collect()
+}
+
+fn report(records: &[(&'static str, Record)], mask: &[bool]) {
+    println!(
+        "{MATERIAL}, {SIDE} × {SIDE} pixels, studio of {} × {}, direct light by MIS, {} seeds",
+        SKY[0], SKY[1], SEEDS
+    );
+    println!(
+        "relMSE over pixels of the sphere, from the spread of seeds; seconds of rendering alone, the median"
+    );
+    let Some(((_, first), points)) = records.first().map(|r| (r, r.1.points(mask))) else { return };
+    let ours = TARGETS.map(|t| seconds_to(t, &points));
+    for (name, record) in records {
+        let points = record.points(mask);
+        let (brightness, median) = beside(&record.mean(), &first.mean(), mask);
+        println!("\n{name}: loaded in {:.2} s", record.load);
+        println!(
+            "  brightness {:+.3} % of ours, pixels differ by {:.2} % in the median",
+            100.0 * brightness,
+            100.0 * median
+        );
+        for (samples, (seconds, error)) in SAMPLES.iter().zip(&points) {
+            println!("  {samples:3} samples a pixel: {seconds:7.3} s, relMSE {error:.2e}");
+        }
+        for (target, (ours, _)) in TARGETS.iter().zip(ours) {
+            let (seconds, beyond) = seconds_to(*target, &points);
+            let note = if beyond { ", extrapolated" } else { "" };
+            let ratio = seconds / ours;
+            let all = (seconds + record.load) / (ours + first.load);
+            println!("  to {target:.0e}: {seconds:.3} s{note}; {ratio:.2} × ours, {all:.2} × with loading");
+        }
+    }
+}
+
+fn main() {
+    let files = Files::new();
+    let Some(mut mitsuba) = Mitsuba::start(&files) else {
+        println!("nothing to compare with: no python3 with mitsuba and numpy");
+        return;
+    };
+    let records = measure(&files, &mut mitsuba);
+    report(&records, &mask(&files.sky));
+}
