@@ -84,9 +84,9 @@ fn arrays(stored: &Stored) -> Vec<(&'static str, String)> {
         ("EDGE_SHARE", lines(edges.iter().map(|e| format!("{:?}f", e.share())))),
         ("CDF_WORDS", cdf.len().to_string()),
         ("CDF", lines(cdf.iter().map(hexadecimal))),
-        ("SLOPE_WORDS", slopes.len().to_string()),
+        ("DENSITY_FROM", (cdf.len() + slopes.len()).to_string()),
+        ("WORDS", (cdf.len() + slopes.len() + density.len()).to_string()),
         ("SLOPE", lines(slopes.iter().map(hexadecimal))),
-        ("DENSITY_WORDS", density.len().to_string()),
         ("DENSITY", lines(density.iter().map(hexadecimal))),
     ]
 }
@@ -167,9 +167,9 @@ mod tests {
             "EDGE_SHARE",
             "CDF_WORDS",
             "CDF",
-            "SLOPE_WORDS",
+            "DENSITY_FROM",
             "SLOPE",
-            "DENSITY_WORDS",
+            "WORDS",
             "DENSITY",
         ];
         let all = [TOP, SHARED, TABLE, FLOOR, TRILINEAR, LOAD].concat();

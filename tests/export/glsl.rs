@@ -29,6 +29,8 @@ fn shader(version: &str) -> String {
          #define nickel_VALUE(i) nickel_values[i]\n\
          layout(std430, binding = 1) readonly buffer B {{ float paint[]; }};\n\
          #define blue_metallic_paint_VALUE(i) paint[i]\n\
+         layout(std430, binding = 3) readonly buffer D {{ uint paint_words[]; }};\n\
+         #define blue_metallic_paint_WORD(i) paint_words[i]\n\
          layout(std430, binding = 2) buffer C {{ vec4 points[]; }};\n\
          {}\
          void main() {{\n\

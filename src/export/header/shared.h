@@ -50,10 +50,6 @@ MERLKIT_FN merlkit_vec3 merlkit_v(float x, float y, float z)
 }
 #endif
 
-// Numbers of 16 and of 8 bits that stand in words of 32, the first in the lowest bits.
-#define MERLKIT_U16(words, i) ((words[(i) >> 1u] >> (((i) & 1u) << 4u)) & 0xffffu)
-#define MERLKIT_U8(words, i) ((words[(i) >> 2u] >> (((i) & 3u) << 3u)) & 0xffu)
-
 // ---- What functions return ----
 
 // A direction and its density; pdf is 0 where the draw failed.

@@ -16,17 +16,19 @@ MERLKIT_CONST float NAME_edge_fixed[@EDGES@] = {
 MERLKIT_CONST float NAME_edge_share[@EDGES@] = {
 @EDGE_SHARE@};
 
-// [table, row], 16 bits each: probability of the rows up to and with this one, in 1/65535.
-MERLKIT_CONST MERLKIT_UINT NAME_cdf[@CDF_WORDS@] = {
-@CDF@};
-
-// [table, row], 8 bits each: slope of the density over the cap in 1/128, and 128 more.
-MERLKIT_CONST MERLKIT_UINT NAME_slopes[@SLOPE_WORDS@] = {
-@SLOPE@};
-
-// [table, row, node], 16 bits each: density over the azimuth; the trapezoids of a row sum to 65534.
-MERLKIT_CONST MERLKIT_UINT NAME_density[@DENSITY_WORDS@] = {
-@DENSITY@};
+// Three arrays in words of 32 bits, the first number of each in the lowest bits. [table, row], 16 bits each: probability of
+// the rows up to and with this one, in 1/65535. From NAME_SLOPES on [table, row], 8 bits each: slope of the density over the
+// cap in 1/128, and 128 more. From NAME_DENSITY on [table, row, node], 16 bits each: density over the azimuth; the trapezoids
+// of a row sum to 65534.
+#define NAME_SLOPES @CDF_WORDS@u
+#define NAME_DENSITY @DENSITY_FROM@u
+#ifndef NAME_WORD
+#define NAME_WORD(i) NAME_words[i]
+MERLKIT_CONST MERLKIT_UINT NAME_words[@WORDS@] = {
+@CDF@@SLOPE@@DENSITY@};
+#endif
+#define NAME_U16(start, i) ((NAME_WORD((start) + ((i) >> 1u)) >> (((i) & 1u) << 4u)) & 0xffffu)
+#define NAME_U8(start, i) ((NAME_WORD((start) + ((i) >> 2u)) >> (((i) & 3u) << 3u)) & 0xffu)
 
 // Cap at the lower edge of a row.
 MERLKIT_FN float NAME_cap(merlkit_about about, MERLKIT_UINT row)
@@ -38,7 +40,7 @@ MERLKIT_FN float NAME_cap(merlkit_about about, MERLKIT_UINT row)
 MERLKIT_FN MERLKIT_UINT NAME_to(merlkit_about about, MERLKIT_UINT row)
 {
     MERLKIT_UINT a = about.first * NAME_ROWS + row, b = about.second * NAME_ROWS + row;
-    return merlkit_mix(MERLKIT_U16(NAME_cdf, a), MERLKIT_U16(NAME_cdf, b), about.share);
+    return merlkit_mix(NAME_U16(0u, a), NAME_U16(0u, b), about.share);
 }
 
 MERLKIT_FN MERLKIT_UINT NAME_below(merlkit_about about, MERLKIT_UINT row)
@@ -50,7 +52,7 @@ MERLKIT_FN float NAME_slope(merlkit_about about, MERLKIT_UINT row)
 {
     MERLKIT_UINT a = about.first * NAME_ROWS + row, b = about.second * NAME_ROWS + row;
     // Of what is 128 too large, 128 * 65536 is too much.
-    MERLKIT_UINT mixed = merlkit_mix(MERLKIT_U8(NAME_slopes, a), MERLKIT_U8(NAME_slopes, b), about.share);
+    MERLKIT_UINT mixed = merlkit_mix(NAME_U8(NAME_SLOPES, a), NAME_U8(NAME_SLOPES, b), about.share);
     return MERLKIT_TO_FLOAT(MERLKIT_TO_INT(mixed) - 8388608) * 1.1920929e-7f;
 }
 
@@ -58,7 +60,7 @@ MERLKIT_FN MERLKIT_UINT NAME_node(merlkit_about about, MERLKIT_UINT row, MERLKIT
 {
     MERLKIT_UINT a = (about.first * NAME_ROWS + row) * NAME_NODES + node;
     MERLKIT_UINT b = (about.second * NAME_ROWS + row) * NAME_NODES + node;
-    return merlkit_mix(MERLKIT_U16(NAME_density, a), MERLKIT_U16(NAME_density, b), about.share);
+    return merlkit_mix(NAME_U16(NAME_DENSITY, a), NAME_U16(NAME_DENSITY, b), about.share);
 }
 
 MERLKIT_FN merlkit_segment NAME_segment(merlkit_about about, MERLKIT_UINT row, MERLKIT_UINT index)

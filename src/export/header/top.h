@@ -1,7 +1,7 @@
 // @FILE@.h: a measured material for C99, C++11 and GLSL 4.30 or later, written by merlkit @VERSION@
 //
-//     #define MERLKIT_STDIO                            // for NAME_load alone, which uses stdio
-//     #include "@FILE@.h"
+// Define MERLKIT_STDIO before including it for NAME_load, which uses stdio; nothing else does.
+//
 //     float *values = NAME_load("@FILE@.f32");         // NULL if it can't be read; free() it at the end
 //     merlkit_draw draw = NAME_sample(wo, u1, u2);     // from a point of [0, 1)^2, random or well spread
 //     merlkit_vec3 f = NAME_eval(values, wo, draw.wi); // estimate: f * draw.wi.z / draw.pdf, 0 where pdf is 0
@@ -11,6 +11,12 @@
 //
 //     layout(std430, binding = 0) readonly buffer NAME_block { float NAME_values[]; };
 //     #define NAME_VALUE(i) NAME_values[i]
+//
+// A table of more than some 8 KB belongs into a buffer, too: drivers take minutes to compile large constants. Upload the array
+// NAME_words of this header as C or C++ has it, and say where its words are; the text then leaves the array out:
+//
+//     layout(std430, binding = 1) readonly buffer NAME_tables { uint NAME_table[]; };
+//     #define NAME_WORD(i) NAME_table[i]
 //
 // Directions leave the surface in a frame whose +z is the normal: wo to the viewer (given), wi to the light (drawn).
 // They are merlkit_vec3, a struct of x, y, z; vec3 in GLSL. Other lengths than 1 are renormalised. f is f_r, linear RGB
