@@ -25,7 +25,8 @@ fn export(material: &str, lookup: LookupRule, settings: HalfVectorSettings) -> E
     Export::new(&Material::resolve(material).unwrap(), lookup, settings).unwrap()
 }
 
-/// Answers beyond 10⁻⁵ that are allowed of [`DRAWS`]: where rounding puts a direction on the other side of a row's or bin's edge.
+/// Answers beyond 10⁻⁵ that are allowed of [`DRAWS`]: where rounding puts a direction on the other side of an edge of a row or
+/// bin. With gcc on x86-64 they are 3 at most.
 const ALLOWED: Beyond = Beyond { draws: 10, densities: 10, values: 10 };
 
 /// Compares a program of each compiler with the library.

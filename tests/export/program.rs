@@ -152,10 +152,10 @@ pub fn questions(export: &Export, count: usize, seed: u64) -> Vec<Question> {
         Vec3::new(w.x, w.y, w.z.max(1e-9))
     };
     let mut question = |i: usize| {
-        let wo = anywhere(i % 3 == 0, x(), x());
+        let wo = anywhere(i.is_multiple_of(3), x(), x());
         let [u, v] = [(); 2].map(|()| Vec2::new(x() as f32, x() as f32).min(Vec2::splat(1f32.next_down())));
-        let free = anywhere(i % 8 == 0, x(), x());
-        let w = if i % 4 == 0 { free } else { export.table().sample(wo, v).unwrap().wi };
+        let free = anywhere(i.is_multiple_of(8), x(), x());
+        let w = if i.is_multiple_of(4) { free } else { export.table().sample(wo, v).unwrap().wi };
         Question { wo, u, w }
     };
     (0..count).map(&mut question).collect()
