@@ -18,7 +18,7 @@ fn shader(version: &str) -> String {
         Export::new(&material, lookup, settings).unwrap().header()
     };
     let headers = [
-        header("nickel", LookupRule::Linear, 3),
+        header("nickel", LookupRule::Linear, 2),
         header("blue-metallic-paint", LookupRule::Floor, 0),
         header("teflon", LookupRule::Floor, 0),
     ];
