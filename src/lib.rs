@@ -6,6 +6,7 @@
 //! *.binary or embedded name → merl::MerlTable → brdf::Measured → sampler::{HalfVectorTable, …, Lobe, Factored} → sampler file
 //! Brdf + DirectionSampler + light → render → image
 //! Brdf + DirectionSampler → measure → report
+//! brdf::Measured + sampler::HalfVectorTable → export: a C header, or arrays for numpy
 //! brdf::Measured → bsdf::BsdfFile (for Mitsuba and pbrt) → bsdf::Rgl: a Brdf and DirectionSampler, or a merl::MerlTable
 //! ```
 //!
@@ -23,6 +24,7 @@ pub mod bsdf;
 pub mod color;
 pub mod dist;
 mod error;
+pub mod export;
 pub mod files;
 pub mod geom;
 pub mod image;

@@ -14,6 +14,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("merl", &["geom", "color", "error", "files", "bsdf"]),
     ("brdf", &["geom", "color", "merl", "bsdf"]),
     ("sampler", &["geom", "color", "dist", "brdf", "error", "files", "points", "merl", "bsdf"]),
+    ("export", &["brdf", "error", "files", "merl", "sampler"]),
     ("light", &["geom", "color", "dist", "error", "points"]),
     ("image", &["color", "error", "files"]),
     ("plot", &["color", "error", "image"]),

@@ -1,5 +1,5 @@
-"""Draws from a half-vector table that `merlkit build` has written, by the steps of docs/half-vector-table.md.
-half_vector.py FILE DRAWS.csv compares its draws with those of `merlkit sample FILE --with-points …`."""
+"""Draws from a half-vector table that `merlkit build` or `merlkit export --format npz` has written, by the steps of
+docs/half-vector-table.md. half_vector.py FILE DRAWS.csv compares its draws with those of `merlkit sample … --with-points`."""
 import json
 import sys
 import numpy as np
@@ -9,15 +9,22 @@ TYPES = {"F32": "<f4", "U16": "<u2", "I8": "<i1"}
 
 class HalfVectorTable:
     def __init__(self, path):
+        t, self.fold, tables, rows = self.of_npz(path) if str(path).endswith(".npz") else self.of_safetensors(path)
+        self.cosines, self.edges = t["knot.cosine"], t["row.edge"].astype(int)
+        self.cdf, self.slopes, self.nodes = (t[f"row.{k}"].reshape(tables, rows, -1) for k in ("cdf", "slope", "density"))
+
+    def of_npz(self, path):
+        t = np.load(path)
+        return t, bool(t["spec.fold"]), *t["row.cdf"].shape
+
+    def of_safetensors(self, path):
         raw = open(path, "rb").read()
         end = 8 + int.from_bytes(raw[:8], "little")
         header = json.loads(raw[8:end])
         record = json.loads(header.pop("__metadata__")["merlkit"])
         assert (record["version"], record["spec"]["sampler"]) == (2, "half-vector"), f"{path}: another version or sampler"
         t = {k: np.frombuffer(raw[end:], TYPES[v["dtype"]], v["shape"][0], v["data_offsets"][0]) for k, v in header.items()}
-        tables, rows, self.fold = (record["spec"][k] for k in ("tables", "rows", "fold"))
-        self.cosines, self.edges = t["knot.cosine"], t["row.edge"].astype(int)
-        self.cdf, self.slopes, self.nodes = (t[f"row.{k}"].reshape(tables, rows, -1) for k in ("cdf", "slope", "density"))
+        return t, *(record["spec"][k] for k in ("fold", "tables", "rows"))
 
 class About:
     """The table about directions wo (N × 3) above the horizon. Computes in f32 and in merlkit's order."""

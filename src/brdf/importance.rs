@@ -14,6 +14,14 @@ pub enum Importance {
 }
 
 impl Importance {
+    /// The scalar's name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Luminance => "luminance",
+        }
+    }
+
     /// The scalar of a value.
     #[inline]
     pub fn of(self, value: Rgb) -> f32 {

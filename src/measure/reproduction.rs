@@ -8,6 +8,7 @@ use crate::brdf::{Brdf, Importance};
 use crate::bsdf::{BsdfFile, BsdfSize, Rgl, tabulate};
 use crate::geom::{Quadrature, cosine_hemisphere, spherical};
 use crate::points::PointSet;
+use crate::sampler::DirectionSampler;
 use crate::{Error, Result, color};
 
 /// Pairs of directions that the relative errors are taken over.
@@ -30,7 +31,7 @@ pub struct ValueErrors {
 /// How the weights of draws by a file's own density spread, by quadrature at [`LIMIT_ANGLES_DEG`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct DrawQuality {
-    /// Standard deviation over mean of the luminance of f_r·cosθ/pdf, f_r the material's and pdf the file's: the least.
+    /// Standard deviation over mean of the luminance of f_r·cosθ/pdf, f_r the material's and pdf the file's or table's: the least.
     pub least_relstd: f64,
     /// And the largest.
     pub largest_relstd: f64,
@@ -53,10 +54,10 @@ pub fn value_errors(found: &dyn Brdf, expected: &dyn Brdf) -> ValueErrors {
     }
 }
 
-/// How well a file's own density draws from the material it was made from.
-pub fn draw_quality(file: &Rgl, brdf: &dyn Brdf) -> DrawQuality {
+/// How well a file's own density, or a table's, draws from the material it was made from.
+pub fn draw_quality(sampler: &dyn DirectionSampler, brdf: &dyn Brdf) -> DrawQuality {
     let spread = |degrees: f64| {
-        weight_spread(file, brdf, &quadrature(degrees, POINTS_PER_BIN[0]), Importance::Luminance)
+        weight_spread(sampler, brdf, &quadrature(degrees, POINTS_PER_BIN[0]), Importance::Luminance)
     };
     let spreads: Vec<_> = LIMIT_ANGLES_DEG.into_par_iter().map(spread).collect();
     let relstd = spreads.iter().map(|s| s.relstd);

@@ -27,12 +27,31 @@ pub fn export_row(
 ) -> Vec<String> {
     vec![
         file,
-        format!("{:.2}", bytes as f64 * 1e-6),
+        megabytes(bytes),
         format!("{:.3}", 100.0 * errors.median),
         format!("{:.2}", 100.0 * errors.percentile_95),
         format!("{:.2}", 100.0 * errors.albedo),
         format!("{:.4}", 100.0 * colour),
-        format!("{:.3} to {:.3}", draws.least_relstd, draws.largest_relstd),
+        relstd(draws),
         format!("{:.2}", 100.0 * draws.failed),
     ]
+}
+
+/// A sheet for [`drawn_row`]s.
+pub fn table_sheet() -> Sheet {
+    Sheet::new(&["file", "MB", "holds", "relstd"])
+}
+
+/// A file of values, of a half-vector table, or of both: its length, what it holds, and how its table draws if it has one.
+pub fn drawn_row(file: String, bytes: u64, holds: &str, draws: Option<&DrawQuality>) -> Vec<String> {
+    let relstd = draws.map_or_else(|| "-".into(), relstd);
+    vec![file, megabytes(bytes), holds.into(), relstd]
+}
+
+fn megabytes(bytes: u64) -> String {
+    format!("{:.2}", bytes as f64 * 1e-6)
+}
+
+fn relstd(draws: &DrawQuality) -> String {
+    format!("{:.3} to {:.3}", draws.least_relstd, draws.largest_relstd)
 }

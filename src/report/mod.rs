@@ -22,7 +22,7 @@ pub use beside_thesis::{ThesisTable, beside_thesis};
 pub use charts::{ChartSubject, material_charts};
 pub use check::CheckResult;
 pub use compare::{ComparisonDocument, comparison_csv, targets};
-pub use export::{export_row, export_sheet};
+pub use export::{drawn_row, export_row, export_sheet, table_sheet};
 pub use hard::HardSheets;
 pub use info::Info;
 pub use page::comparison_page;

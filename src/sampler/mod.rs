@@ -17,6 +17,7 @@ pub use adaptive_disc::{
 pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ShownCdf, ThetaSpacing};
 pub use cosine::Cosine;
 pub use factored::{Factored, FactoredSettings, Factors};
+pub(crate) use half_vector_table::{Edge, NODE_UNIT, ROW_UNIT, Stored};
 pub use half_vector_table::{HalfVectorSettings, HalfVectorTable};
 pub use knots::TableChoice;
 pub use lobe::{LEAST_DIFFUSE, Lobe, LobeKind, LobeParameters, LobeSettings};

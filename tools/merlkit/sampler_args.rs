@@ -85,7 +85,7 @@ pub struct SamplerArgs {
 }
 
 /// Parses the name of one of [`HalfVectorSettings::PRESETS`].
-fn preset() -> impl TypedValueParser<Value = HalfVectorSettings> {
+pub fn preset() -> impl TypedValueParser<Value = HalfVectorSettings> {
     PossibleValuesParser::new(HalfVectorSettings::PRESETS.map(|p| p.0)).map(|name| preset_called(&name))
 }
 

@@ -4,7 +4,7 @@ use super::tables::{NODE_SUM, ONE, SHARES};
 
 /// Units of a blend's row probabilities.
 pub const ROW_TOTAL: f64 = ONE as f64 * SHARES as f64;
-const ROW_UNIT: f32 = (1.0 / ROW_TOTAL) as f32;
+pub const ROW_UNIT: f32 = (1.0 / ROW_TOTAL) as f32;
 /// Units of a blend's node densities.
 pub const NODE_TOTAL: f64 = NODE_SUM as f64 * SHARES as f64;
 pub const NODE_UNIT: f32 = (1.0 / NODE_TOTAL) as f32;

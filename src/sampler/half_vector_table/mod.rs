@@ -29,8 +29,11 @@ use mixture::{Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
 use square::{PARTS, Place, Square};
 use tables::Blend;
 
+pub(crate) use mixture::{NODE_UNIT, ROW_UNIT};
+pub(crate) use square::Edge;
 pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS};
-pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Stored, Tables};
+pub(crate) use tables::Stored;
+pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Tables};
 
 /// Settings of [`HalfVectorTable::build`].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -139,7 +142,7 @@ impl HalfVectorTable {
         &self.settings
     }
 
-    pub(super) fn stored(&self) -> &Stored {
+    pub(crate) fn stored(&self) -> &Stored {
         self.tables.stored()
     }
 

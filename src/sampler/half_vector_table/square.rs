@@ -47,6 +47,16 @@ impl Edge {
         let share = (edge - MERL_PARTS) as f32 / UPPER_PARTS as f32;
         Self { fixed: MERL_CAPS[MERL_PARTS] * (1.0 - share), share }
     }
+
+    /// The part of the cap that is the same for every `wo`.
+    pub fn fixed(&self) -> f32 {
+        self.fixed
+    }
+
+    /// The part of the cap of θmax.
+    pub fn share(&self) -> f32 {
+        self.share
+    }
 }
 
 /// The square about one direction. All its arithmetic is free of branches, so that loops over it become vector code.

@@ -8,39 +8,49 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
 use merlkit::brdf::{Brdf, LookupRule, Measured};
 use merlkit::bsdf::{BsdfFile, BsdfSize, Rgl, tabulate};
+use merlkit::export::{Export, refuse_same_identifier};
 use merlkit::files::check_writable;
 use merlkit::measure::{colour_error, draw_quality, size_within, value_errors};
 use merlkit::merl::Material;
-use merlkit::report::{Sheet, export_row, export_sheet};
+use merlkit::report::{Sheet, drawn_row, export_row, export_sheet, table_sheet};
+use merlkit::sampler::HalfVectorSettings;
 
 use crate::failure::Outcome;
 use crate::progress::Progress;
-use crate::{args, output, table};
+use crate::{args, output, sampler_args, table};
 
-/// Write materials for other renderers: .bsdf files for Mitsuba 3 and pbrt-v4 (`measured`)
+/// Write materials for other renderers and numpy
 ///
-/// NAME.rgb.bsdf is for Mitsuba's rgb variants, NAME.spectral.bsdf for its spectral ones and for pbrt. What each file
-/// makes of the material is measured on the file as it was written, and printed: errors of f_r over random pairs of
-/// directions that follow the cosine, of the albedo, and the spread of weights when drawn by the file's own density.
+/// bsdf: files for Mitsuba 3 and pbrt-v4 (`measured`), NAME.rgb.bsdf for Mitsuba's rgb variants and NAME.spectral.bsdf for
+/// its spectral ones and for pbrt. What each file makes of the material is measured on the file as it was written, and
+/// printed: errors of f_r over random pairs of directions that follow the cosine, of the albedo, and the spread of weights
+/// when drawn by the file's own density.
+///
+/// header: NAME.h, a header for C, C++ and GLSL with sample and pdf by the half-vector table and eval, which reads the values
+/// of f_r in NAME.f32. npz: the same table and values as arrays for numpy, NAME.npz. The spread of weights is printed, the
+/// least and the largest over the angles of wo.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
     /// Kind of file
-    #[arg(long, value_name = "FORMAT", value_parser = ["bsdf"])]
-    format: String,
-    /// Colours of a .bsdf file
-    #[arg(long, value_name = "VARIANT", default_value = "both", value_parser = args::named(VARIANTS))]
-    variant: Variant,
-    /// Size of an RGB file; one with spectra is twice as large
-    #[arg(long, value_name = "SIZE", default_value = "6MB", conflicts_with = "target_error", value_parser = size())]
-    size: BsdfSize,
-    /// Take the smallest size whose median error is at most this, as in 0.001 or 0.1% [default: none]
+    #[arg(long, value_name = "FORMAT", value_parser = args::named(FORMATS))]
+    format: Format,
+    /// bsdf: colours of a file [default: both]
+    #[arg(long, value_name = "VARIANT", value_parser = args::named(VARIANTS))]
+    variant: Option<Variant>,
+    /// bsdf: size of an RGB file; one with spectra is twice as large [default: 6MB]
+    #[arg(long, value_name = "SIZE", conflicts_with = "target_error", value_parser = size())]
+    size: Option<BsdfSize>,
+    /// bsdf: take the smallest size whose median error is at most this, as in 0.001 or 0.1% [default: none]
     #[arg(long, value_name = "SHARE", value_parser = args::share)]
     target_error: Option<f64>,
-    /// What the table says between its samples; a file is linear between its own
-    #[arg(long, value_name = "RULE", default_value = "linear", value_parser = args::lookup_rule())]
-    lookup: LookupRule,
+    /// header, npz: size of the half-vector table [default: 64KB]
+    #[arg(long, value_name = "BYTES", ignore_case = true, value_parser = sampler_args::preset())]
+    table_size: Option<HalfVectorSettings>,
+    /// What the table says between its samples; a .bsdf file is linear between its own [default: bsdf linear, others floor]
+    #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
+    lookup: Option<LookupRule>,
     /// Folder for the files; made if missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -48,6 +58,16 @@ pub struct Args {
     #[arg(long)]
     force: bool,
 }
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Bsdf,
+    Npz,
+    Header,
+}
+
+const FORMATS: &[(&str, Format)] =
+    &[("bsdf", Format::Bsdf), ("npz", Format::Npz), ("header", Format::Header)];
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Variant {
@@ -60,21 +80,31 @@ const VARIANTS: &[(&str, Variant)] =
     &[("rgb", Variant::Rgb), ("spectral", Variant::Spectral), ("both", Variant::Both)];
 
 fn size() -> impl TypedValueParser<Value = BsdfSize> {
-    PossibleValuesParser::new(BsdfSize::ALL.map(|s| s.name))
-        .map(|name| BsdfSize::ALL.into_iter().find(|s| s.name == name).unwrap_or(BsdfSize::ALL[0]))
+    PossibleValuesParser::new(BsdfSize::ALL.map(|s| s.name)).map(|name| size_called(&name))
+}
+
+fn size_called(name: &str) -> BsdfSize {
+    BsdfSize::ALL.into_iter().find(|s| s.name == name).unwrap_or(BsdfSize::ALL[0])
 }
 
 pub fn run(args: &Args) -> Outcome {
+    args.refuse_foreign()?;
     let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
+    if args.format == Format::Header {
+        refuse_same_identifier(&materials)?;
+    }
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
-    for (material, variant) in materials.iter().flat_map(|m| args.variants().map(move |v| (m, v))) {
-        check_writable(&args.path(material, variant), output::overwrite(args.force))?;
+    for path in materials.iter().flat_map(|m| args.paths(m)) {
+        check_writable(&path, output::overwrite(args.force))?;
     }
     let progress = Progress::new("exporting", materials.len());
-    let mut sheet = export_sheet();
+    let mut sheet = if args.format == Format::Bsdf { export_sheet() } else { table_sheet() };
     for material in &materials {
-        export(material, args, &mut sheet)?;
+        match args.format {
+            Format::Bsdf => bsdf(material, args, &mut sheet)?,
+            Format::Npz | Format::Header => table_and_values(material, args, &mut sheet)?,
+        }
         progress.advance();
     }
     drop(progress);
@@ -83,23 +113,59 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 impl Args {
+    /// Every option given must belong to the format.
+    fn refuse_foreign(&self) -> Result<(), Error> {
+        let of_bsdf = [
+            (self.variant.is_some(), "--variant"),
+            (self.size.is_some(), "--size"),
+            (self.target_error.is_some(), "--target-error"),
+        ];
+        let of_tables = [(self.table_size.is_some(), "--table-size")];
+        let (foreign, others) = match self.format {
+            Format::Bsdf => (&of_tables[..], "header or npz"),
+            Format::Npz | Format::Header => (&of_bsdf[..], "bsdf"),
+        };
+        match foreign.iter().find(|option| option.0) {
+            None => Ok(()),
+            Some((_, option)) => Err(Error::argument(
+                format!("{option} is no option of --format {}", self.format_name()),
+                format!("leave it out, or choose --format {others}"),
+            )),
+        }
+    }
+
+    fn format_name(&self) -> &'static str {
+        FORMATS.iter().find(|f| f.1 == self.format).map_or("", |f| f.0)
+    }
+
+    fn lookup(&self) -> LookupRule {
+        let of_format = if self.format == Format::Bsdf { LookupRule::Linear } else { LookupRule::Floor };
+        self.lookup.unwrap_or(of_format)
+    }
+
     fn variants(&self) -> impl Iterator<Item = &'static str> + use<> {
-        let wanted = self.variant;
+        let wanted = self.variant.unwrap_or(Variant::Both);
         let both = [("rgb", Variant::Rgb), ("spectral", Variant::Spectral)];
         both.into_iter().filter(move |v| wanted == Variant::Both || wanted == v.1).map(|v| v.0)
     }
 
-    fn path(&self, material: &Material, variant: &str) -> PathBuf {
-        self.output.join(format!("{}.{variant}.bsdf", material.name()))
+    /// The files of a material, in the order in which they are written.
+    fn paths(&self, material: &Material) -> Vec<PathBuf> {
+        let ends: Vec<String> = match self.format {
+            Format::Bsdf => self.variants().map(|v| format!("{v}.bsdf")).collect(),
+            Format::Npz => vec!["npz".into()],
+            Format::Header => vec!["f32".into(), "h".into()],
+        };
+        ends.iter().map(|end| self.output.join(format!("{}.{end}", material.name()))).collect()
     }
 }
 
-fn export(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
-    let brdf = Measured::new(Arc::new(material.load()?), args.lookup);
-    let size = args.target_error.map_or(Ok(args.size), |limit| size_within(&brdf, limit))?;
-    let file = tabulate(|wo, wi| brdf.eval(wo, wi), size, description(material, args.lookup, size));
-    for variant in args.variants() {
-        let path = args.path(material, variant);
+fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
+    let brdf = Measured::new(Arc::new(material.load()?), args.lookup());
+    let given = args.size.unwrap_or_else(|| size_called("6MB"));
+    let size = args.target_error.map_or(Ok(given), |limit| size_within(&brdf, limit))?;
+    let file = tabulate(|wo, wi| brdf.eval(wo, wi), size, description(material, args.lookup(), size));
+    for (variant, path) in args.variants().zip(args.paths(material)) {
         let written = if variant == "rgb" { file.clone() } else { file.to_spectral() };
         let bytes = written.write(&path, output::overwrite(args.force))?;
         let read = BsdfFile::open(&path)?;
@@ -107,6 +173,21 @@ fn export(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Err
         let rgl = Rgl::new(read);
         let name = path.display().to_string();
         sheet.push(export_row(name, bytes, colour, &value_errors(&rgl, &brdf), &draw_quality(&rgl, &brdf)));
+    }
+    Ok(())
+}
+
+fn table_and_values(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
+    let export = Export::new(material, args.lookup(), args.table_size.unwrap_or_default())?;
+    let draws = draw_quality(export.table(), export.brdf());
+    let overwrite = output::overwrite(args.force);
+    for path in args.paths(material) {
+        let (bytes, holds, draws) = match path.extension().and_then(|e| e.to_str()) {
+            Some("npz") => (export.write_npz(&path, overwrite)?, "half-vector table, f_r", Some(&draws)),
+            Some("h") => (export.write_header(&path, overwrite)?, "sample, pdf, eval", Some(&draws)),
+            _ => (export.write_values(&path, overwrite)?, "f_r for eval", None),
+        };
+        sheet.push(drawn_row(path.display().to_string(), bytes, holds, draws));
     }
     Ok(())
 }

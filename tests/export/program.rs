@@ -1,0 +1,177 @@
+//! A program made of a header, and how far its answers are from the library's.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use glam::{Vec2, Vec3};
+use merlkit::brdf::Brdf;
+use merlkit::color::Rgb;
+use merlkit::export::{Export, identifier};
+use merlkit::files::Overwrite;
+use merlkit::geom::spherical;
+use merlkit::points::Stream;
+use merlkit::sampler::DirectionSampler;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+const DRIVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/export/driver.c");
+
+/// How a compiler is asked for a program, of the header alone and without a warning.
+pub const COMPILERS: [(&str, &[&str]); 2] =
+    [("gcc", &["-std=c99", "-xc"]), ("g++", &["-std=c++11", "-xc++"])];
+const STRICT: [&str; 9] = [
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Wsign-conversion",
+    "-Wshadow",
+    "-Wdouble-promotion",
+    "-Werror",
+    "-O2",
+];
+
+/// A point to draw from, and a direction to ask about.
+#[derive(Clone, Copy, Debug)]
+pub struct Question {
+    pub wo: Vec3,
+    pub u: Vec2,
+    pub w: Vec3,
+}
+
+/// What a program or the library says to a question: a draw and its density, the density of `w` and its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    pub wi: Vec3,
+    pub drawn: f32,
+    pub pdf: f32,
+    pub f: Rgb,
+}
+
+/// Counts of answers that are not the library's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Beyond {
+    pub draws: usize,
+    pub densities: usize,
+    pub values: usize,
+}
+
+impl Beyond {
+    pub fn within(&self, most: Self) -> bool {
+        self.draws <= most.draws && self.densities <= most.densities && self.values <= most.values
+    }
+}
+
+/// Compiled from a header, with its values in the file beside it.
+pub struct Program {
+    path: PathBuf,
+    values: PathBuf,
+}
+
+impl Program {
+    /// Writes the header, as `edit` leaves it, and the values into `folder`, and compiles them.
+    pub fn new(
+        export: &Export,
+        folder: &Path,
+        compiler: (&str, &[&str]),
+        edit: impl Fn(String) -> String,
+    ) -> Self {
+        let (header, values) = (folder.join("material.h"), folder.join("material.f32"));
+        std::fs::write(&header, edit(export.header())).unwrap();
+        export.write_values(&values, Overwrite::Replace).unwrap();
+        let path = folder.join("program");
+        let compiled = Command::new(compiler.0)
+            .args(compiler.1)
+            .args(STRICT)
+            .args(["-DHEADER=\"material.h\"", &format!("-DMATERIAL={}", name_in(&export.header()))])
+            .arg("-I")
+            .args([folder, Path::new(DRIVER), Path::new("-o"), &path, Path::new("-lm")])
+            .output()
+            .unwrap();
+        assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+        Self { path, values }
+    }
+
+    pub fn ask(&self, questions: &[Question]) -> Vec<Answer> {
+        let input = questions.iter().flat_map(|q| {
+            [q.wo.x, q.wo.y, q.wo.z, q.u.x, q.u.y, q.w.x, q.w.y, q.w.z].into_iter().flat_map(f32::to_ne_bytes)
+        });
+        let input: Vec<u8> = input.collect();
+        let mut child = Command::new(&self.path)
+            .arg(&self.values)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut stdin = child.stdin.take().unwrap();
+        let output = std::thread::scope(|scope| {
+            scope.spawn(move || stdin.write_all(&input).unwrap());
+            child.wait_with_output().unwrap()
+        });
+        assert!(output.status.success());
+        let floats: Vec<f32> =
+            output.stdout.as_chunks::<4>().0.iter().map(|b| f32::from_ne_bytes(*b)).collect();
+        let answers = floats.as_chunks::<8>().0.iter().map(|a| Answer {
+            wi: Vec3::new(a[0], a[1], a[2]),
+            drawn: a[3],
+            pdf: a[4],
+            f: Rgb::new(a[5], a[6], a[7]),
+        });
+        answers.collect()
+    }
+}
+
+/// What the functions of a header begin with.
+fn name_in(header: &str) -> String {
+    let file = header.strip_prefix("// ").and_then(|h| h.split_once(".h:")).unwrap().0;
+    identifier(file)
+}
+
+/// What the library says.
+pub fn expected(export: &Export, questions: &[Question]) -> Vec<Answer> {
+    let answer = |q: &Question| {
+        let draw = export.table().sample(q.wo, q.u);
+        Answer {
+            wi: draw.map_or(Vec3::ZERO, |d| d.wi),
+            drawn: draw.map_or(0.0, |d| d.pdf),
+            pdf: export.table().pdf(q.wo, q.w),
+            f: export.brdf().eval(q.wo, q.w),
+        }
+    };
+    questions.iter().map(answer).collect()
+}
+
+/// Draws about directions over the whole hemisphere, a third of them near the horizon; asked about is what the library draws
+/// from another point, and every fourth time a direction from anywhere.
+pub fn questions(export: &Export, count: usize, seed: u64) -> Vec<Question> {
+    let mut random = Stream::new(seed);
+    let mut x = || random.next_f64();
+    let anywhere = |near: bool, a: f64, b: f64| {
+        let theta = if near { FRAC_PI_2 - 0.1 * a.powi(3) } else { FRAC_PI_2 * a };
+        let w = spherical(theta, TAU * b).as_vec3();
+        Vec3::new(w.x, w.y, w.z.max(1e-9))
+    };
+    let mut question = |i: usize| {
+        let wo = anywhere(i.is_multiple_of(3), x(), x());
+        let [u, v] = [(); 2].map(|()| Vec2::new(x() as f32, x() as f32).min(Vec2::splat(1f32.next_down())));
+        let free = anywhere(i.is_multiple_of(8), x(), x());
+        let w = if i.is_multiple_of(4) { free } else { export.table().sample(wo, v).unwrap().wi };
+        Question { wo, u, w }
+    };
+    (0..count).map(&mut question).collect()
+}
+
+/// Counts the answers that differ by more than 10⁻⁵, absolutely in the components of `wi` and relatively elsewhere; values
+/// by more than `most`.
+pub fn compare(found: &[Answer], expected: &[Answer], most: f32) -> Beyond {
+    assert_eq!(found.len(), expected.len());
+    let near = |a: f32, b: f32, most: f32| a == b || (a - b).abs() <= most * b.abs();
+    let count = |good: &dyn Fn(&Answer, &Answer) -> bool| {
+        found.iter().zip(expected).filter(|(a, b)| !good(a, b)).count()
+    };
+    Beyond {
+        draws: count(&|a, b| a.wi.abs_diff_eq(b.wi, 1e-5) && near(a.drawn, b.drawn, 1e-5)),
+        densities: count(&|a, b| near(a.pdf, b.pdf, 1e-5)),
+        values: count(&|a, b| (0..3).all(|c| near(a.f[c], b.f[c], most))),
+    }
+}
