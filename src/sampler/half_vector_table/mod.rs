@@ -16,6 +16,7 @@ mod quantise;
 mod rows;
 mod square;
 mod tables;
+mod turn;
 
 use std::f64::consts::PI;
 
@@ -31,6 +32,7 @@ use tables::Blend;
 
 pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS};
 pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Stored, Tables};
+pub(super) use turn::Turn;
 
 /// Settings of [`HalfVectorTable::build`].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -158,6 +160,23 @@ impl HalfVectorTable {
         Some(Vec2::new(u as f32, v as f32))
     }
 
+    /// A draw about a `wo` above the horizon and of unit length that is turned against the azimuth of the tables' own. The
+    /// density is that of [`Self::pdf_turned`].
+    pub(super) fn draw_turned(&self, wo: Vec3, u: Vec2, turn: Turn) -> Vec3 {
+        let about = self.about(wo);
+        let (cap, b) = about.point(about.choose(u));
+        raise(about.square.direction(cap, turn.from_table(b, about.square.widest_at(cap))))
+    }
+
+    /// The density of such draws; both directions are above the horizon and of unit length.
+    pub(super) fn pdf_turned(&self, wo: Vec3, wi: Vec3, turn: Turn) -> f32 {
+        let about = self.about(wo);
+        let place = about.square.place(wi);
+        let (b, slope) = turn.to_table(place.b, about.square.widest_at(place.cap));
+        let found = about.find(&Place { b, ..place });
+        (about.density(&place, found) * slope).min(f32::MAX)
+    }
+
     /// What depends on `wo` alone.
     #[inline]
     fn about(&self, wo: Vec3) -> About<'_, Blend<'_>> {
@@ -230,12 +249,19 @@ impl<M: Mixture> About<'_, M> {
         Choice { low, width, slope: self.blend.slope(row.index), share, segment, rest, side }
     }
 
+    /// The point of the square that was chosen: cap and azimuth.
     #[inline(always)]
-    fn direction(&self, choice: Choice) -> Vec3 {
+    fn point(&self, choice: Choice) -> (f32, f32) {
         let cap = choice.low + choice.width * find_on_slope(choice.slope, choice.share);
         let y = (choice.segment.index + find_in(choice.segment, choice.rest)) * self.per_segment;
         let b = if self.table.settings.fold { y * choice.side } else { 2.0 * y - 1.0 };
-        raise(self.square.direction(cap, b.clamp(-1.0, 1.0)))
+        (cap, b.clamp(-1.0, 1.0))
+    }
+
+    #[inline(always)]
+    fn direction(&self, choice: Choice) -> Vec3 {
+        let (cap, b) = self.point(choice);
+        raise(self.square.direction(cap, b))
     }
 
     #[inline(always)]

@@ -81,7 +81,8 @@ pub fn save(
 /// The bytes of a sampler file; the same for the same sampler.
 ///
 /// # Errors
-/// [`Error::Argument`] for the cosine sampler, which has nothing to store; [`Error::Io`] if the material's file is gone.
+/// [`Error::Argument`] for the cosine sampler, which has nothing to store, and for samplers of anisotropic materials;
+/// [`Error::Io`] if the material's file is gone.
 pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Result<Vec<u8>> {
     let mut out = TensorsOut::default();
     match sampler {
@@ -91,6 +92,7 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
                 "choose another sampler",
             ));
         }
+        Sampler::ByAzimuth(_) | Sampler::File(_) => return Err(not_stored()),
         Sampler::AdaptiveDisc(s) => parts::write_trees(s.trees(), &mut out),
         Sampler::CascadeCdf(s) => parts::write_tables(s.tables(), &mut out),
         Sampler::HalfVector(s) => parts::write_half_vector(s.stored(), &mut out),
@@ -167,6 +169,7 @@ impl SamplerFile {
         }
         Ok(match self.record.spec {
             SamplerSpec::Cosine => return Err(self.tensors.invalid("a sampler with tables", "cosine")),
+            SamplerSpec::ByAzimuth(_) | SamplerSpec::File => return Err(not_stored()),
             SamplerSpec::AdaptiveDisc(settings) => {
                 Sampler::AdaptiveDisc(parts::read_disc(&self.tensors, brdf.clone(), settings)?)
             }
@@ -214,6 +217,13 @@ impl SamplerFile {
         let brdf = Arc::new(Measured::new(Arc::new(material.load()?), self.record.lookup));
         Ok((self.into_sampler(&brdf)?, brdf))
     }
+}
+
+fn not_stored() -> Error {
+    Error::argument(
+        "samplers of anisotropic materials have no file format",
+        "name the .bsdf file itself to sample, check, report or render",
+    )
 }
 
 fn parse_record(json: &str, tensors: &Tensors) -> Result<Record> {
