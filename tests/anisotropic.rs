@@ -3,17 +3,20 @@
 mod support;
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3};
 use merlkit::Error;
-use merlkit::brdf::{Brdf, Importance, LookupRule, MaterialBrdf};
+use merlkit::brdf::{Brdf, Importance, LookupRule, MaterialBrdf, Measured};
 use merlkit::bsdf::{Colour, Rgl, Tensor};
 use merlkit::color::Rgb;
+use merlkit::files::Overwrite;
 use merlkit::geom::{Quadrature, Symmetry, spherical};
 use merlkit::measure::accuracy::weight_spread;
 use merlkit::measure::check::{Check, CheckSettings, check_directions_of, check_sampler};
-use merlkit::merl::Content;
+use merlkit::merl::{Content, Material, decode_embedded};
 use merlkit::points::Stream;
+use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{
     ByAzimuth, ByAzimuthSettings, CascadeCdfSettings, Cosine, DirectionSample, DirectionSampler,
     HalfVectorSettings, SamplerSpec,
@@ -132,14 +135,16 @@ fn densities_are_continuous_over_the_azimuth() {
     let sampler = ByAzimuth::build(&rgl, settings(4, "16KB")).unwrap();
     let mut random = Stream::new(9);
     for knot in [-PI, -0.75 * PI, -0.25 * PI, 0.0, FRAC_PI_2, PI] {
-        for _ in 0..200 {
+        let mut jumps = 0;
+        for _ in 0..500 {
             let (theta, u) = (0.2 + random.next_f64(), Vec2::new(random.next_f32(), random.next_f32()));
             let at = |offset: f64| spherical(theta, knot + offset).as_vec3();
             let wi = sampler.sample(at(0.0), u).unwrap().wi;
             let [a, b] = [-1e-5, 1e-5].map(|o| sampler.pdf(at(o), wi));
-            // Rows of a table jump; few draws stand that near to one's end.
-            assert!((a / b).ln().abs() < 0.01 || u.x * 97.0 % 1.0 > 0.9, "{knot} {theta}: {a} {b}");
+            jumps += usize::from((a / b).ln().abs() > 0.01);
         }
+        // Rows of a table jump, and few draws stand that near to one's end.
+        assert!(jumps < 5, "{knot}: {jumps}");
     }
 }
 
@@ -197,6 +202,42 @@ fn any_number_of_threads_builds_the_same() {
         directions().into_iter().map(|wo| draw(wo)).map(|d| (d.wi, d.pdf)).collect::<Vec<_>>()
     };
     assert_eq!(draws(1), draws(3));
+}
+
+/// A file of tables brings back the sampler; damaged, or with another material, an error.
+#[test]
+fn tables_come_back_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (bsdf, path) = (folder.path().join("brushed.bsdf"), folder.path().join("tables"));
+    let symmetry = Symmetry::Quarter;
+    bsdf_of(&metal(symmetry), symmetry, Resolution::COARSE).write(&bsdf, Overwrite::Refuse).unwrap();
+    let material = Material::resolve(bsdf.to_str().unwrap()).unwrap();
+    let brdf = MaterialBrdf::new(material.content().unwrap(), LookupRule::Floor);
+    let sampler = SamplerSpec::ByAzimuth(settings(3, "2KB")).build_for(&brdf).unwrap();
+    save(&sampler, &material, LookupRule::Floor, &path, Overwrite::Refuse).unwrap();
+    let (loaded, _) = SamplerFile::open(&path).unwrap().load(None).unwrap();
+    assert_eq!(loaded.spec(), sampler.spec());
+    for (i, wo) in directions().into_iter().enumerate() {
+        let u = Vec2::new(0.37, i as f32 / 30.0);
+        assert_eq!(loaded.sample(wo, u), sampler.sample(wo, u));
+    }
+    // Settings are JSON within JSON.
+    for (setting, to, says) in [
+        (r#"azimuths\":3"#, b'4', "28 values in tensor"),
+        (r#"azimuths\":3"#, b'1', "2 to 256"),
+        (r#"tables\":7"#, b'6', "18 values in tensor"),
+    ] {
+        let mut bytes = std::fs::read(&path).unwrap();
+        let at = bytes.windows(setting.len()).position(|w| w == setting.as_bytes()).unwrap();
+        bytes[at + setting.len() - 1] = to;
+        let loaded = SamplerFile::from_bytes(bytes, &path).and_then(|f| f.load(None));
+        let text = loaded.unwrap_err().to_string();
+        assert!(text.contains(says), "{says}: {text}");
+    }
+    let own = SamplerSpec::File.build_for(&brdf).unwrap();
+    assert!(save(&own, &material, LookupRule::Floor, &path, Overwrite::Replace).is_err());
+    let table = Arc::new(Measured::new(Arc::new(decode_embedded("nickel").unwrap()), LookupRule::Floor));
+    assert!(SamplerFile::open(&path).unwrap().into_sampler(&table).is_err());
 }
 
 #[test]

@@ -142,8 +142,8 @@ fn sampler_figures(
     let (sampler, build) = time(|| spec.build_for(brdf));
     let sampler = sampler?;
     let file_bytes = match (&sampler, brdf.rule()) {
-        (Sampler::Cosine(_), _) | (_, None) => None,
-        (_, Some(rule)) => Some(store::encode(&sampler, material, rule)?.len()),
+        (Sampler::Cosine(_) | Sampler::File(_), _) => None,
+        (_, rule) => Some(store::encode(&sampler, material, rule.unwrap_or_default())?.len()),
     };
     let symmetry = brdf.as_dyn().symmetry();
     Ok(SamplerFigures {

@@ -34,7 +34,7 @@ pub fn import_bsdf(path: &Path, point: BinPoint) -> Result<(MerlTable, Rgl)> {
         return Err(Error::Unsupported {
             path: path.to_owned(),
             what: format!("an anisotropic material, of {} azimuths,", file.phi_i.len()),
-            fix: "name an isotropic one: a MERL table has no azimuth of the surface; eval, sample, check, report and render \
+            fix: "name an isotropic one: a MERL table has no azimuth of the surface; eval, build, sample, check, report and render \
                   take anisotropic ones as they are"
                 .into(),
         });

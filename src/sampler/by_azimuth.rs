@@ -6,7 +6,7 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::half_vector_table::Turn;
+use super::half_vector_table::{Stored, Turn};
 use super::knots::split_unit;
 use super::{DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable};
 use crate::brdf::Brdf;
@@ -27,6 +27,15 @@ impl ByAzimuthSettings {
     /// The default number of azimuths, each with a table of these settings.
     pub fn of(table: HalfVectorSettings) -> Self {
         Self { azimuths: 8, table }
+    }
+
+    /// # Errors
+    /// [`Error::Argument`] for a number of azimuths outside its domain.
+    pub(super) fn check(&self) -> Result<()> {
+        if (2..=256).contains(&self.azimuths) {
+            return Ok(());
+        }
+        Err(Error::argument(format!("{} azimuths of wo", self.azimuths), "choose 2 to 256"))
     }
 }
 
@@ -68,10 +77,7 @@ impl ByAzimuth {
             let what = "tables by azimuth are for anisotropic materials, this one is isotropic";
             return Err(Error::argument(what, "leave the azimuths out: one table serves all of them"));
         }
-        if !(2..=256).contains(&settings.azimuths) {
-            let what = format!("{} azimuths of wo", settings.azimuths);
-            return Err(Error::argument(what, "choose 2 to 256"));
-        }
+        settings.check()?;
         let step = step(symmetry, settings.azimuths);
         let tables = (0..settings.azimuths)
             .into_par_iter()
@@ -80,7 +86,20 @@ impl ByAzimuth {
                 HalfVectorTable::build(&view, settings.table)
             })
             .collect::<Result<_>>()?;
-        Ok(Self { settings, symmetry, tables })
+        Ok(Self::from_parts(settings, symmetry, tables))
+    }
+
+    /// Puts a sampler together from as many tables as the settings say.
+    pub(super) fn from_parts(
+        settings: ByAzimuthSettings,
+        symmetry: Symmetry,
+        tables: Vec<HalfVectorTable>,
+    ) -> Self {
+        Self { settings, symmetry, tables }
+    }
+
+    pub(super) fn stored(&self) -> Vec<&Stored> {
+        self.tables.iter().map(HalfVectorTable::stored).collect()
     }
 
     /// The settings it was built with.

@@ -100,7 +100,7 @@ fn load(args: &Args) -> Result<(String, Sampler, MaterialBrdf), Error> {
         let name = file.record().material.clone();
         let material = args.material.as_deref().map(Material::resolve).transpose()?;
         let (sampler, brdf) = file.load(material)?;
-        return Ok((name, sampler, MaterialBrdf::Table(brdf)));
+        return Ok((name, sampler, brdf));
     }
     if args.material.is_some() {
         return Err(Error::argument("--material goes with a sampler file", "leave it out"));
