@@ -37,7 +37,7 @@ fn file(symmetry: Symmetry) -> Rgl {
 
 fn settings(azimuths: usize, size: &str) -> ByAzimuthSettings {
     let preset = HalfVectorSettings::PRESETS.iter().find(|p| p.0 == size).unwrap();
-    ByAzimuthSettings { azimuths, table: preset.1 }
+    ByAzimuthSettings { azimuths, ..ByAzimuthSettings::of(preset.1) }
 }
 
 /// The seven checks of `merlkit check`, on the azimuths of tables, between them and at the seams of symmetries.
@@ -45,7 +45,7 @@ fn settings(azimuths: usize, size: &str) -> ByAzimuthSettings {
 fn every_check_passes_for_every_symmetry() {
     let on_tables = [0.25, 0.5, 1.0].map(|share| spherical(0.9, -PI + share * FRAC_PI_2).as_vec3());
     let wos = [&check_directions_of(Symmetry::Half)[..], &directions(), &on_tables].concat();
-    let some: Vec<Vec3> = wos.into_iter().step_by(3).collect();
+    let some: Vec<Vec3> = wos.into_iter().step_by(5).collect();
     let settings_of =
         CheckSettings { draws: 20_000, calls: 2 * SYMMETRIES.len(), ..CheckSettings::default() };
     for symmetry in SYMMETRIES {
@@ -99,14 +99,15 @@ fn spreads(sampler: &dyn DirectionSampler, brdf: &dyn Brdf, azimuths: &[f64]) ->
 }
 
 #[test]
-fn tables_spread_weights_less_than_the_cosine_and_the_file() {
+fn tables_follow_a_brushed_metal() {
     let rgl = Rgl::new(bsdf_of(&metal(Symmetry::Half), Symmetry::Half, Resolution::FINE));
     let sampler = ByAzimuth::build(&rgl, ByAzimuthSettings::default()).unwrap();
     let azimuths = [-3.0, -2.2, -1.4, -0.9, 0.4, 1.3];
     let of = |s: &dyn DirectionSampler| spreads(s, &rgl, &azimuths);
     let (cosine, own, tables) = (of(&Cosine), of(&rgl), of(&sampler));
     println!("cosine {cosine:.3?}, file {own:.3?}, half-vector {tables:.3?}, {} bytes", sampler.bytes());
-    assert!(tables.0 < 0.5 * own.0 && tables.0 < 0.1 * cosine.0, "{cosine:?} {own:?} {tables:?}");
+    assert!(tables.0 < 0.2 && tables.1 < 0.5 && tables.0 < 0.05 * cosine.0, "{cosine:?} {tables:?}");
+    assert!(own.0 < tables.0, "the file, of ten times the bytes, draws as it evaluates: {own:?}");
 }
 
 /// What a file repeats is drawn and weighted alike, to the bit.
@@ -223,9 +224,9 @@ fn tables_come_back_from_a_file() {
     }
     // Settings are JSON within JSON.
     for (setting, to, says) in [
-        (r#"azimuths\":3"#, b'4', "28 values in tensor"),
+        (r#"azimuths\":3"#, b'4', "12 values in tensor"),
         (r#"azimuths\":3"#, b'1', "2 to 256"),
-        (r#"tables\":7"#, b'6', "18 values in tensor"),
+        (r#"tables\":3"#, b'2', "6 values in tensor"),
     ] {
         let mut bytes = std::fs::read(&path).unwrap();
         let at = bytes.windows(setting.len()).position(|w| w == setting.as_bytes()).unwrap();
@@ -271,6 +272,7 @@ fn what_does_not_fit_is_refused() {
     let message =
         SamplerSpec::CascadeCdf(CascadeCdfSettings::default()).build_for(&brdf).unwrap_err().to_string();
     assert!(message.contains("cascade-cdf") && message.contains("half-vector"), "{message}");
-    let built = SamplerSpec::HalfVector(settings(4, "2KB").table).build_for(&brdf).unwrap();
+    let (_, preset) = HalfVectorSettings::PRESETS[0];
+    let built = SamplerSpec::HalfVector(preset).build_for(&brdf).unwrap();
     assert_eq!(built.spec().label(), "half-vector 2KB at 8 azimuths");
 }

@@ -24,8 +24,13 @@ pub struct ByAzimuthSettings {
 }
 
 impl ByAzimuthSettings {
-    /// The default number of azimuths, each with a table of these settings.
+    /// The default number of azimuths, each with a table of these settings, or of the size that these are the preset of.
+    ///
+    /// Streaks ask for other tables than lobes: azimuths of half vectors three times as fine, both sides of `wo` told apart,
+    /// and for the same bytes fewer polar angles. On a brushed metal of roughness 0.06 by 0.4 that halves the spread of weights.
     pub fn of(table: HalfVectorSettings) -> Self {
+        let preset = HalfVectorSettings::PRESETS.iter().any(|p| p.1 == table.with_mean());
+        let table = if preset { finer(table) } else { table };
         Self { azimuths: 8, table }
     }
 
@@ -42,6 +47,17 @@ impl ByAzimuthSettings {
 impl Default for ByAzimuthSettings {
     fn default() -> Self {
         Self::of(HalfVectorSettings::default())
+    }
+}
+
+/// About the same bytes with three times the segments, and no fold.
+fn finer(table: HalfVectorSettings) -> HalfVectorSettings {
+    HalfVectorSettings {
+        tables: (table.tables * 3).div_ceil(7),
+        rows: table.rows * 5 / 6,
+        segments: table.segments * 3,
+        fold: false,
+        ..table
     }
 }
 

@@ -74,10 +74,7 @@ impl SamplerSpec {
             Self::Factored(s) => {
                 (format!("factored, {} tables", s.tables), false, luminance_note(s.importance))
             }
-            Self::ByAzimuth(s) => {
-                let label = format!("{} at {} azimuths", half_vector_label(&s.table), s.azimuths);
-                (label, false, luminance_note(s.table.importance))
-            }
+            Self::ByAzimuth(s) => (by_azimuth_label(s), false, luminance_note(s.table.importance)),
         };
         let notes = if published { vec!["as published".into()] } else { notes };
         for note in notes {
@@ -146,12 +143,17 @@ fn cascade_label(s: &CascadeCdfSettings) -> String {
 }
 
 fn half_vector_label(s: &HalfVectorSettings) -> String {
-    let named = HalfVectorSettings { importance: Importance::default(), ..*s };
-    if let Some((size, _)) = HalfVectorSettings::PRESETS.iter().find(|p| p.1 == named) {
+    if let Some((size, _)) = HalfVectorSettings::PRESETS.iter().find(|p| p.1 == s.with_mean()) {
         return format!("half-vector {size}");
     }
     let folded = if s.fold { " folded" } else { "" };
     format!("half-vector {}×{}×{}{folded}", s.tables, s.rows, s.segments)
+}
+
+fn by_azimuth_label(s: &ByAzimuthSettings) -> String {
+    let same = |p: &&(&str, HalfVectorSettings)| ByAzimuthSettings::of(p.1).table == s.table.with_mean();
+    let table = HalfVectorSettings::PRESETS.iter().find(same).map_or(s.table, |p| p.1);
+    format!("{} at {} azimuths", half_vector_label(&table), s.azimuths)
 }
 
 fn luminance_note(importance: Importance) -> Vec<String> {

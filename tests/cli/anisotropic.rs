@@ -70,12 +70,10 @@ fn built_tables_draw_the_same() {
 fn checks_go_round_the_azimuth() {
     let (folder, _) = folder();
     let arguments =
-        ["check", NAME, "--draws", "2000", "--table-size", "2KB", "--azimuths", "3", "--json", "-"];
+        ["check", NAME, "--draws", "2000", "--sampler", "half-vector", "--azimuths", "3", "--json", "-"];
     let results = json(&succeeds(run_in(folder.path(), &arguments, "")));
-    let results = results["results"].as_array().unwrap();
-    let names: Vec<_> = results.iter().map(|r| r["sampler"].as_str().unwrap()).collect();
-    assert_eq!(names, ["half-vector 2KB at 3 azimuths", "cosine", "file"]);
-    let outcomes = results[0]["outcomes"].as_array().unwrap();
+    assert_eq!(results["results"][0]["sampler"], "half-vector 64KB at 3 azimuths");
+    let outcomes = results["results"][0]["outcomes"].as_array().unwrap();
     assert_eq!(outcomes.len(), 13 * 5 * 7);
     assert!(outcomes.iter().any(|o| (o["phi_o_deg"].as_f64().unwrap() - 90.0).abs() < 1e-3));
 }
@@ -83,25 +81,28 @@ fn checks_go_round_the_azimuth() {
 #[test]
 fn reports_go_round_the_azimuth() {
     let (folder, rgl) = folder();
-    let options = ["--draws", "1000", "--sampler", "half-vector", "--sampler", "file", "--table-size", "2KB"];
-    let report =
-        |to: [&str; 2]| succeeds(run_in(folder.path(), &[&["report", NAME], &options[..], &to].concat(), ""));
-    let results = &json(&report(["--json", "-"]))["results"][0];
+    let arguments =
+        ["report", NAME, "--draws", "1000", "--table-size", "2KB", "--json", "json", "--csv", "csv"];
+    let shown = succeeds(run_in(folder.path(), &arguments, ""));
+    assert!(shown.contains("values of the file") && shown.contains("four azimuths"), "{shown}");
+    for name in ["half-vector 2KB at 8 azimuths", "cosine", "file"] {
+        assert!(shown.contains(&format!("| {name} ")), "{shown}");
+    }
+    let written = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let results = &json(&written("json"))["results"][0];
     assert!(results["lookup"].is_null());
     assert_eq!(results["material_bytes"].as_u64().unwrap(), rgl.table_bytes() as u64);
-    for (sampler, bytes) in [(0, 8 * 2000), (1, rgl.draw_bytes())] {
+    for (sampler, bytes) in [(0, 8 * 2000), (2, rgl.draw_bytes())] {
         let figures = &results["samplers"][sampler];
         assert_eq!(figures["angles"].as_array().unwrap().len(), 28);
-        assert_eq!(figures["file_bytes"].is_null(), sampler == 1);
+        assert_eq!(figures["file_bytes"].is_null(), sampler == 2);
         let found = figures["table_bytes"].as_f64().unwrap();
         assert!((found / bytes as f64 - 1.0).abs() < 0.1, "{found} {bytes}");
     }
-    let csv = report(["--csv", "-"]);
+    let csv = written("csv");
     let rows: Vec<Vec<&str>> = csv.lines().map(|l| l.split(',').collect()).collect();
     let column = rows[0].iter().position(|c| *c == "phi_o_deg").unwrap();
-    assert!(rows.len() == 57 && rows[2][column] == "111.7" && rows[2][1].is_empty(), "{csv}");
-    let shown = succeeds(run_in(folder.path(), &[&["report", NAME], &options[..]].concat(), ""));
-    assert!(shown.contains("values of the file") && shown.contains("four azimuths"), "{shown}");
+    assert!(rows.len() == 1 + 3 * 28 && rows[2][column] == "111.7" && rows[2][1].is_empty(), "{csv}");
 }
 
 /// Mean of a picture's pixels.

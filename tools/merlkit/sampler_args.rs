@@ -153,7 +153,8 @@ impl SamplerArgs {
             "cascade-cdf" => SamplerSpec::CascadeCdf(self.cascade()),
             "half-vector" => match self.azimuths {
                 Some(azimuths) => {
-                    SamplerSpec::ByAzimuth(ByAzimuthSettings { azimuths, table: self.half_vector() })
+                    let settings = ByAzimuthSettings::of(self.half_vector());
+                    SamplerSpec::ByAzimuth(ByAzimuthSettings { azimuths, ..settings })
                 }
                 None => SamplerSpec::HalfVector(self.half_vector()),
             },

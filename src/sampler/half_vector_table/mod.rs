@@ -72,6 +72,11 @@ impl HalfVectorSettings {
         Self { tables, rows, segments, fold, importance: Importance::Mean }
     }
 
+    /// The same for the mean of the channels: what presets are told by.
+    pub(super) fn with_mean(self) -> Self {
+        Self { importance: Importance::Mean, ..self }
+    }
+
     /// Bytes of the tables in memory; a file holds some 1 to 15 % less, and a header.
     pub fn bytes(&self) -> usize {
         tables::bytes(self.tables, self.rows, self.segments)
