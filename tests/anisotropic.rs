@@ -13,7 +13,7 @@ use merlkit::color::Rgb;
 use merlkit::files::Overwrite;
 use merlkit::geom::{Quadrature, Symmetry, spherical};
 use merlkit::measure::accuracy::weight_spread;
-use merlkit::measure::check::{Check, CheckSettings, check_directions_of, check_sampler};
+use merlkit::measure::check::{Check, CheckSettings, check_sampler};
 use merlkit::merl::{Content, Material, decode_embedded};
 use merlkit::points::Stream;
 use merlkit::sampler::store::{SamplerFile, save};
@@ -44,16 +44,16 @@ fn settings(azimuths: usize, size: &str) -> ByAzimuthSettings {
 #[test]
 fn every_check_passes_for_every_symmetry() {
     let on_tables = [0.25, 0.5, 1.0].map(|share| spherical(0.9, -PI + share * FRAC_PI_2).as_vec3());
-    let wos = [&check_directions_of(Symmetry::Half)[..], &directions(), &on_tables].concat();
-    let some: Vec<Vec3> = wos.into_iter().step_by(5).collect();
-    let settings_of =
-        CheckSettings { draws: 20_000, calls: 2 * SYMMETRIES.len(), ..CheckSettings::default() };
+    let others = directions().into_iter().step_by(3);
+    let wos: Vec<Vec3> = on_tables.into_iter().chain(others).collect();
+    let settings_of = CheckSettings { draws: 20_000, calls: 4, ..CheckSettings::default() };
     for symmetry in SYMMETRIES {
         let rgl = file(symmetry);
         assert_eq!(Brdf::symmetry(&rgl), symmetry);
-        for settings in [settings(5, "16KB"), settings(2, "2KB")] {
+        let few = if symmetry == Symmetry::Half { &[2, 5][..] } else { &[5] };
+        for settings in few.iter().map(|&azimuths| settings(azimuths, "16KB")) {
             let sampler = ByAzimuth::build(&rgl, settings).unwrap();
-            let report = check_sampler(&sampler, &rgl, &some, &settings_of);
+            let report = check_sampler(&sampler, &rgl, &wos, &settings_of);
             let failures: Vec<_> = report.failures().collect();
             assert!(failures.is_empty(), "{symmetry:?} {settings:?}: {failures:?}");
         }
@@ -89,7 +89,7 @@ fn spreads(sampler: &dyn DirectionSampler, brdf: &dyn Brdf, azimuths: &[f64]) ->
     let mut all = Vec::new();
     for theta in [14.5, 45.0, 60.25, 75.5] {
         for &phi in azimuths {
-            let quadrature = Quadrature::new(spherical(f64::to_radians(theta), phi).as_vec3(), 987);
+            let quadrature = Quadrature::new(spherical(f64::to_radians(theta), phi).as_vec3(), 377);
             let spread = weight_spread(sampler, brdf, &quadrature, Importance::Mean);
             assert!(spread.holes == 0.0, "{theta}° {phi}: {spread:?}");
             all.push(spread.relstd);
@@ -102,7 +102,7 @@ fn spreads(sampler: &dyn DirectionSampler, brdf: &dyn Brdf, azimuths: &[f64]) ->
 fn tables_follow_a_brushed_metal() {
     let rgl = Rgl::new(bsdf_of(&metal(Symmetry::Half), Symmetry::Half, Resolution::FINE));
     let sampler = ByAzimuth::build(&rgl, ByAzimuthSettings::default()).unwrap();
-    let azimuths = [-3.0, -2.2, -1.4, -0.9, 0.4, 1.3];
+    let azimuths = [-3.0, -1.4, 0.4];
     let of = |s: &dyn DirectionSampler| spreads(s, &rgl, &azimuths);
     let (cosine, own, tables) = (of(&Cosine), of(&rgl), of(&sampler));
     println!("cosine {cosine:.3?}, file {own:.3?}, half-vector {tables:.3?}, {} bytes", sampler.bytes());

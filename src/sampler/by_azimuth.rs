@@ -6,7 +6,7 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::half_vector_table::{Stored, Turn};
+use super::half_vector_table::{Square, Stored, Turn};
 use super::knots::split_unit;
 use super::{DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable};
 use crate::brdf::Brdf;
@@ -74,8 +74,8 @@ type Turned<'a> = (&'a HalfVectorTable, Turn);
 
 /// What serves one `wo`: two tables and the share of the second.
 struct Pair<'a> {
-    /// `wo` among the azimuths that have tables.
-    wo: Vec3,
+    /// About `wo` among the azimuths that have tables.
+    square: Square,
     /// By which it came there, and `wi` with it.
     signs: Vec3,
     tables: [Turned<'a>; 2],
@@ -134,7 +134,7 @@ impl ByAzimuth {
         let share = (at - first as f64).min(1.0);
         let turned = |k: usize, turns: f64| (&self.tables[k % count], Turn::by(turns * step));
         let tables = [turned(first, share), turned(first + 1, share - 1.0)];
-        Pair { wo: folded, signs, tables, share }
+        Pair { square: Square::about(folded), signs, tables, share }
     }
 }
 
@@ -152,7 +152,10 @@ fn with_azimuth(wo: Vec3) -> Vec3 {
 
 impl Pair<'_> {
     fn pdf(&self, wi: Vec3) -> f32 {
-        let [first, second] = self.tables.map(|(table, turn)| f64::from(table.pdf_turned(self.wo, wi, turn)));
+        let place = self.square.place(wi);
+        let widest = self.square.widest_at(place.cap);
+        let pdf = |(table, turn): Turned<'_>| f64::from(table.pdf_turned(&self.square, &place, widest, turn));
+        let [first, second] = self.tables.map(pdf);
         (first * (1.0 - self.share) + second * self.share) as f32
     }
 
@@ -160,7 +163,7 @@ impl Pair<'_> {
         let (second, rest) = split_unit(f64::from(u.x), self.share);
         let (table, turn) = self.tables[usize::from(second)];
         let u = Vec2::new((rest as f32).min(1f32.next_down()), u.y);
-        let wi = table.draw_turned(self.wo, u, turn);
+        let wi = table.draw_turned(&self.square, u, turn);
         DirectionSample { wi: wi * self.signs, pdf: self.pdf(wi) }
     }
 }

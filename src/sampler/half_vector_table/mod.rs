@@ -27,10 +27,10 @@ use crate::brdf::{Brdf, Importance};
 use crate::geom::unit_upper;
 use crate::{Error, Result};
 use mixture::{Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
-use square::{PARTS, Place, Square};
+use square::PARTS;
 use tables::Blend;
 
-pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS};
+pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS, Place, Square};
 pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Stored, Tables};
 pub(super) use turn::Turn;
 
@@ -154,7 +154,7 @@ impl HalfVectorTable {
     /// directions are above the horizon.
     pub fn invert(&self, wo: Vec3, wi: Vec3) -> Option<Vec2> {
         let (wo, wi) = (unit_upper(wo)?, unit_upper(wi)?);
-        let about = self.about(wo);
+        let about = self.about(Square::about(wo));
         let place = about.square.place(wi);
         let row = about.row(&place);
         let (low, width) = about.span(row.index);
@@ -165,27 +165,24 @@ impl HalfVectorTable {
         Some(Vec2::new(u as f32, v as f32))
     }
 
-    /// A draw about a `wo` above the horizon and of unit length that is turned against the azimuth of the tables' own. The
-    /// density is that of [`Self::pdf_turned`].
-    pub(super) fn draw_turned(&self, wo: Vec3, u: Vec2, turn: Turn) -> Vec3 {
-        let about = self.about(wo);
+    /// A draw about a `wo` that is turned against the azimuth of the table; the density is that of [`Self::pdf_turned`].
+    pub(super) fn draw_turned(&self, square: &Square, u: Vec2, turn: Turn) -> Vec3 {
+        let about = self.about(*square);
         let (cap, b) = about.point(about.choose(u));
-        raise(about.square.direction(cap, turn.from_table(b, about.square.widest_at(cap))))
+        raise(square.direction(cap, turn.from_table(b, square.widest_at(cap))))
     }
 
-    /// The density of such draws; both directions are above the horizon and of unit length.
-    pub(super) fn pdf_turned(&self, wo: Vec3, wi: Vec3, turn: Turn) -> f32 {
-        let about = self.about(wo);
-        let place = about.square.place(wi);
-        let (b, slope) = turn.to_table(place.b, about.square.widest_at(place.cap));
-        let found = about.find(&Place { b, ..place });
-        (about.density(&place, found) * slope).min(f32::MAX)
+    /// The density of such draws at a `place` of the square; `widest` is the unit of its `b`.
+    pub(super) fn pdf_turned(&self, square: &Square, place: &Place, widest: f32, turn: Turn) -> f32 {
+        let about = self.about(*square);
+        let (b, slope) = turn.to_table(place.b, widest);
+        let found = about.find(&Place { b, ..*place });
+        (about.density(place, found) * slope).min(f32::MAX)
     }
 
     /// What depends on `wo` alone.
     #[inline]
-    fn about(&self, wo: Vec3) -> About<'_, Blend<'_>> {
-        let square = Square::about(wo);
+    fn about(&self, square: Square) -> About<'_, Blend<'_>> {
         let blend = self.tables.at(square.cos_o());
         let (segments, unit) = blend.scale();
         // The azimuth's share runs over [−1, 1]: half the density on [0, 1].
@@ -337,12 +334,12 @@ impl DirectionSampler for HalfVectorTable {
     /// Never fails for a `wo` above the horizon.
     #[inline]
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        unit_upper(wo).map(|wo| self.about(wo).sample(u))
+        unit_upper(wo).map(|wo| self.about(Square::about(wo)).sample(u))
     }
 
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        unit_upper(wo).zip(unit_upper(wi)).map_or(0.0, |(wo, wi)| self.about(wo).pdf(wi))
+        unit_upper(wo).zip(unit_upper(wi)).map_or(0.0, |(wo, wi)| self.about(Square::about(wo)).pdf(wi))
     }
 
     fn bytes(&self) -> usize {
@@ -350,6 +347,7 @@ impl DirectionSampler for HalfVectorTable {
     }
 
     fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        unit_upper(wo).map_or_else(|| vec![None; points.len()], |wo| batch::sample(&self.about(wo), points))
+        let square = unit_upper(wo).map(Square::about);
+        square.map_or_else(|| vec![None; points.len()], |square| batch::sample(&self.about(square), points))
     }
 }

@@ -21,7 +21,7 @@ impl Turn {
     /// `wo` at azimuth `angle` from the table's, radians.
     pub fn by(angle: f64) -> Self {
         let within = angle - TAU * (angle / TAU).round();
-        Self { quarter: (0.25 * within.clamp(-PI, PI)).tan() as f32 }
+        Self { quarter: (0.25 * within.clamp(-PI, PI) as f32).tan() }
     }
 
     /// Where the azimuth's share `b` about `wo` stands in the table, and how much the table is stretched there: db in the table
