@@ -199,8 +199,8 @@ fn any_number_of_threads_builds_the_same() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let sampler = pool.install(|| ByAzimuth::build(&rgl, settings(5, "8KB")).unwrap());
         let mut random = Stream::new(1);
-        let mut draw = |wo| sampler.sample(wo, Vec2::new(random.next_f32(), random.next_f32())).unwrap();
-        directions().into_iter().map(|wo| draw(wo)).map(|d| (d.wi, d.pdf)).collect::<Vec<_>>()
+        let draw = |wo| sampler.sample(wo, Vec2::new(random.next_f32(), random.next_f32())).unwrap();
+        directions().into_iter().map(draw).map(|d| (d.wi, d.pdf)).collect::<Vec<_>>()
     };
     assert_eq!(draws(1), draws(3));
 }
@@ -268,7 +268,7 @@ fn what_does_not_fit_is_refused() {
     }
     let no_rows = HalfVectorSettings { rows: 0, ..HalfVectorSettings::default() };
     assert!(refused(ByAzimuth::build(&rgl, ByAzimuthSettings::of(no_rows)).unwrap_err()));
-    let brdf = MaterialBrdf::new(Content::File(rgl), LookupRule::Floor);
+    let brdf = MaterialBrdf::new(Content::File(Box::new(rgl)), LookupRule::Floor);
     let message =
         SamplerSpec::CascadeCdf(CascadeCdfSettings::default()).build_for(&brdf).unwrap_err().to_string();
     assert!(message.contains("cascade-cdf") && message.contains("half-vector"), "{message}");

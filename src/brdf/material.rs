@@ -20,7 +20,7 @@ impl MaterialBrdf {
     pub fn new(content: Content, rule: LookupRule) -> Self {
         match content {
             Content::Table(table) => Self::Table(Arc::new(Measured::new(Arc::new(table), rule))),
-            Content::File(rgl) => Self::File(Arc::new(rgl)),
+            Content::File(rgl) => Self::File(Arc::from(rgl)),
         }
     }
 

@@ -25,7 +25,7 @@ pub enum Content {
     /// A table.
     Table(MerlTable),
     /// An anisotropic `.bsdf` file, which no table can hold.
-    File(Rgl),
+    File(Box<Rgl>),
 }
 
 /// A named material whose values are not loaded yet.
@@ -90,12 +90,10 @@ impl Material {
         match &self.source {
             Source::File(path) if looks_like_bsdf(path) => {
                 let file = BsdfFile::open(path)?;
-                let isotropic = file.is_isotropic();
                 let rgl = Rgl::new(file);
-                Ok(if isotropic {
-                    Content::Table(resample(&rgl, BinPoint::Centre))
-                } else {
-                    Content::File(rgl)
+                Ok(match rgl.is_isotropic() {
+                    true => Content::Table(resample(&rgl, BinPoint::Centre)),
+                    false => Content::File(Box::new(rgl)),
                 })
             }
             Source::File(_) | Source::Embedded(_) => self.load().map(Content::Table),

@@ -117,11 +117,11 @@ fn pictures_agree_whatever_draws_the_directions() {
     let (folder, _) = folder();
     let mut means = Vec::new();
     for sampler in ["half-vector", "file", "cosine"] {
-        let options = ["--sampler", sampler, "--size", "32x24", "--spp", "64", "-o", sampler];
+        let options = ["--sampler", sampler, "--size", "32x24", "--spp", "1024", "-o", sampler];
         succeeds(run_in(folder.path(), &[&["render", NAME], &options[..]].concat(), ""));
         means.push(mean(&folder.path().join(format!("{sampler}.exr"))));
     }
-    assert!(means.iter().all(|m| (m / means[0] - 1.0).abs() < 0.02), "{means:?}");
+    assert!(means.iter().all(|m| (m / means[0] - 1.0).abs() < 0.01), "{means:?}");
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn other_commands_say_what_works() {
         &["decode", NAME, folders[0], folders[1]],
         &["import", NAME, out[0], out[1]],
         &["export", NAME, "--format", "bsdf", folders[0], folders[1]],
-        &["plot", NAME, folders[0], folders[1]],
+        &["plot", NAME, "--kind", "albedo", out[0], out[1]],
         &["compare", NAME, "--quick", out[0], out[1]],
         &["tune", NAME],
     ] {

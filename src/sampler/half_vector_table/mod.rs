@@ -169,7 +169,7 @@ impl HalfVectorTable {
     pub(super) fn draw_turned(&self, square: &Square, u: Vec2, turn: Turn) -> Vec3 {
         let about = self.about(*square);
         let (cap, b) = about.point(about.choose(u));
-        raise(square.direction(cap, turn.from_table(b, square.widest_at(cap))))
+        raise(square.direction(cap, turn.to_surface(b, square.widest_at(cap))))
     }
 
     /// The density of such draws at a `place` of the square; `widest` is the unit of its `b`.

@@ -33,7 +33,7 @@ impl Turn {
 
     /// The inverse.
     #[inline]
-    pub fn from_table(self, b: f32, widest: f32) -> f32 {
+    pub fn to_surface(self, b: f32, widest: f32) -> f32 {
         moved(b, widest, -self.quarter).0
     }
 }
@@ -82,7 +82,7 @@ mod tests {
                     let b = (k as f32 + 0.5) / n as f32 * 2.0 - 1.0;
                     let (to, slope) = Turn::by(angle).to_table(b, widest);
                     assert!((-1.0..=1.0).contains(&to) && slope > 0.2 && slope < 5.0, "{angle} {b}: {to}");
-                    let back = Turn::by(angle).from_table(to, widest);
+                    let back = Turn::by(angle).to_surface(to, widest);
                     assert!((back - b).abs() < 2e-6, "{angle} {widest} {b}: {to} {back}");
                     sum += f64::from(slope) / f64::from(n);
                 }
