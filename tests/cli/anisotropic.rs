@@ -133,9 +133,9 @@ fn other_commands_say_what_works() {
         &["decode", NAME, folders[0], folders[1]],
         &["import", NAME, out[0], out[1]],
         &["export", NAME, "--format", "bsdf", folders[0], folders[1]],
-        &["plot", NAME, "--kind", "albedo", out[0], out[1]],
+        &["plot", NAME, "--kind", "albedo", "-o", "out.svg"],
         &["compare", NAME, "--quick", out[0], out[1]],
-        &["tune", NAME],
+        &["tune", NAME, "--target-error", "5%"],
     ] {
         let text = fails(run_in(folder.path(), arguments, ""));
         assert!(
