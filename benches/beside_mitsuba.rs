@@ -251,13 +251,15 @@ impl Record {
     }
 }
 
-/// Seconds to a relMSE by the power law through the two points next to it, and whether it lies beyond all points.
+/// Seconds to a relMSE by the power law through the two points next to it, and whether it lies beyond all points: there
+/// errors fall as those of independent samples.
 fn seconds_to(target: f64, points: &[(f64, f64)]) -> (f64, bool) {
-    let next = points.iter().position(|p| p.1 <= target).unwrap_or(points.len() - 1).max(1);
-    let ((s0, e0), (s1, e1)) = (points[next - 1], points[next]);
-    let slope = (s1 / s0).ln() / (e1 / e0).ln();
-    let beyond = target < points[points.len() - 1].1 || target > points[0].1;
-    (s0 * (target / e0).powf(slope), beyond)
+    let (seconds, error) = points[points.len() - 1];
+    let Some(next) = points.iter().position(|p| p.1 <= target) else {
+        return (seconds * error / target, true);
+    };
+    let ((s0, e0), (s1, e1)) = (points[next.max(1) - 1], points[next.max(1)]);
+    (s0 * (target / e0).powf((s1 / s0).ln() / (e1 / e0).ln()), next == 0)
 }
 
 /// Brightness of all of the sphere against ours, and the median over its pixels of the relative difference.

@@ -8,6 +8,7 @@
 //! Brdf + DirectionSampler → measure → report
 //! brdf::Measured + sampler::HalfVectorTable → export: a C header, or arrays for numpy
 //! brdf::Measured → bsdf::BsdfFile (for Mitsuba and pbrt) → bsdf::Rgl: a Brdf and DirectionSampler, or a merl::MerlTable
+//! anisotropic *.bsdf → bsdf::Rgl → sampler::ByAzimuth
 //! ```
 //!
 //! Conventions, stated once in [`geom`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both

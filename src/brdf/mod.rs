@@ -8,18 +8,20 @@ mod coordinates;
 mod importance;
 mod interpolate;
 mod keys;
+mod material;
 mod measured;
 mod rgl;
 mod tangents;
 
 pub use bins::BinIndex;
 pub use importance::Importance;
+pub use material::MaterialBrdf;
 pub use measured::{LookupRule, Measured};
 
 use glam::Vec3;
 
 use crate::color::Rgb;
-use crate::geom::unit_upper;
+use crate::geom::{Symmetry, unit_upper};
 
 /// A reflectance function f_r(wo, wi) in the local frame.
 pub trait Brdf: Send + Sync {
@@ -50,4 +52,9 @@ pub trait Brdf: Send + Sync {
 
     /// Whether turning both directions about the normal leaves f_r as it is.
     fn is_isotropic(&self) -> bool;
+
+    /// Which azimuths of `wo` stand for all others.
+    fn symmetry(&self) -> Symmetry {
+        if self.is_isotropic() { Symmetry::Isotropic } else { Symmetry::Whole }
+    }
 }

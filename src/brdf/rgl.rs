@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::Brdf;
 use crate::bsdf::Rgl;
 use crate::color::Rgb;
+use crate::geom::Symmetry;
 
 impl Brdf for Rgl {
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
@@ -17,5 +18,9 @@ impl Brdf for Rgl {
 
     fn is_isotropic(&self) -> bool {
         Self::is_isotropic(self)
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        Self::symmetry(self)
     }
 }

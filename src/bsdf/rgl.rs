@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use super::file::BsdfFile;
 use super::warp::{Blend, Grid, Warp};
 use crate::color::Rgb;
-use crate::geom::{reflect_about, spherical, to_spherical, unit_upper};
+use crate::geom::{Symmetry, reflect_about, spherical, to_spherical, unit_upper};
 
 /// A `.bsdf` file ready to be evaluated. `wo`, the given direction, is what the file calls incident.
 ///
@@ -16,6 +16,7 @@ use crate::geom::{reflect_about, spherical, to_spherical, unit_upper};
 /// luminance(s)·warp(u_m)/J, J = max(2π²·u_m.x·sinθm, 10⁻⁶)·4(wo·m). Tables are linear between their nodes, in `wo` too.
 /// Spectra become linear sRGB under the illuminant D65. Channels below 0, which measured spectra and their interpolation may
 /// have, are 0.
+#[derive(Debug)]
 pub struct Rgl {
     theta_i: Vec<f32>,
     phi_i: Vec<f32>,
@@ -25,19 +26,6 @@ pub struct Rgl {
     luminance: Warp,
     colour: Grid,
     symmetry: Symmetry,
-}
-
-/// What turns of both directions leave values as they are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Symmetry {
-    /// Any.
-    Isotropic,
-    /// None: azimuths of a whole turn are tabulated.
-    None,
-    /// Half a turn: the azimuths with y < 0 are tabulated.
-    Half,
-    /// Mirroring x and y: the azimuths with x < 0 and y < 0 are tabulated.
-    Quarter,
 }
 
 /// Where a pair of directions stands in the file.
@@ -66,6 +54,11 @@ impl Rgl {
     /// Whether turning both directions about the normal leaves values as they are.
     pub fn is_isotropic(&self) -> bool {
         self.symmetry == Symmetry::Isotropic
+    }
+
+    /// What turns and mirrors of both directions leave values as they are; the file tabulates the azimuths of its span.
+    pub fn symmetry(&self) -> Symmetry {
+        self.symmetry
     }
 
     /// f_r·cosθᵢ in sr⁻¹; 0 for what is no direction above the horizon.
@@ -102,7 +95,7 @@ impl Rgl {
 
     /// The direction that a point of the unit square is mapped to; `None` below the horizon.
     pub fn draw(&self, wo: Vec3, u: [f64; 2]) -> Option<Vec3> {
-        let turned = self.turned(unit_upper(wo)?.as_dvec3());
+        let turned = self.turned(unit_upper(wo)?);
         let (theta, phi) = to_spherical(turned.wo);
         let blend = Blend::about(phi, theta, &self.phi_i, &self.theta_i);
         let u_m = self.warp.sample(self.luminance.sample(u, &blend), &blend);
@@ -111,14 +104,19 @@ impl Rgl {
         unit_upper((reflect_about(turned.wo, m) * turned.signs).as_vec3())
     }
 
+    /// Bytes of the tables that [`Self::draw`] and [`Self::density`] use.
+    pub fn draw_bytes(&self) -> usize {
+        self.warp.bytes() + self.luminance.bytes()
+    }
+
     /// Bytes of all tables.
     pub fn table_bytes(&self) -> usize {
         let area = self.area.iter().flatten().map(Grid::bytes).sum::<usize>();
-        self.warp.bytes() + self.luminance.bytes() + self.colour.bytes() + area
+        self.draw_bytes() + self.colour.bytes() + area
     }
 
     fn place(&self, wo: Vec3, wi: Vec3) -> Option<Place> {
-        let (wo, wi) = (unit_upper(wo)?.as_dvec3(), unit_upper(wi)?.as_dvec3());
+        let (wo, wi) = (unit_upper(wo)?, unit_upper(wi)?.as_dvec3());
         let turned = self.turned(wo);
         let m = (turned.wo + wi * turned.signs).normalize();
         let ((theta, phi), (theta_m, phi_m)) = (to_spherical(turned.wo), to_spherical(m));
@@ -133,14 +131,9 @@ impl Rgl {
     }
 
     /// `wo` where azimuths are tabulated, and the signs by which `wi` goes along.
-    fn turned(&self, wo: DVec3) -> Turned {
-        let against = |v: f64| if v.is_sign_negative() { 1.0 } else { -1.0 };
-        let signs = match self.symmetry {
-            Symmetry::Isotropic | Symmetry::None => DVec3::ONE,
-            Symmetry::Half => DVec3::new(against(wo.y), against(wo.y), 1.0),
-            Symmetry::Quarter => DVec3::new(against(wo.x), against(wo.y), 1.0),
-        };
-        Turned { wo: wo * signs, signs }
+    fn turned(&self, wo: Vec3) -> Turned {
+        let signs = self.symmetry.signs(wo).as_dvec3();
+        Turned { wo: wo.as_dvec3() * signs, signs }
     }
 }
 
@@ -169,7 +162,7 @@ fn symmetry(file: &BsdfFile) -> Symmetry {
         _ => return Symmetry::Isotropic,
     };
     match (TAU / span).round() as u32 {
-        0 | 1 => Symmetry::None,
+        0 | 1 => Symmetry::Whole,
         4 => Symmetry::Quarter,
         _ => Symmetry::Half,
     }

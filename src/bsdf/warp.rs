@@ -73,6 +73,7 @@ impl Patch {
 }
 
 /// `shape` is `[…, h, w]`, every `[h, w]` one slice of `channels` in a row.
+#[derive(Debug)]
 pub(super) struct Grid {
     values: Vec<f32>,
     width: usize,
@@ -127,6 +128,7 @@ impl Grid {
 
 /// A density on the square in each slice, and the continuous map that draws from it: y by the marginal, then x by the
 /// density along the row, both piecewise linear.
+#[derive(Debug)]
 pub(super) struct Warp {
     density: Grid,
     /// Integral over x up to each column, of each row: `[slice, h, w − 1]`.

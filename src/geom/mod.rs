@@ -14,6 +14,7 @@ mod half_diff;
 mod half_vectors;
 mod pairs;
 mod quadrature;
+mod symmetry;
 
 pub use disc::{concentric_disc, concentric_square, cosine_hemisphere};
 pub use frame::Frame;
@@ -21,6 +22,7 @@ pub use half_diff::{HalfDiff, half_vector, reflect_about};
 pub use half_vectors::{HalfVectors, Lattice};
 pub use pairs::DirectionPairs;
 pub use quadrature::{POINTS_PER_BIN, Quadrature};
+pub use symmetry::Symmetry;
 
 use glam::{DVec3, Vec3};
 

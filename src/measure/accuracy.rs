@@ -7,13 +7,25 @@ use glam::{DVec4, Vec3};
 
 use super::probe::Violations;
 use crate::brdf::{Brdf, Importance};
-use crate::geom::Quadrature;
+use crate::geom::{Quadrature, Symmetry};
 use crate::points::PointSet;
 use crate::sampler::{DirectionSample, DirectionSampler};
 
 /// Polar angles of `wo`, degrees, at which spread and bias are reported; none is a knot of a table of one and a half
 /// degrees' step.
 pub const LIMIT_ANGLES_DEG: [f64; 7] = [0.76, 14.5, 29.75, 45.0, 60.25, 75.5, 84.7];
+
+/// Azimuths of `wo`, degrees, at which spread and bias are reported; those of isotropic materials at the first alone, 0.4
+/// radians. Each is in another quarter turn.
+const LIMIT_AZIMUTHS_DEG: [f64; 4] = [22.918311805232932, 111.7, -126.1, -48.7];
+
+/// Polar angle and azimuth of the `wo` at which spread and bias are reported, degrees: [`LIMIT_ANGLES_DEG`], each at four
+/// azimuths unless the material is isotropic.
+pub fn limit_directions(symmetry: Symmetry) -> Vec<[f64; 2]> {
+    let azimuths = if symmetry == Symmetry::Isotropic { 1 } else { LIMIT_AZIMUTHS_DEG.len() };
+    let at = |theta: f64| LIMIT_AZIMUTHS_DEG[..azimuths].iter().map(move |&phi| [theta, phi]);
+    LIMIT_ANGLES_DEG.into_iter().flat_map(at).collect()
+}
 
 /// How the weight of one draw spreads, by quadrature. A failed draw is a weight of 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]

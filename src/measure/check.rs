@@ -11,7 +11,7 @@ use super::accuracy::{Moments, SCALAR, mean_weight};
 use super::chi_square::{ChiSquare, ChiSquareTest, Verdict, sidak};
 use super::probe::{self, Probe};
 use crate::brdf::{Brdf, Importance};
-use crate::geom::{POINTS_PER_BIN, Quadrature, spherical, to_spherical};
+use crate::geom::{POINTS_PER_BIN, Quadrature, Symmetry, spherical, to_spherical};
 use crate::points::{PointSet, mix};
 use crate::sampler::DirectionSampler;
 
@@ -27,6 +27,20 @@ pub fn check_directions() -> Vec<Vec3> {
     let azimuths = CHECK_AZIMUTHS_DEG.iter().cycle();
     let direction = |(theta, phi): (&f64, &f64)| spherical(theta.to_radians(), phi.to_radians()).as_vec3();
     CHECK_ANGLES_DEG.iter().zip(azimuths).map(direction).collect()
+}
+
+/// Azimuths that anisotropic materials are checked at, degrees: seams of their symmetries, and others.
+const CHECK_AZIMUTHS_ANISOTROPIC_DEG: [f64; 5] = [0.0, 37.3, 90.0, 161.9, -110.2];
+
+/// Directions at [`CHECK_ANGLES_DEG`]: for an isotropic material as [`check_directions`], else each at five azimuths.
+pub fn check_directions_of(symmetry: Symmetry) -> Vec<Vec3> {
+    if symmetry == Symmetry::Isotropic {
+        return check_directions();
+    }
+    let at = |theta: f64| {
+        CHECK_AZIMUTHS_ANISOTROPIC_DEG.map(|phi| spherical(theta.to_radians(), phi.to_radians()).as_vec3())
+    };
+    CHECK_ANGLES_DEG.into_iter().flat_map(at).collect()
 }
 
 /// How thoroughly to check.

@@ -1,13 +1,11 @@
 //! All figures of a sampler for a material, measured in one run.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 
-use super::accuracy::{Bias, Draws, LIMIT_ANGLES_DEG, WeightSpread, bias, weight_spread};
+use super::accuracy::{Bias, Draws, WeightSpread, bias, limit_directions, weight_spread};
 use super::cost::{CallTimes, Seconds, call_times, time};
 use crate::Result;
-use crate::brdf::{Importance, LookupRule, Measured};
+use crate::brdf::{Brdf, Importance, LookupRule, MaterialBrdf};
 use crate::geom::{POINTS_PER_BIN, Quadrature, spherical};
 use crate::merl::Material;
 use crate::sampler::{Sampler, SamplerSpec, store};
@@ -36,6 +34,8 @@ impl Default for ProfileSettings {
 pub struct AngleFigures {
     /// Polar angle of `wo`, degrees.
     pub theta_o_deg: f64,
+    /// Azimuth of `wo`, degrees in (−180, 180].
+    pub phi_o_deg: f64,
     /// Spread of single weights, by quadrature.
     pub spread: WeightSpread,
     /// Deviation of the estimated albedo, by draws.
@@ -49,7 +49,7 @@ pub struct SamplerFigures {
     pub spec: SamplerSpec,
     /// Bytes its tables hold, counted.
     pub table_bytes: usize,
-    /// Bytes of its file; `None` for a sampler without tables.
+    /// Bytes of its file; `None` for a sampler that is not stored.
     pub file_bytes: Option<usize>,
     /// Time to build it from the loaded material.
     pub build: Seconds,
@@ -57,7 +57,7 @@ pub struct SamplerFigures {
     pub threads: usize,
     /// Time of single calls.
     pub calls: CallTimes,
-    /// Figures at [`LIMIT_ANGLES_DEG`].
+    /// Figures at [`limit_directions`].
     pub angles: Vec<AngleFigures>,
 }
 
@@ -89,11 +89,11 @@ impl SamplerFigures {
 pub struct MaterialFigures {
     /// Short name.
     pub material: String,
-    /// Lookup rule of everything measured.
-    pub lookup: LookupRule,
+    /// Lookup rule of everything measured; `None` for an anisotropic `.bsdf` file, which has none.
+    pub lookup: Option<LookupRule>,
     /// Time to load the file, or to decode an embedded material.
     pub load: Seconds,
-    /// Bytes of the loaded table.
+    /// Bytes of the loaded tables.
     pub material_bytes: usize,
     /// What was measured, and how much of it.
     pub settings: ProfileSettings,
@@ -112,8 +112,8 @@ pub fn profile(
     settings: &ProfileSettings,
     done: &dyn Fn(),
 ) -> Result<MaterialFigures> {
-    let (table, load) = time(|| material.load());
-    let brdf = Arc::new(Measured::new(Arc::new(table?), lookup));
+    let (content, load) = time(|| material.content());
+    let brdf = MaterialBrdf::new(content?, lookup);
     let samplers = specs
         .iter()
         .map(|spec| {
@@ -124,9 +124,9 @@ pub fn profile(
         .collect::<Result<_>>()?;
     Ok(MaterialFigures {
         material: material.name().into(),
-        lookup,
+        lookup: brdf.rule(),
         load,
-        material_bytes: brdf.table().bytes(),
+        material_bytes: brdf.bytes(),
         settings: *settings,
         samplers,
     })
@@ -134,17 +134,18 @@ pub fn profile(
 
 fn sampler_figures(
     material: &Material,
-    brdf: &Arc<Measured>,
+    brdf: &MaterialBrdf,
     spec: &SamplerSpec,
     settings: &ProfileSettings,
 ) -> Result<SamplerFigures> {
     use crate::sampler::DirectionSampler as _;
-    let (sampler, build) = time(|| spec.build(brdf));
+    let (sampler, build) = time(|| spec.build_for(brdf));
     let sampler = sampler?;
-    let file_bytes = match sampler {
-        Sampler::Cosine(_) => None,
-        _ => Some(store::encode(&sampler, material, brdf.rule())?.len()),
+    let file_bytes = match (&sampler, brdf.rule()) {
+        (Sampler::Cosine(_) | Sampler::File(_), _) => None,
+        (_, rule) => Some(store::encode(&sampler, material, rule.unwrap_or_default())?.len()),
     };
+    let symmetry = brdf.as_dyn().symmetry();
     Ok(SamplerFigures {
         spec: sampler.spec(),
         table_bytes: sampler.bytes(),
@@ -152,24 +153,25 @@ fn sampler_figures(
         build,
         threads: rayon::current_num_threads(),
         calls: call_times(&sampler, settings.timed_calls, settings.seed),
-        angles: LIMIT_ANGLES_DEG
+        angles: limit_directions(symmetry)
             .par_iter()
-            .map(|&theta| angle_figures(&sampler, brdf, theta, settings))
+            .map(|&angles| angle_figures(&sampler, brdf.as_dyn(), angles, settings))
             .collect(),
     })
 }
 
 fn angle_figures(
     sampler: &Sampler,
-    brdf: &Measured,
-    theta_o_deg: f64,
+    brdf: &dyn Brdf,
+    [theta_o_deg, phi_o_deg]: [f64; 2],
     settings: &ProfileSettings,
 ) -> AngleFigures {
-    let wo = spherical(theta_o_deg.to_radians(), 0.4).as_vec3();
+    let wo = spherical(theta_o_deg.to_radians(), phi_o_deg.to_radians()).as_vec3();
     let quadrature = Quadrature::new(wo, POINTS_PER_BIN);
     let draws = Draws { count: settings.draws, seed: settings.seed };
     AngleFigures {
         theta_o_deg,
+        phi_o_deg,
         spread: weight_spread(sampler, brdf, &quadrature, settings.importance),
         bias: bias(sampler, brdf, &quadrature, settings.importance, draws),
     }

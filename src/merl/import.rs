@@ -34,19 +34,26 @@ pub fn import_bsdf(path: &Path, point: BinPoint) -> Result<(MerlTable, Rgl)> {
         return Err(Error::Unsupported {
             path: path.to_owned(),
             what: format!("an anisotropic material, of {} azimuths,", file.phi_i.len()),
-            fix: "name an isotropic one: a MERL table has no azimuth of the surface".into(),
+            fix: "name an isotropic one: a MERL table has no azimuth of the surface; eval, build, sample, check, report and render \
+                  take anisotropic ones as they are"
+                .into(),
         });
     }
     let rgl = Rgl::new(file);
+    Ok((resample(&rgl, point), rgl))
+}
+
+/// The table of an isotropic file; see [`import_bsdf`].
+pub(super) fn resample(rgl: &Rgl, point: BinPoint) -> MerlTable {
     let mut values = vec![[0.0f64; 3]; HEADER.cells()];
     let row = THETA_D_BINS * HEADER.phi_d_bins;
     values.par_chunks_mut(row).enumerate().for_each(|(h, row)| {
         for (k, value) in row.iter_mut().enumerate() {
-            *value = bin(&rgl, [h, k / HEADER.phi_d_bins, k % HEADER.phi_d_bins], point);
+            *value = bin(rgl, [h, k / HEADER.phi_d_bins, k % HEADER.phi_d_bins], point);
         }
     });
     let mut values = values.into_iter();
-    Ok((MerlTable::from_fn(HEADER, |_, _, _| values.next().unwrap_or([-1.0; 3])), rgl))
+    MerlTable::from_fn(HEADER, |_, _, _| values.next().unwrap_or([-1.0; 3]))
 }
 
 /// The value of a bin, −1 where it is below the horizon.

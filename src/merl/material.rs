@@ -4,21 +4,31 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
+use super::import::resample;
 use super::{BinPoint, MerlTable, embedded, import_bsdf, load};
-use crate::bsdf::looks_like_bsdf;
+use crate::bsdf::{BsdfFile, Rgl, looks_like_bsdf};
 use crate::files::RegularFile;
 use crate::{Error, Result};
 
 /// Where a material's values come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// A MERL binary, or a `.bsdf` file of an isotropic material.
+    /// A MERL binary, or a `.bsdf` file.
     File(PathBuf),
     /// One of the embedded networks.
     Embedded(String),
 }
 
-/// A named material whose table is not loaded yet.
+/// A material's values.
+#[derive(Debug)]
+pub enum Content {
+    /// A table.
+    Table(MerlTable),
+    /// An anisotropic `.bsdf` file, which no table can hold.
+    File(Box<Rgl>),
+}
+
+/// A named material whose values are not loaded yet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Material {
     name: String,
@@ -61,10 +71,39 @@ impl Material {
         &self.source
     }
 
+    /// Whether it is an anisotropic `.bsdf` file, which is read to know.
+    ///
+    /// # Errors
+    /// As [`BsdfFile::open`], for what begins as such a file.
+    pub fn is_anisotropic(&self) -> Result<bool> {
+        match &self.source {
+            Source::File(path) if looks_like_bsdf(path) => Ok(!BsdfFile::open(path)?.is_isotropic()),
+            Source::File(_) | Source::Embedded(_) => Ok(false),
+        }
+    }
+
+    /// Loads the values as they are: a table as [`Self::load`] has it, or an anisotropic file.
+    ///
+    /// # Errors
+    /// As [`load`], or as [`BsdfFile::open`].
+    pub fn content(&self) -> Result<Content> {
+        match &self.source {
+            Source::File(path) if looks_like_bsdf(path) => {
+                let file = BsdfFile::open(path)?;
+                let rgl = Rgl::new(file);
+                Ok(match rgl.is_isotropic() {
+                    true => Content::Table(resample(&rgl, BinPoint::Centre)),
+                    false => Content::File(Box::new(rgl)),
+                })
+            }
+            Source::File(_) | Source::Embedded(_) => self.load().map(Content::Table),
+        }
+    }
+
     /// Loads or decodes the table. A `.bsdf` file, known by its first bytes, is resampled at the centres of bins.
     ///
     /// # Errors
-    /// As [`load`], or as [`import_bsdf`].
+    /// As [`load`], or as [`import_bsdf`]: [`Error::Unsupported`] for an anisotropic file.
     pub fn load(&self) -> Result<MerlTable> {
         match &self.source {
             Source::File(path) if looks_like_bsdf(path) => Ok(import_bsdf(path, BinPoint::Centre)?.0),

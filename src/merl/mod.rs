@@ -16,7 +16,7 @@ pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
 pub use header::{Header, THETA_D_BINS, THETA_H_BINS};
 pub use import::{BinPoint, import_bsdf};
-pub use material::{Material, Source};
+pub use material::{Content, Material, Source};
 pub use table::{Census, MerlTable};
 pub use write::write;
 

@@ -203,7 +203,7 @@ impl<'a> Tracer<'a> {
 
     fn vertex(&self, hit: Hit, direction: DVec3) -> Option<Vertex<'a>> {
         let surface = self.scene.surface(hit.object)?;
-        let frame = Frame::about(hit.normal.as_vec3());
+        let frame = surface.frame(hit.normal.as_vec3());
         let wo = frame.to_local(-direction.as_vec3());
         is_upper(wo).then_some(Vertex { hit, frame, wo, surface })
     }

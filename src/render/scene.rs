@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::shape::enter_floor;
 use super::{
@@ -11,6 +11,7 @@ use super::{
 };
 use crate::brdf::Brdf;
 use crate::color::Rgb;
+use crate::geom::Frame;
 use crate::image::read_exr;
 use crate::light::{Environment, Light, SkySampling, studio};
 use crate::sampler::{Cosine, DirectionSampler};
@@ -23,6 +24,13 @@ pub struct Surface {
     pub brdf: Arc<dyn Brdf>,
     /// How directions are drawn; `None` where the plan draws none.
     pub sampler: Option<Arc<dyn DirectionSampler>>,
+}
+
+impl Surface {
+    /// The local frame at a normal. An anisotropic surface lies as if turned on a lathe: its x runs horizontally, about +y.
+    pub(super) fn frame(&self, normal: Vec3) -> Frame {
+        if self.brdf.is_isotropic() { Frame::about(normal) } else { Frame::around(normal, Vec3::Y) }
+    }
 }
 
 /// A scene, ready to render by the plan it was built for.

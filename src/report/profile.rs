@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::Sheet;
 use super::thesis::{ThesisFigures, thesis_figures, thesis_uniform_memory};
+use crate::brdf::LookupRule;
 use crate::measure::profile::{MaterialFigures, SamplerFigures};
 
 /// The figures of a material's samplers, and the thesis's for the same material.
@@ -52,14 +53,16 @@ impl SamplerReport {
     /// What the figures of the sheet are, and how they were come by.
     pub fn legend(&self) -> String {
         let m = &self.measured;
+        let azimuths = if m.lookup.is_none() { " of 7 at four azimuths each" } else { "" };
         let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
-            "{}: {} lookup; loaded (or decoded) in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one (median of five runs over \
+            "{}: {}; loaded (or decoded) in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one (median of five runs over \
              7 angles). relstd: standard deviation of the weight of mean RGB over its mean, by quadrature, mean and worst \
-             angle; holes: share of the albedo where the density is 0, worst angle; bias: of the albedo from {} draws, seed {}, \
+             angle{azimuths}; holes: share of the albedo where the density is 0, worst angle; bias: of the albedo from {} draws, seed {}, \
              at the angle where it is most standard errors (±) from 0; lost: failed draws.",
             m.material,
-            m.lookup.name(),
+            m.lookup
+                .map_or_else(|| "values of the file".to_owned(), |rule| format!("{} lookup", rule.name())),
             1e3 * m.load.wall,
             m.material_bytes as f64 / 1e6,
             m.settings.draws,
@@ -85,6 +88,7 @@ impl SamplerReport {
             "pdf_ns",
             "failed",
             "theta_o_deg",
+            "phi_o_deg",
             "relstd",
             "albedo",
             "holes",
@@ -106,7 +110,7 @@ impl SamplerReport {
             for a in &s.angles {
                 sheet.push(vec![
                     m.material.clone(),
-                    m.lookup.name().into(),
+                    m.lookup.map_or("", LookupRule::name).into(),
                     "measured".into(),
                     s.spec.label(),
                     s.table_bytes.to_string(),
@@ -119,6 +123,7 @@ impl SamplerReport {
                     s.calls.pdf_ns.to_string(),
                     s.calls.failed.to_string(),
                     a.theta_o_deg.to_string(),
+                    a.phi_o_deg.to_string(),
                     a.spread.relstd.to_string(),
                     a.spread.mean.to_string(),
                     a.spread.holes.to_string(),

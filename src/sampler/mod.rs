@@ -1,6 +1,7 @@
 //! Choosing `wi` for a given `wo`, each method with the density of what it chooses.
 
 mod adaptive_disc;
+mod by_azimuth;
 mod cascade_cdf;
 mod cosine;
 mod factored;
@@ -14,6 +15,7 @@ pub mod store;
 pub use adaptive_disc::{
     AdaptiveDisc, AdaptiveDiscSettings, Carry, Cell, Construction, LeafChoice, Subdivision,
 };
+pub use by_azimuth::{ByAzimuth, ByAzimuthSettings};
 pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ShownCdf, ThetaSpacing};
 pub use cosine::Cosine;
 pub use factored::{Factored, FactoredSettings, Factors};

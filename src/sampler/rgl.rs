@@ -18,6 +18,6 @@ impl DirectionSampler for Rgl {
     }
 
     fn bytes(&self) -> usize {
-        self.table_bytes()
+        self.draw_bytes()
     }
 }

@@ -5,14 +5,16 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::{
-    AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Construction, Cosine,
-    DirectionSample, DirectionSampler, Factored, FactoredSettings, HalfVectorSettings, HalfVectorTable,
-    LeafChoice, Lobe, LobeKind, LobeSettings, TableChoice, ThetaSpacing,
+    AdaptiveDisc, AdaptiveDiscSettings, ByAzimuth, ByAzimuthSettings, CascadeCdf, CascadeCdfSettings,
+    Construction, Cosine, DirectionSample, DirectionSampler, Factored, FactoredSettings, HalfVectorSettings,
+    HalfVectorTable, LeafChoice, Lobe, LobeKind, LobeSettings, TableChoice, ThetaSpacing,
 };
-use crate::Result;
-use crate::brdf::{Importance, Measured};
+use crate::brdf::{Importance, MaterialBrdf, Measured};
+use crate::bsdf::Rgl;
+use crate::{Error, Result};
 
-/// A sampler that can be built for any measured material.
+/// A sampler that can be built for measured materials: the last two for anisotropic ones alone, which of the others have
+/// [`Self::Cosine`] and, as [`Self::ByAzimuth`], [`Self::HalfVector`].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "sampler", rename_all = "kebab-case")]
 pub enum SamplerSpec {
@@ -28,6 +30,10 @@ pub enum SamplerSpec {
     Lobe(LobeSettings),
     /// Factors of one angle each.
     Factored(FactoredSettings),
+    /// A half-vector table for each of a few azimuths of `wo`.
+    ByAzimuth(ByAzimuthSettings),
+    /// The density that a `.bsdf` file itself holds.
+    File,
 }
 
 impl SamplerSpec {
@@ -45,16 +51,17 @@ impl SamplerSpec {
             Self::AdaptiveDisc(s) if s.depth == 0 => "disc-rejection",
             Self::AdaptiveDisc(_) => "adaptive-disc",
             Self::CascadeCdf(_) => "cascade-cdf",
-            Self::HalfVector(_) => "half-vector",
+            Self::HalfVector(_) | Self::ByAzimuth(_) => "half-vector",
             Self::Lobe(s) => s.kind.name(),
             Self::Factored(_) => "factored",
+            Self::File => "file",
         }
     }
 
     /// The name with the settings that tell variants apart, for tables: "cascade-cdf 16×1024×512 ±0.001, nearest".
     pub fn label(&self) -> String {
         let (mut label, published, notes) = match self {
-            Self::Cosine => return self.name().into(),
+            Self::Cosine | Self::File => return self.name().into(),
             Self::AdaptiveDisc(s) => {
                 (disc_label(s), *s == AdaptiveDiscSettings::as_published(), disc_notes(s))
             }
@@ -67,6 +74,7 @@ impl SamplerSpec {
             Self::Factored(s) => {
                 (format!("factored, {} tables", s.tables), false, luminance_note(s.importance))
             }
+            Self::ByAzimuth(s) => (by_azimuth_label(s), false, luminance_note(s.table.importance)),
         };
         let notes = if published { vec!["as published".into()] } else { notes };
         for note in notes {
@@ -78,7 +86,7 @@ impl SamplerSpec {
     /// Builds the sampler on the threads of the current pool.
     ///
     /// # Errors
-    /// [`crate::Error::Argument`] for settings outside their domains.
+    /// [`Error::Argument`] for settings outside their domains, and for samplers of anisotropic materials alone.
     pub fn build(&self, brdf: &Arc<Measured>) -> Result<Sampler> {
         Ok(match self {
             Self::Cosine => Sampler::Cosine(Cosine),
@@ -89,6 +97,34 @@ impl SamplerSpec {
             Self::HalfVector(settings) => Sampler::HalfVector(HalfVectorTable::build(&**brdf, *settings)?),
             Self::Lobe(settings) => Sampler::Lobe(Lobe::build(&**brdf, *settings)?),
             Self::Factored(settings) => Sampler::Factored(Factored::build(&**brdf, *settings)?),
+            Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(&**brdf, *settings)?),
+            Self::File => {
+                let what = "the sampler file is the density of an anisotropic .bsdf file, and the material is a table";
+                return Err(Error::argument(what, "choose another, as half-vector"));
+            }
+        })
+    }
+
+    /// Builds the sampler for any material.
+    ///
+    /// # Errors
+    /// As [`Self::build`]; [`Error::Argument`] for a sampler that an anisotropic material can't have.
+    pub fn build_for(&self, brdf: &MaterialBrdf) -> Result<Sampler> {
+        let rgl = match brdf {
+            MaterialBrdf::Table(measured) => return self.build(measured),
+            MaterialBrdf::File(rgl) => rgl,
+        };
+        Ok(match self {
+            Self::Cosine => Sampler::Cosine(Cosine),
+            Self::HalfVector(table) => {
+                Sampler::ByAzimuth(ByAzimuth::build(&**rgl, ByAzimuthSettings::of(*table))?)
+            }
+            Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(&**rgl, *settings)?),
+            Self::File => Sampler::File(rgl.clone()),
+            Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => {
+                let what = format!("{} is for isotropic materials, and this one is anisotropic", self.name());
+                return Err(Error::argument(what, "choose the sampler half-vector, file or cosine"));
+            }
         })
     }
 }
@@ -107,12 +143,17 @@ fn cascade_label(s: &CascadeCdfSettings) -> String {
 }
 
 fn half_vector_label(s: &HalfVectorSettings) -> String {
-    let named = HalfVectorSettings { importance: Importance::default(), ..*s };
-    if let Some((size, _)) = HalfVectorSettings::PRESETS.iter().find(|p| p.1 == named) {
+    if let Some((size, _)) = HalfVectorSettings::PRESETS.iter().find(|p| p.1 == s.with_mean()) {
         return format!("half-vector {size}");
     }
     let folded = if s.fold { " folded" } else { "" };
     format!("half-vector {}×{}×{}{folded}", s.tables, s.rows, s.segments)
+}
+
+fn by_azimuth_label(s: &ByAzimuthSettings) -> String {
+    let same = |p: &&(&str, HalfVectorSettings)| ByAzimuthSettings::of(p.1).table == s.table.with_mean();
+    let table = HalfVectorSettings::PRESETS.iter().find(same).map_or(s.table, |p| p.1);
+    format!("{} at {} azimuths", half_vector_label(&table), s.azimuths)
 }
 
 fn luminance_note(importance: Importance) -> Vec<String> {
@@ -161,6 +202,10 @@ pub enum Sampler {
     Lobe(Lobe),
     /// Factors of one angle each.
     Factored(Factored),
+    /// A half-vector table for each of a few azimuths of `wo`.
+    ByAzimuth(ByAzimuth),
+    /// The density that a `.bsdf` file itself holds.
+    File(Arc<Rgl>),
 }
 
 impl Sampler {
@@ -173,6 +218,8 @@ impl Sampler {
             Self::HalfVector(s) => SamplerSpec::HalfVector(*s.settings()),
             Self::Lobe(s) => SamplerSpec::Lobe(*s.settings()),
             Self::Factored(s) => SamplerSpec::Factored(*s.settings()),
+            Self::ByAzimuth(s) => SamplerSpec::ByAzimuth(*s.settings()),
+            Self::File(_) => SamplerSpec::File,
         }
     }
 
@@ -185,6 +232,8 @@ impl Sampler {
             Self::HalfVector(s) => s,
             Self::Lobe(s) => s,
             Self::Factored(s) => s,
+            Self::ByAzimuth(s) => s,
+            Self::File(s) => &**s,
         }
     }
 }

@@ -1,5 +1,8 @@
 //! The command line as a user types it.
 
+mod anisotropic;
+#[path = "../support/anisotropic.rs"]
+mod brushed;
 mod compare;
 mod eval;
 mod materials;

@@ -1,6 +1,7 @@
 //! Slow, literal versions to compare with, and inputs that like to sit at the difficult places.
 #![allow(dead_code)] // each test file uses its own part
 
+pub mod anisotropic;
 pub mod half_vector_oracle;
 pub mod naive;
 pub mod precise;

@@ -34,7 +34,7 @@ fn sin_cos_degrees(angle: f64) -> (f64, f64) {
 /// The materials of a command that takes any number of them.
 #[derive(clap::Args)]
 pub struct Materials {
-    /// Paths to MERL binaries or names of embedded materials
+    /// Paths to MERL binaries or .bsdf files, or names of embedded materials
     // An option that conflicts with it, as --all does, lifts the requirement.
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,

@@ -26,7 +26,8 @@ use failure::{Failure, Outcome};
     version,
     long_version = version::long(),
     max_term_width = 100,
-    after_help = "A MATERIAL is a path to a MERL binary, or to an isotropic .bsdf file, or the name of an embedded material (`merlkit list`).\n\
+    after_help = "A MATERIAL is a path to a MERL binary or to a .bsdf file, or the name of an embedded material (`merlkit list`). Anisotropic \
+                  .bsdf files are for eval, build, sample, check, report and render.\n\
                   Exit status: 0 done, 1 a check failed, 2 wrong usage or input, 130 interrupted."
 )]
 struct Cli {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::brdf::{LookupRule, Measured};
+use merlkit::brdf::{LookupRule, MaterialBrdf};
 use merlkit::files::{Overwrite, check_writable};
 use merlkit::image::{write_exr, write_png};
 use merlkit::merl::Material;
@@ -56,12 +56,12 @@ impl Picture<'_> {
     }
 
     fn surface(&self, material: usize, directions: bool) -> Result<Surface, Error> {
-        let brdf = Arc::new(Measured::new(Arc::new(self.materials[material].load()?), self.lookup));
+        let brdf = MaterialBrdf::new(self.materials[material].content()?, self.lookup);
         let sampler = match directions {
-            true => Some(Arc::new(self.sampler.build(&brdf)?) as Arc<dyn DirectionSampler>),
+            true => Some(Arc::new(self.sampler.build_for(&brdf)?) as Arc<dyn DirectionSampler>),
             false => None,
         };
-        Ok(Surface { brdf, sampler })
+        Ok(Surface { brdf: brdf.shared(), sampler })
     }
 }
 

@@ -3,9 +3,10 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
 use merlkit::brdf::Importance;
+use merlkit::merl::Material;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, Carry, CascadeCdfSettings, Construction, FactoredSettings, HalfVectorSettings,
-    LeafChoice, LobeSettings, SamplerSpec, TableChoice, ThetaSpacing,
+    AdaptiveDiscSettings, ByAzimuthSettings, Carry, CascadeCdfSettings, Construction, FactoredSettings,
+    HalfVectorSettings, LeafChoice, LobeSettings, SamplerSpec, TableChoice, ThetaSpacing,
 };
 
 use crate::args;
@@ -70,6 +71,9 @@ pub struct SamplerArgs {
     /// half-vector: settings that fill this many bytes [default: 64KB]
     #[arg(long, value_name = "BYTES", ignore_case = true, value_parser = preset())]
     table_size: Option<HalfVectorSettings>,
+    /// half-vector: azimuths of wo that have such a table, of anisotropic materials, 2 to 256 [default: 8]
+    #[arg(long, value_name = "N")]
+    azimuths: Option<usize>,
     /// half-vector: rows over θh, 2 to 79 [default: by table size]
     #[arg(long, value_name = "N")]
     rows: Option<usize>,
@@ -109,9 +113,17 @@ pub const BASELINES: [&str; 8] = [
     "disc-rejection",
 ];
 
+/// Name of the sampler that an anisotropic .bsdf file itself is.
+const FILE: &str = "file";
+
 /// Parses the name of any sampler.
 pub fn any_name() -> PossibleValuesParser {
     PossibleValuesParser::new(SAMPLERS.into_iter().chain(BASELINES))
+}
+
+/// Parses the name of any sampler, those of anisotropic materials alone among them.
+pub fn any_name_or_file() -> PossibleValuesParser {
+    PossibleValuesParser::new(SAMPLERS.into_iter().chain(BASELINES).chain([FILE]))
 }
 
 /// Parses the name of any sampler that has something to store.
@@ -139,7 +151,14 @@ impl SamplerArgs {
         match name {
             "adaptive-disc" => SamplerSpec::AdaptiveDisc(self.disc()),
             "cascade-cdf" => SamplerSpec::CascadeCdf(self.cascade()),
-            "half-vector" => SamplerSpec::HalfVector(self.half_vector()),
+            "half-vector" => match self.azimuths {
+                Some(azimuths) => {
+                    let settings = ByAzimuthSettings::of(self.half_vector());
+                    SamplerSpec::ByAzimuth(ByAzimuthSettings { azimuths, ..settings })
+                }
+                None => SamplerSpec::HalfVector(self.half_vector()),
+            },
+            FILE => SamplerSpec::File,
             _ => self.baseline(name),
         }
     }
@@ -208,6 +227,25 @@ impl SamplerArgs {
         if !self.uncompressed {
             specs.push(self.lenient("cascade-cdf"));
         }
+        Ok(specs)
+    }
+
+    /// As [`Self::specs`]; for an anisotropic material, all that it can have.
+    ///
+    /// # Errors
+    /// As [`Self::spec`].
+    pub fn specs_of(
+        &self,
+        material: &Material,
+        names: &[String],
+        sizes: &[&str],
+    ) -> Result<Vec<SamplerSpec>, Error> {
+        if !names.is_empty() || !material.is_anisotropic()? {
+            return self.specs(names, sizes);
+        }
+        self.refuse_foreign(&[DEFAULT])?;
+        let mut specs = self.half_vectors(sizes);
+        specs.extend([SamplerSpec::Cosine, SamplerSpec::File]);
         Ok(specs)
     }
 
@@ -317,6 +355,7 @@ impl SamplerArgs {
     fn square_only(&self) -> Option<&'static str> {
         given(&[
             (self.table_size.is_some(), "--table-size"),
+            (self.azimuths.is_some(), "--azimuths"),
             (self.rows.is_some(), "--rows"),
             (self.segments.is_some(), "--segments"),
             (self.fold, "--fold"),

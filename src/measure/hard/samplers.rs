@@ -75,10 +75,11 @@ fn half_vectors() -> [HardSampler; 3] {
 /// Tables, trees or nodes of the angle of `wo` that a sampler holds.
 pub(super) fn tables_of(spec: &SamplerSpec) -> usize {
     match spec {
-        SamplerSpec::Cosine | SamplerSpec::Lobe(_) => 1,
+        SamplerSpec::Cosine | SamplerSpec::Lobe(_) | SamplerSpec::File => 1,
         SamplerSpec::AdaptiveDisc(s) => s.tables,
         SamplerSpec::Factored(s) => s.tables,
         SamplerSpec::CascadeCdf(s) => s.tables,
         SamplerSpec::HalfVector(s) => s.tables,
+        SamplerSpec::ByAzimuth(s) => s.table.tables,
     }
 }

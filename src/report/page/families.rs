@@ -14,12 +14,12 @@ pub(super) fn family(competitor: &Competitor) -> usize {
         (Technique::Ris(_), SamplerSpec::Cosine) => 10,
         (Technique::Ris(_), _) => 11,
         (Technique::Brdf, spec) => match spec {
-            SamplerSpec::HalfVector(_) => 0,
+            SamplerSpec::HalfVector(_) | SamplerSpec::ByAzimuth(_) => 0,
             SamplerSpec::CascadeCdf(_) => 1,
             SamplerSpec::AdaptiveDisc(s) if s.depth == 0 => 5,
             SamplerSpec::AdaptiveDisc(_) => 2,
             SamplerSpec::Lobe(_) => 3,
-            SamplerSpec::Factored(_) => 4,
+            SamplerSpec::Factored(_) | SamplerSpec::File => 4,
             SamplerSpec::Cosine => 6,
         },
     }

@@ -16,6 +16,7 @@ mod quantise;
 mod rows;
 mod square;
 mod tables;
+mod turn;
 
 use std::f64::consts::PI;
 
@@ -26,14 +27,15 @@ use crate::brdf::{Brdf, Importance};
 use crate::geom::unit_upper;
 use crate::{Error, Result};
 use mixture::{Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
-use square::{PARTS, Place, Square};
+use square::PARTS;
 use tables::Blend;
 
 pub(crate) use mixture::{NODE_UNIT, ROW_UNIT};
 pub(crate) use square::Edge;
-pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS};
+pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS, Place, Square};
 pub(crate) use tables::Stored;
 pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Tables};
+pub(super) use turn::Turn;
 
 /// Settings of [`HalfVectorTable::build`].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -71,6 +73,11 @@ impl HalfVectorSettings {
 
     const fn preset(tables: usize, rows: usize, segments: usize, fold: bool) -> Self {
         Self { tables, rows, segments, fold, importance: Importance::Mean }
+    }
+
+    /// The same for the mean of the channels: what presets are told by.
+    pub(super) fn with_mean(self) -> Self {
+        Self { importance: Importance::Mean, ..self }
     }
 
     /// Bytes of the tables in memory; a file holds some 1 to 15 % less, and a header.
@@ -150,7 +157,7 @@ impl HalfVectorTable {
     /// directions are above the horizon.
     pub fn invert(&self, wo: Vec3, wi: Vec3) -> Option<Vec2> {
         let (wo, wi) = (unit_upper(wo)?, unit_upper(wi)?);
-        let about = self.about(wo);
+        let about = self.about(Square::about(wo));
         let place = about.square.place(wi);
         let row = about.row(&place);
         let (low, width) = about.span(row.index);
@@ -161,10 +168,24 @@ impl HalfVectorTable {
         Some(Vec2::new(u as f32, v as f32))
     }
 
+    /// A draw about a `wo` that is turned against the azimuth of the table; the density is that of [`Self::pdf_turned`].
+    pub(super) fn draw_turned(&self, square: &Square, u: Vec2, turn: Turn) -> Vec3 {
+        let about = self.about(*square);
+        let (cap, b) = about.point(about.choose(u));
+        raise(square.direction(cap, turn.to_surface(b, square.widest_at(cap))))
+    }
+
+    /// The density of such draws at a `place` of the square; `widest` is the unit of its `b`.
+    pub(super) fn pdf_turned(&self, square: &Square, place: &Place, widest: f32, turn: Turn) -> f32 {
+        let about = self.about(*square);
+        let (b, slope) = turn.to_table(place.b, widest);
+        let found = about.find(&Place { b, ..*place });
+        (about.density(place, found) * slope).min(f32::MAX)
+    }
+
     /// What depends on `wo` alone.
     #[inline]
-    fn about(&self, wo: Vec3) -> About<'_, Blend<'_>> {
-        let square = Square::about(wo);
+    fn about(&self, square: Square) -> About<'_, Blend<'_>> {
         let blend = self.tables.at(square.cos_o());
         let (segments, unit) = blend.scale();
         // The azimuth's share runs over [−1, 1]: half the density on [0, 1].
@@ -233,12 +254,19 @@ impl<M: Mixture> About<'_, M> {
         Choice { low, width, slope: self.blend.slope(row.index), share, segment, rest, side }
     }
 
+    /// The point of the square that was chosen: cap and azimuth.
     #[inline(always)]
-    fn direction(&self, choice: Choice) -> Vec3 {
+    fn point(&self, choice: Choice) -> (f32, f32) {
         let cap = choice.low + choice.width * find_on_slope(choice.slope, choice.share);
         let y = (choice.segment.index + find_in(choice.segment, choice.rest)) * self.per_segment;
         let b = if self.table.settings.fold { y * choice.side } else { 2.0 * y - 1.0 };
-        raise(self.square.direction(cap, b.clamp(-1.0, 1.0)))
+        (cap, b.clamp(-1.0, 1.0))
+    }
+
+    #[inline(always)]
+    fn direction(&self, choice: Choice) -> Vec3 {
+        let (cap, b) = self.point(choice);
+        raise(self.square.direction(cap, b))
     }
 
     #[inline(always)]
@@ -309,12 +337,12 @@ impl DirectionSampler for HalfVectorTable {
     /// Never fails for a `wo` above the horizon.
     #[inline]
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        unit_upper(wo).map(|wo| self.about(wo).sample(u))
+        unit_upper(wo).map(|wo| self.about(Square::about(wo)).sample(u))
     }
 
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        unit_upper(wo).zip(unit_upper(wi)).map_or(0.0, |(wo, wi)| self.about(wo).pdf(wi))
+        unit_upper(wo).zip(unit_upper(wi)).map_or(0.0, |(wo, wi)| self.about(Square::about(wo)).pdf(wi))
     }
 
     fn bytes(&self) -> usize {
@@ -322,6 +350,7 @@ impl DirectionSampler for HalfVectorTable {
     }
 
     fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        unit_upper(wo).map_or_else(|| vec![None; points.len()], |wo| batch::sample(&self.about(wo), points))
+        let square = unit_upper(wo).map(Square::about);
+        square.map_or_else(|| vec![None; points.len()], |square| batch::sample(&self.about(square), points))
     }
 }

@@ -123,6 +123,13 @@ impl Square {
         (near.sqrt() / (far.sqrt() + (near + far).sqrt())).max(NARROWEST)
     }
 
+    /// The largest tan(φ/4) at a cap, 1 where every azimuth reflects above the horizon: the unit of `b`.
+    #[inline(always)]
+    pub fn widest_at(&self, cap: f32) -> f32 {
+        let (sin_h, cos_h) = sin_cos(cap);
+        self.widest(sin_h, cos_h)
+    }
+
     /// The reflected direction at (`cap`, `b`); on or above the horizon up to rounding.
     #[inline(always)]
     pub fn direction(&self, cap: f32, b: f32) -> Vec3 {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{Sampler, SamplerSpec};
-use crate::brdf::{LookupRule, Measured};
+use crate::brdf::{LookupRule, MaterialBrdf, Measured};
 use crate::files::{Overwrite, RegularFile, write_new};
 use crate::merl::{Material, Source};
 use crate::{Error, Result};
@@ -39,7 +39,7 @@ pub struct Record {
     pub path: Option<String>,
     /// SHA-256 of the material's defining bytes.
     pub source_sha256: String,
-    /// Lookup rule the sampler was built under.
+    /// Lookup rule the sampler was built under; without a meaning to an anisotropic material, which has no table.
     pub lookup: LookupRule,
     /// SHA-256 over all tensors.
     payload_sha256: String,
@@ -81,7 +81,8 @@ pub fn save(
 /// The bytes of a sampler file; the same for the same sampler.
 ///
 /// # Errors
-/// [`Error::Argument`] for the cosine sampler, which has nothing to store; [`Error::Io`] if the material's file is gone.
+/// [`Error::Argument`] for the cosine sampler, which has nothing to store, and for the density of a `.bsdf` file, which is
+/// stored there; [`Error::Io`] if the material's file is gone.
 pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Result<Vec<u8>> {
     let mut out = TensorsOut::default();
     match sampler {
@@ -91,9 +92,11 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
                 "choose another sampler",
             ));
         }
+        Sampler::File(_) => return Err(in_the_file()),
+        Sampler::ByAzimuth(s) => parts::write_half_vectors(&s.stored(), &mut out),
         Sampler::AdaptiveDisc(s) => parts::write_trees(s.trees(), &mut out),
         Sampler::CascadeCdf(s) => parts::write_tables(s.tables(), &mut out),
-        Sampler::HalfVector(s) => parts::write_half_vector(s.stored(), &mut out),
+        Sampler::HalfVector(s) => parts::write_half_vectors(&[s.stored()], &mut out),
         Sampler::Lobe(s) => parts::write_lobe(s.parameters(), &mut out),
         Sampler::Factored(s) => parts::write_factors(s.terms(), &mut out),
     }
@@ -167,6 +170,10 @@ impl SamplerFile {
         }
         Ok(match self.record.spec {
             SamplerSpec::Cosine => return Err(self.tensors.invalid("a sampler with tables", "cosine")),
+            SamplerSpec::File => return Err(in_the_file()),
+            SamplerSpec::ByAzimuth(_) => {
+                return Err(self.tensors.invalid("a sampler of a table", "one of an anisotropic material"));
+            }
             SamplerSpec::AdaptiveDisc(settings) => {
                 Sampler::AdaptiveDisc(parts::read_disc(&self.tensors, brdf.clone(), settings)?)
             }
@@ -198,7 +205,7 @@ impl SamplerFile {
     /// # Errors
     /// As [`Self::into_sampler`], and [`Error::Argument`] if the material is not where the record says, or its bytes are not
     /// those the sampler was built from.
-    pub fn load(self, instead: Option<Material>) -> Result<(Sampler, Arc<Measured>)> {
+    pub fn load(self, instead: Option<Material>) -> Result<(Sampler, MaterialBrdf)> {
         let material = instead.map_or_else(|| self.recorded_material(), Ok)?;
         let found = material.sha256()?;
         if found != self.record.source_sha256 {
@@ -211,9 +218,23 @@ impl SamplerFile {
                 "build the sampler again, or name the material it was built from",
             ));
         }
-        let brdf = Arc::new(Measured::new(Arc::new(material.load()?), self.record.lookup));
-        Ok((self.into_sampler(&brdf)?, brdf))
+        let brdf = MaterialBrdf::new(material.content()?, self.record.lookup);
+        let sampler = match (&brdf, self.record.spec) {
+            (MaterialBrdf::Table(measured), _) => self.into_sampler(measured)?,
+            (MaterialBrdf::File(rgl), SamplerSpec::ByAzimuth(settings)) => {
+                Sampler::ByAzimuth(parts::read_by_azimuth(&self.tensors, settings, rgl.symmetry())?)
+            }
+            (MaterialBrdf::File(_), _) => {
+                let found = self.record.spec.name();
+                return Err(self.tensors.invalid("a sampler of an anisotropic material", found));
+            }
+        };
+        Ok((sampler, brdf))
     }
+}
+
+fn in_the_file() -> Error {
+    Error::argument("the sampler file is stored in the .bsdf file already", "name that file in its place")
 }
 
 fn parse_record(json: &str, tensors: &Tensors) -> Result<Record> {

@@ -6,13 +6,15 @@ use super::tensors::{Tensors, TensorsOut};
 use crate::Result;
 use crate::brdf::Measured;
 use crate::dist::{self, Curves};
+use crate::geom::Symmetry;
 use crate::sampler::adaptive_disc::{DEEPEST, Forest, Leaf, MOST_LEAVES, Node, Trees, WHOLE, Warps};
 use crate::sampler::cascade_cdf::Tables;
 use crate::sampler::factored::Terms;
 use crate::sampler::half_vector_table::{self as square, MERL_PARTS, NODE_SUM, ONE, SQUARE_PARTS, STEEPEST};
 use crate::sampler::{
-    AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Factored, FactoredSettings,
-    HalfVectorSettings, HalfVectorTable, LeafChoice, Lobe, LobeParameters, LobeSettings,
+    AdaptiveDisc, AdaptiveDiscSettings, ByAzimuth, ByAzimuthSettings, CascadeCdf, CascadeCdfSettings,
+    Factored, FactoredSettings, HalfVectorSettings, HalfVectorTable, LeafChoice, Lobe, LobeParameters,
+    LobeSettings,
 };
 
 pub(super) fn write_trees(trees: &Trees, out: &mut TensorsOut) {
@@ -245,36 +247,49 @@ fn fits(curves: &Curves, range: &std::ops::Range<usize>, cells: usize) -> bool {
     p[0] == 0 && usize::from(p[p.len() - 1]) == cells && p.is_sorted_by(|a, b| a < b)
 }
 
-pub(super) fn write_half_vector(tables: &square::Stored, out: &mut TensorsOut) {
-    out.add("knot.cosine", tables.cosines.iter().copied());
-    out.add("row.edge", tables.edges.iter().copied());
-    out.add("row.cdf", tables.rows.iter().copied());
-    out.add("row.slope", tables.slopes.iter().copied());
-    out.add("row.density", tables.nodes.iter().copied());
+/// One half-vector table, or several one after the other.
+pub(super) fn write_half_vectors(all: &[&square::Stored], out: &mut TensorsOut) {
+    out.add("knot.cosine", all.iter().flat_map(|t| t.cosines.iter().copied()));
+    out.add("row.edge", all.iter().flat_map(|t| t.edges.iter().copied()));
+    out.add("row.cdf", all.iter().flat_map(|t| t.rows.iter().copied()));
+    out.add("row.slope", all.iter().flat_map(|t| t.slopes.iter().copied()));
+    out.add("row.density", all.iter().flat_map(|t| t.nodes.iter().copied()));
 }
 
 pub(super) fn read_half_vector(tensors: &Tensors, settings: HalfVectorSettings) -> Result<HalfVectorTable> {
     settings.check()?;
+    read_nth(tensors, settings, 0, 1)
+}
+
+/// Reads the table of each azimuth.
+pub(super) fn read_by_azimuth(
+    tensors: &Tensors,
+    settings: ByAzimuthSettings,
+    symmetry: Symmetry,
+) -> Result<ByAzimuth> {
+    settings.check()?;
+    settings.table.check()?;
+    let count = settings.azimuths;
+    let tables = (0..count).map(|k| read_nth(tensors, settings.table, k, count)).collect::<Result<_>>()?;
+    Ok(ByAzimuth::from_parts(settings, symmetry, tables))
+}
+
+/// Reads half-vector table `k` of `count`.
+fn read_nth(
+    tensors: &Tensors,
+    settings: HalfVectorSettings,
+    k: usize,
+    count: usize,
+) -> Result<HalfVectorTable> {
+    let (rows, width) = (settings.tables * settings.rows, settings.segments + 1);
     let tables = square::Stored {
-        cosines: tensors.get("knot.cosine")?,
-        edges: tensors.get("row.edge")?,
-        rows: tensors.get("row.cdf")?,
-        slopes: tensors.get("row.slope")?,
-        nodes: tensors.get("row.density")?,
-        width: settings.segments + 1,
+        cosines: tensors.get_nth("knot.cosine", settings.tables, k, count)?,
+        edges: tensors.get_nth("row.edge", settings.rows + 1, k, count)?,
+        rows: tensors.get_nth("row.cdf", rows, k, count)?,
+        slopes: tensors.get_nth("row.slope", rows, k, count)?,
+        nodes: tensors.get_nth("row.density", rows * width, k, count)?,
+        width,
     };
-    let rows = settings.tables * settings.rows;
-    for (name, expected, found) in [
-        ("knot.cosine", settings.tables, tables.cosines.len()),
-        ("row.edge", settings.rows + 1, tables.edges.len()),
-        ("row.cdf", rows, tables.rows.len()),
-        ("row.slope", rows, tables.slopes.len()),
-        ("row.density", rows * tables.width, tables.nodes.len()),
-    ] {
-        if expected != found {
-            return Err(tensors.invalid_in(name, 0, &format!("{expected} values"), found.to_string()));
-        }
-    }
     match broken_rule(&tables) {
         Some((name, rule)) => Err(tensors.invalid_in(name, 0, rule, "others")),
         None => Ok(HalfVectorTable::from_parts(settings, tables)),

@@ -101,13 +101,29 @@ impl Tensors {
 
     /// An array of the file.
     pub fn get<T: Element>(&self, name: &str) -> Result<Vec<T>> {
+        Ok(self.raw::<T>(name)?.chunks_exact(size_of::<T>()).filter_map(T::get).collect())
+    }
+
+    /// The bytes of an array of the file.
+    fn raw<T: Element>(&self, name: &str) -> Result<&[u8]> {
         let (dtype, range) =
             self.map.get(name).ok_or_else(|| self.invalid(format!("a tensor \"{name}\""), "none"))?;
         if *dtype != T::DTYPE {
             let expected = format!("tensor \"{name}\" of {:?}", T::DTYPE);
             return Err(self.error(self.data_start + range.start, expected, format!("{dtype:?}")));
         }
-        Ok(self.data(range).chunks_exact(size_of::<T>()).filter_map(T::get).collect())
+        Ok(self.data(range))
+    }
+
+    /// Part `k` of the `count` of `length` values each that an array of the file must have.
+    pub fn get_nth<T: Element>(&self, name: &str, length: usize, k: usize, count: usize) -> Result<Vec<T>> {
+        let (raw, size) = (self.raw::<T>(name)?, size_of::<T>());
+        if raw.len() != length * count * size {
+            let found = (raw.len() / size).to_string();
+            return Err(self.invalid_in(name, 0, &format!("{} values", length * count), found));
+        }
+        let part = raw.get(k * length * size..(k + 1) * length * size).unwrap_or_default();
+        Ok(part.chunks_exact(size).filter_map(T::get).collect())
     }
 
     fn data(&self, range: &Range<usize>) -> &[u8] {

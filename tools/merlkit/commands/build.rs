@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use merlkit::Error;
-use merlkit::brdf::{LookupRule, Measured};
+use merlkit::brdf::{LookupRule, MaterialBrdf};
 use merlkit::files::{Overwrite, check_writable};
 use merlkit::merl::Material;
 use merlkit::sampler::{SamplerSpec, store};
@@ -101,14 +101,9 @@ fn build(
     path: &Path,
     overwrite: Overwrite,
 ) -> Result<String, Error> {
-    let brdf = Arc::new(Measured::new(Arc::new(material.load()?), lookup));
-    let sampler = spec.build(&brdf)?;
+    let brdf = MaterialBrdf::new(material.content()?, lookup);
+    let sampler = spec.build_for(&brdf)?;
     let bytes = store::save(&sampler, material, lookup, path, overwrite)?;
-    Ok(format!(
-        "{}: {} for {}, {} lookup, {bytes} bytes",
-        path.display(),
-        spec.name(),
-        material.name(),
-        lookup.name()
-    ))
+    let lookup = brdf.rule().map_or_else(String::new, |rule| format!(" {} lookup,", rule.name()));
+    Ok(format!("{}: {} for {},{lookup} {bytes} bytes", path.display(), spec.name(), material.name()))
 }

@@ -3,12 +3,14 @@
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use merlkit::brdf::{LookupRule, Measured};
+use merlkit::Error;
+use merlkit::brdf::{LookupRule, MaterialBrdf};
 use merlkit::files::Overwrite;
-use merlkit::measure::check::{CheckSettings, check_directions, check_sampler};
+use merlkit::measure::check::{CheckSettings, check_directions_of, check_sampler};
 use merlkit::measure::hard::{Thoroughness, check_hard};
-use merlkit::merl::HardCase;
+use merlkit::merl::{HardCase, Material};
 use merlkit::report::{CheckResult, HardSheets, Sheet, write_json};
+use merlkit::sampler::SamplerSpec;
 
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
@@ -19,7 +21,7 @@ use crate::{args, table};
 
 /// Prove that samplers are right: densities, draws and estimates
 ///
-/// At 13 angles of wo, on the samplers' tables, between them and at grazing: every draw valid, its density that of pdf, pdf
+/// At 13 angles of wo (an anisotropic .bsdf: at five azimuths each), on the samplers' tables, between them and at grazing: every draw valid, its density that of pdf, pdf
 /// positive wherever the material reflects, pdf integrating to what is not lost, draws falling where pdf says (chi-square),
 /// the albedo estimated without bias, and a uniform furnace. Exit status 1 if a check fails; with the default
 /// significance a run over right samplers fails by chance once in a hundred. Ctrl-C writes the JSON of what is finished.
@@ -33,7 +35,7 @@ pub struct Args {
     hard: bool,
     /// Sampler to check; may be repeated [default: all, the half-vector table at 2KB, 64KB and 1MB,
     /// the cascade CDF both whole and compressed]
-    #[arg(long = "sampler", value_name = "NAME", value_parser = sampler_args::any_name())]
+    #[arg(long = "sampler", value_name = "NAME", value_parser = sampler_args::any_name_or_file())]
     samplers: Vec<String>,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
@@ -68,10 +70,10 @@ pub fn run(args: &Args) -> Outcome {
     if !probability || !DRAWS.contains(&args.draws) {
         let what = format!("significance {}, {} draws", args.significance, args.draws);
         let fix = "choose a probability between 0 and 1, and a thousand to ten million draws";
-        return Err(merlkit::Error::argument(what, fix).into());
+        return Err(Error::argument(what, fix).into());
     }
     let materials = args.materials.resolve()?;
-    let specs = args.settings.specs(&args.samplers, &COMPARED)?;
+    let specs = of_each(&materials, args)?;
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {
         destination.check(overwrite)?;
@@ -80,19 +82,21 @@ pub fn run(args: &Args) -> Outcome {
         draws: args.draws,
         seed: args.seed,
         significance: args.significance,
-        calls: materials.len() * specs.len(),
+        calls: specs.iter().map(Vec::len).sum(),
         ..CheckSettings::default()
     };
     let progress = Progress::new("checking", settings.calls);
     let results = Arc::new(Mutex::new(Vec::new()));
     let (finished, destination) = (results.clone(), args.json.clone());
     interrupt::at_end(move || write_finished(&lock(&finished), destination.as_ref(), overwrite));
-    for material in &materials {
-        let brdf = Arc::new(Measured::new(Arc::new(material.load()?), args.lookup));
-        for spec in &specs {
-            let sampler = spec.build(&brdf)?;
-            let report = check_sampler(&sampler, &*brdf, &check_directions(), &settings);
-            let result = CheckResult { material: material.name().into(), sampler: spec.label(), report };
+    for (material, specs) in materials.iter().zip(&specs) {
+        let brdf = MaterialBrdf::new(material.content()?, args.lookup);
+        let directions = check_directions_of(brdf.as_dyn().symmetry());
+        for spec in specs {
+            let sampler = spec.build_for(&brdf)?;
+            let report = check_sampler(&sampler, brdf.as_dyn(), &directions, &settings);
+            let (material, sampler) = (material.name().into(), sampler.spec().label());
+            let result = CheckResult { material, sampler, report };
             lock(&results).push(result);
             progress.advance();
         }
@@ -104,6 +108,11 @@ pub fn run(args: &Args) -> Outcome {
     interrupt::finish()?;
     let pass = lock(&results).iter().all(|r| r.report.pass());
     Ok(if pass { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The samplers of each material.
+fn of_each(materials: &[Material], args: &Args) -> Result<Vec<Vec<SamplerSpec>>, Error> {
+    materials.iter().map(|m| args.settings.specs_of(m, &args.samplers, &COMPARED)).collect()
 }
 
 fn lock(results: &Mutex<Vec<CheckResult>>) -> MutexGuard<'_, Vec<CheckResult>> {

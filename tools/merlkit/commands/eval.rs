@@ -3,10 +3,9 @@
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use glam::DVec3;
-use merlkit::brdf::{Brdf, LookupRule, Measured};
+use merlkit::brdf::{LookupRule, MaterialBrdf};
 use merlkit::color::Rgb;
 use merlkit::geom::DirectionPairs;
 use merlkit::merl::Material;
@@ -22,7 +21,7 @@ use crate::output;
 /// viewer and wi to the light. A pair with a direction below the horizon has the value 0. Blank lines are skipped.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Path to a MERL binary or name of an embedded material
+    /// Path to a MERL binary or a .bsdf file, or name of an embedded material
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// What the table says between its samples
@@ -37,7 +36,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let brdf = Measured::new(Arc::new(Material::resolve(&args.material)?.load()?), args.lookup);
+    let loaded = MaterialBrdf::new(Material::resolve(&args.material)?.content()?, args.lookup);
+    let brdf = loaded.as_dyn();
     let mut failure = None;
     output::stdout(|out| {
         writeln!(out, "f_r,f_g,f_b")?;

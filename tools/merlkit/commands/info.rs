@@ -9,6 +9,7 @@ use merlkit::brdf::{LookupRule, Measured};
 use merlkit::measure::facts;
 use merlkit::merl::{Material, Source};
 use merlkit::report::{Info, Sheet, write_json};
+use merlkit::sampler::SamplerSpec;
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
 use serde::Serialize;
 
@@ -117,10 +118,12 @@ impl SamplerDescription {
     fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&["sampler file", &self.sampler_file]);
         let source = self.record.path.as_deref().unwrap_or("embedded");
+        let anisotropic = matches!(self.record.spec, SamplerSpec::ByAzimuth(_));
+        let lookup = if anisotropic { "none" } else { self.record.lookup.name() };
         for (name, value) in [
             ("sampler", self.record.spec.label()),
             ("material", format!("{} ({source})", self.record.material)),
-            ("lookup", self.record.lookup.name().to_owned()),
+            ("lookup", lookup.to_owned()),
             ("bytes", self.file_bytes.to_string()),
             ("layout version", self.record.version.to_string()),
             ("SHA-256 of the material", self.record.source_sha256.clone()),

@@ -25,14 +25,14 @@ use crate::{args, output, table};
 /// prints it. The same command gives the same bytes on any number of threads.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or names of embedded materials; one sphere each, from left to right
+    /// Paths to MERL binaries or .bsdf files, or names of embedded materials; one sphere each, from left to right
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// point, directional, area, environment (the built-in studio) or FILE.exr (equirectangular); may be repeated
     #[arg(long = "light", value_name = "LIGHT", default_value = "environment")]
     lights: Vec<String>,
     /// How directions are drawn from the BRDF
-    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = sampler_args::any_name())]
+    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = sampler_args::any_name_or_file())]
     sampler: String,
     /// Paths a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]

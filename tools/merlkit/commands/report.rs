@@ -20,7 +20,7 @@ use crate::{args, table};
 ///
 /// For each material and sampler: bytes of its tables (counted) and of its file, seconds to build, nanoseconds a draw and a
 /// density, and at seven angles between the samplers' own: spread of the weights, by quadrature, and bias of the albedo, by
-/// draws. Every figure but the thesis's is measured in this run.
+/// draws; of an anisotropic .bsdf, at four azimuths each. Every figure but the thesis's is measured in this run.
 /// Ctrl-C writes the files with the materials that are finished.
 #[derive(clap::Args)]
 pub struct Args {
@@ -28,7 +28,7 @@ pub struct Args {
     materials: args::Materials,
     /// Sampler to measure; may be repeated [default: all, the half-vector table at 2KB, 64KB and
     /// 1MB, the cascade CDF both whole and compressed]
-    #[arg(long = "sampler", value_name = "NAME", value_parser = sampler_args::any_name())]
+    #[arg(long = "sampler", value_name = "NAME", value_parser = sampler_args::any_name_or_file())]
     samplers: Vec<String>,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
@@ -65,7 +65,8 @@ fn refuse_meaningless(args: &Args) -> Result<(), Error> {
 
 pub fn run(args: &Args) -> Outcome {
     let materials = args.materials.resolve()?;
-    let specs = args.settings.specs(&args.samplers, &COMPARED)?;
+    let of = |m| args.settings.specs_of(m, &args.samplers, &COMPARED);
+    let specs = materials.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let overwrite = output::overwrite(args.force);
     let destinations = [&args.json, &args.csv];
     refuse_meaningless(args)?;
@@ -74,13 +75,13 @@ pub fn run(args: &Args) -> Outcome {
     }
     let tables = !destinations.into_iter().flatten().any(|d| *d == Destination::Stdout);
     let settings = ProfileSettings { draws: args.draws, seed: args.seed, ..ProfileSettings::default() };
-    let progress = Progress::new("measuring", materials.len() * specs.len());
+    let progress = Progress::new("measuring", specs.iter().map(Vec::len).sum());
     let reports = Arc::new(Mutex::new(Vec::new()));
     let files = (args.json.clone(), args.csv.clone());
     let finished = reports.clone();
     interrupt::at_end(move || write_files(&finished, &files, overwrite));
-    for material in &materials {
-        let figures = profile(material, args.lookup, &specs, &settings, &|| progress.advance())?;
+    for (material, specs) in materials.iter().zip(&specs) {
+        let figures = profile(material, args.lookup, specs, &settings, &|| progress.advance())?;
         let report = SamplerReport::new(figures);
         let shown = format!("{}\n{}", report.legend(), table::render(&report.sheet()));
         // Kept before it is shown: who sees it and presses Ctrl-C finds it in the files.

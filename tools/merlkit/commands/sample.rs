@@ -3,11 +3,10 @@
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use merlkit::Error;
-use merlkit::brdf::{Brdf, LookupRule, Measured};
+use merlkit::brdf::{Brdf, LookupRule, MaterialBrdf};
 use merlkit::color;
 use merlkit::merl::Material;
 use merlkit::points::PointSet;
@@ -25,11 +24,11 @@ use crate::{args, output};
 /// --fit, the thesis's point cloud instead: the material, the viewer in degrees, and (x,y,z) f a line.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Path to a MERL binary or a sampler file, or name of an embedded material
+    /// Path to a MERL binary, a .bsdf file or a sampler file, or name of an embedded material
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]
     source: String,
     /// Sampler to build [default: half-vector; a sampler file brings its own]
-    #[arg(long, value_name = "NAME", value_parser = sampler_args::any_name())]
+    #[arg(long, value_name = "NAME", value_parser = sampler_args::any_name_or_file())]
     sampler: Option<String>,
     /// Material of a sampler file [default: the one it names]
     #[arg(long, value_name = "MATERIAL")]
@@ -75,14 +74,14 @@ pub fn run(args: &Args) -> Outcome {
         count: args.count,
     };
     output::stdout(|out| match args.fit {
-        true => write_fit(out, &name, (args.theta, args.phi), &draws, &sampler, &brdf),
-        false => write_csv(out, &draws, &sampler, &brdf, args.with_points),
+        true => write_fit(out, &name, (args.theta, args.phi), &draws, &sampler, brdf.as_dyn()),
+        false => write_csv(out, &draws, &sampler, brdf.as_dyn(), args.with_points),
     })?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// The material's name, the sampler, and the BRDF it was built for.
-fn load(args: &Args) -> Result<(String, Sampler, Arc<Measured>), Error> {
+fn load(args: &Args) -> Result<(String, Sampler, MaterialBrdf), Error> {
     let path = Path::new(&args.source);
     if path.is_file() && looks_like_sampler_file(path) {
         let file = SamplerFile::open(path)?;
@@ -108,8 +107,8 @@ fn load(args: &Args) -> Result<(String, Sampler, Arc<Measured>), Error> {
     }
     let material = Material::resolve(&args.source)?;
     let spec = args.settings.spec(args.sampler.as_deref().unwrap_or(DEFAULT))?;
-    let brdf = Arc::new(Measured::new(Arc::new(material.load()?), args.lookup.unwrap_or_default()));
-    Ok((material.name().into(), spec.build(&brdf)?, brdf))
+    let brdf = MaterialBrdf::new(material.content()?, args.lookup.unwrap_or_default());
+    Ok((material.name().into(), spec.build_for(&brdf)?, brdf))
 }
 
 struct Draws {
@@ -133,7 +132,7 @@ fn write_csv(
     out: &mut dyn Write,
     draws: &Draws,
     sampler: &Sampler,
-    brdf: &Measured,
+    brdf: &dyn Brdf,
     with_points: bool,
 ) -> io::Result<()> {
     let points = if with_points { "wo_x,wo_y,wo_z,u_x,u_y," } else { "" };
@@ -160,7 +159,7 @@ fn write_fit(
     (theta, phi): (f64, f64),
     draws: &Draws,
     sampler: &Sampler,
-    brdf: &Measured,
+    brdf: &dyn Brdf,
 ) -> io::Result<()> {
     writeln!(out, "measured \"{name}\"\nviewer ({theta}, {phi})\nbegin")?;
     for DirectionSample { wi, .. } in draws.iter(sampler).filter_map(|(_, draw)| draw) {
