@@ -38,7 +38,7 @@ pub struct Args {
     /// red-plastic and teflon]
     #[arg(value_name = "MATERIAL")]
     materials: Vec<String>,
-    /// Fewer samplers, angles, seeds and settings: a minute for three materials on two cores, instead of half an hour
+    /// Fewer samplers, angles, seeds and settings: a minute for three materials on two cores, instead of three quarters of an hour
     #[arg(long)]
     quick: bool,
     /// Go on with a run of the same options that was stopped
