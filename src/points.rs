@@ -33,9 +33,10 @@ impl PointSet {
             Self::Sobol => {
                 let scramble = mix(seed ^ mix(index / SOBOL_BLOCK)) as u32;
                 let i = (index % SOBOL_BLOCK) as u32;
-                // Every set is the first four dimensions under a scramble of its own: the pairs of later dimensions are
-                // spread worse than those of the first, which costs more than sets gain by being spread together.
-                sobol_burley::sample_4d(i, 0, scramble ^ mix(u64::from(set)) as u32)
+                // Dimension sets past the table's end start again under another scramble.
+                let (set, extra) =
+                    (set % sobol_burley::NUM_DIMENSION_SETS_4D, set / sobol_burley::NUM_DIMENSION_SETS_4D);
+                sobol_burley::sample_4d(i, set, scramble ^ extra.wrapping_mul(0x9e37_79b9))
             }
         }
     }
