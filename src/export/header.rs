@@ -118,7 +118,7 @@ fn licence(embedded: bool) -> &'static str {
         "a network (Sztrajman et al. 2021; MIT licence, Copyright (c) 2022 asztr) that was fitted to a measurement of the MERL\n\
          // database (Matusik et al. 2003)."
     } else {
-        "measurements of the MERL database (Matusik et al. 2003) are for academic and research use."
+        "whoever measured it says what it may be used for; the MERL database (Matusik et al. 2003), for academic and research use."
     }
 }
 

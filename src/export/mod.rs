@@ -103,9 +103,14 @@ pub fn identifier(name: &str) -> String {
     let words: Vec<&str> =
         name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
     let joined = words.join("_");
-    let reserved = |prefix: &str| joined == prefix || joined.starts_with(&format!("{prefix}_"));
+    let lower = joined.to_ascii_lowercase();
+    let reserved = |prefix: &str| lower == prefix || lower.starts_with(&format!("{prefix}_"));
     let begins = joined.starts_with(|c: char| c.is_ascii_alphabetic());
-    if begins && !reserved("gl") && !reserved("merlkit") { joined } else { format!("m_{joined}") }
+    match joined.as_str() {
+        "" => "m".into(),
+        _ if begins && !reserved("gl") && !reserved("merlkit") => joined,
+        _ => format!("m_{joined}"),
+    }
 }
 
 /// Two materials of one [`identifier`] could not be included together.
@@ -150,8 +155,10 @@ mod tests {
             ("gl-paint", "m_gl_paint"),
             ("glass", "glass"),
             ("merlkit", "m_merlkit"),
+            ("MERLKIT", "m_MERLKIT"),
+            ("Gl-paint", "m_Gl_paint"),
             ("tôle", "t_le"),
-            ("…", "m_"),
+            ("…", "m"),
         ] {
             assert_eq!(identifier(name), expected);
         }

@@ -83,6 +83,39 @@ impl SamplerSpec {
         label
     }
 
+    /// Whether such a sampler can be built for an anisotropic material, or for another.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if not.
+    pub fn serve(&self, anisotropic: bool) -> Result<()> {
+        match self {
+            Self::Cosine | Self::HalfVector(_) => Ok(()),
+            Self::ByAzimuth(_) | Self::File if anisotropic => Ok(()),
+            Self::ByAzimuth(_) | Self::File => Err(self.refused_by_tables()),
+            Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_)
+                if anisotropic =>
+            {
+                Err(self.refused_by_files())
+            }
+            Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => Ok(()),
+        }
+    }
+
+    fn refused_by_tables(&self) -> Error {
+        let (what, fix) = match self {
+            Self::ByAzimuth(_) => {
+                ("tables by azimuth are", "leave the azimuths out: one table serves all of them")
+            }
+            _ => ("the sampler file is", "choose another, as half-vector"),
+        };
+        Error::argument(format!("{what} for anisotropic .bsdf files, and this material is isotropic"), fix)
+    }
+
+    fn refused_by_files(&self) -> Error {
+        let what = format!("{} is for isotropic materials, and this one is anisotropic", self.name());
+        Error::argument(what, "choose the sampler half-vector, file or cosine")
+    }
+
     /// Builds the sampler on the threads of the current pool.
     ///
     /// # Errors
@@ -98,10 +131,7 @@ impl SamplerSpec {
             Self::Lobe(settings) => Sampler::Lobe(Lobe::build(&**brdf, *settings)?),
             Self::Factored(settings) => Sampler::Factored(Factored::build(&**brdf, *settings)?),
             Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(&**brdf, *settings)?),
-            Self::File => {
-                let what = "the sampler file is the density of an anisotropic .bsdf file, and the material is a table";
-                return Err(Error::argument(what, "choose another, as half-vector"));
-            }
+            Self::File => return Err(self.refused_by_tables()),
         })
     }
 
@@ -122,8 +152,7 @@ impl SamplerSpec {
             Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(&**rgl, *settings)?),
             Self::File => Sampler::File(rgl.clone()),
             Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => {
-                let what = format!("{} is for isotropic materials, and this one is anisotropic", self.name());
-                return Err(Error::argument(what, "choose the sampler half-vector, file or cosine"));
+                return Err(self.refused_by_files());
             }
         })
     }

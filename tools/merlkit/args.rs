@@ -69,6 +69,16 @@ pub fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
     }
 }
 
+/// For commands that need tables, before they begin: an anisotropic file is none.
+pub fn refuse_anisotropic(materials: &[Material]) -> Result<(), Error> {
+    for material in materials {
+        if material.is_anisotropic()? {
+            material.load()?;
+        }
+    }
+    Ok(())
+}
+
 /// Parses one of a few names.
 pub fn named<T: Copy + Send + Sync + 'static>(
     values: &'static [(&'static str, T)],

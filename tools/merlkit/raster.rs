@@ -30,7 +30,7 @@ pub fn png(svg: &str) -> Result<Vec<u8>, Error> {
     let broken = |e: String| Error::argument(format!("the picture can't be drawn: {e}"), "report this");
     let mut options = usvg::Options::default();
     options.fontdb_mut().load_system_fonts();
-    if options.fontdb().is_empty() {
+    if options.fontdb.is_empty() {
         let fix = "install one, as the package fonts-dejavu, or name a file that ends in .svg";
         return Err(Error::argument("there is no font for the picture's text", fix));
     }

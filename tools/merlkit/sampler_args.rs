@@ -240,8 +240,11 @@ impl SamplerArgs {
         names: &[String],
         sizes: &[&str],
     ) -> Result<Vec<SamplerSpec>, Error> {
-        if !names.is_empty() || !material.is_anisotropic()? {
-            return self.specs(names, sizes);
+        let anisotropic = material.is_anisotropic()?;
+        if !names.is_empty() || !anisotropic {
+            let specs = self.specs(names, sizes)?;
+            specs.iter().try_for_each(|s| s.serve(anisotropic))?;
+            return Ok(specs);
         }
         self.refuse_foreign(&[DEFAULT])?;
         let mut specs = self.half_vectors(sizes);

@@ -84,6 +84,8 @@ pub fn save(
 /// [`Error::Argument`] for the cosine sampler, which has nothing to store, and for the density of a `.bsdf` file, which is
 /// stored there; [`Error::Io`] if the material's file is gone.
 pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Result<Vec<u8>> {
+    // An anisotropic file has no lookup rule: whichever was asked for, the bytes are the same.
+    let lookup = if matches!(sampler, Sampler::ByAzimuth(_)) { LookupRule::default() } else { lookup };
     let mut out = TensorsOut::default();
     match sampler {
         Sampler::Cosine(_) => {

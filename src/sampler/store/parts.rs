@@ -257,8 +257,12 @@ pub(super) fn write_half_vectors(all: &[&square::Stored], out: &mut TensorsOut) 
 }
 
 pub(super) fn read_half_vector(tensors: &Tensors, settings: HalfVectorSettings) -> Result<HalfVectorTable> {
-    settings.check()?;
+    check_half_vector(tensors, &settings)?;
     read_nth(tensors, settings, 0, 1)
+}
+
+fn check_half_vector(tensors: &Tensors, settings: &HalfVectorSettings) -> Result<()> {
+    settings.check().map_err(|e| tensors.invalid("settings within their domains", e.to_string()))
 }
 
 /// Reads the table of each azimuth.
@@ -267,8 +271,8 @@ pub(super) fn read_by_azimuth(
     settings: ByAzimuthSettings,
     symmetry: Symmetry,
 ) -> Result<ByAzimuth> {
-    settings.check()?;
-    settings.table.check()?;
+    settings.check().map_err(|e| tensors.invalid("settings within their domains", e.to_string()))?;
+    check_half_vector(tensors, &settings.table)?;
     let count = settings.azimuths;
     let tables = (0..count).map(|k| read_nth(tensors, settings.table, k, count)).collect::<Result<_>>()?;
     Ok(ByAzimuth::from_parts(settings, symmetry, tables))

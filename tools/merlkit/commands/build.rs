@@ -46,6 +46,7 @@ pub fn run(args: &Args) -> Outcome {
     let spec = args.settings.spec(&args.sampler)?;
     let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
+    materials.iter().try_for_each(|m| spec.serve(m.is_anisotropic()?))?;
     let overwrite = output::overwrite(args.force);
     let jobs = destinations(args, materials)?;
     for (_, path) in &jobs {

@@ -115,6 +115,7 @@ impl Run {
         };
         let materials = args::resolve(&names)?;
         args::refuse_repeated(&materials)?;
+        args::refuse_anisotropic(&materials)?;
         let plan = plan(args);
         let path = args.output.join("compare.partial.jsonl");
         if path.exists() && !args.resume && !args.force {

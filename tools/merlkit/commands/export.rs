@@ -91,6 +91,7 @@ pub fn run(args: &Args) -> Outcome {
     args.refuse_foreign()?;
     let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
+    args::refuse_anisotropic(&materials)?;
     if args.format == Format::Header {
         refuse_same_identifier(&materials)?;
     }

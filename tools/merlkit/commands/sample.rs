@@ -11,7 +11,7 @@ use merlkit::color;
 use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{SamplerFile, looks_like_sampler_file};
-use merlkit::sampler::{DirectionSample, DirectionSampler, Sampler};
+use merlkit::sampler::{DirectionSample, DirectionSampler, Sampler, SamplerSpec};
 
 use crate::failure::Outcome;
 use crate::sampler_args::{self, DEFAULT, SamplerArgs};
@@ -89,7 +89,8 @@ fn load(args: &Args) -> Result<(String, Sampler, MaterialBrdf), Error> {
             let what = format!("{} holds a sampler of kind {}", args.source, file.record().spec.name());
             return Err(Error::argument(what, "leave --sampler out"));
         }
-        if args.lookup.is_some_and(|l| l != file.record().lookup) {
+        let of_tables = !matches!(file.record().spec, SamplerSpec::ByAzimuth(_));
+        if args.lookup.is_some_and(|l| of_tables && l != file.record().lookup) {
             let what = format!("{} was built for the {} lookup", args.source, file.record().lookup.name());
             return Err(Error::argument(what, "leave --lookup out, or build the sampler again"));
         }
