@@ -162,4 +162,21 @@ fn samplers_that_do_not_fit_are_refused() {
     assert!(sample(NAME, &["--azimuths", "1"]).contains("2 to 256"));
     assert!(sample(NAME, &["--sampler", "file", "--azimuths", "4"]).contains("no setting of file"));
     assert!(fails(run(&["check", "nickel", "--azimuths", "4"], "")).contains("isotropic"));
+    assert!(fails(run(&["check", "--hard", "--table-size", "2KB"], "")).contains("--hard"));
+}
+
+/// Before the first material is worked on.
+#[test]
+fn what_one_of_several_materials_can_not_have_is_refused_first() {
+    let (folder, _) = folder();
+    for arguments in [
+        &["build", "nickel", NAME, "--sampler", "adaptive-disc", "-o", "out"][..],
+        &["check", "nickel", NAME, "--sampler", "adaptive-disc", "--json", "out"],
+        &["report", NAME, "nickel", "--sampler", "file", "--json", "out"],
+        &["export", "nickel", NAME, "--format", "header", "-o", "out"],
+        &["compare", "nickel", NAME, "--quick", "-o", "out"],
+    ] {
+        fails(run_in(folder.path(), arguments, ""));
+        assert!(!folder.path().join("out").exists(), "{arguments:?}");
+    }
 }

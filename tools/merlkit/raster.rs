@@ -20,7 +20,7 @@ pub fn check() -> Result<(), Error> {
     ))
 }
 
-/// The picture at twice its size on white, its text in the system's sans-serif.
+/// The picture at twice its size on white, its text in a sans-serif font of the system.
 ///
 /// # Errors
 /// [`Error::Argument`] where the system has no font.
@@ -30,10 +30,13 @@ pub fn png(svg: &str) -> Result<Vec<u8>, Error> {
     let broken = |e: String| Error::argument(format!("the picture can't be drawn: {e}"), "report this");
     let mut options = usvg::Options::default();
     options.fontdb_mut().load_system_fonts();
-    if options.fontdb.is_empty() {
+    // Which font is the system's sans-serif is not asked; by default it would be one that few systems have.
+    let family = sans_serif(&options.fontdb).ok_or_else(|| {
         let fix = "install one, as the package fonts-dejavu, or name a file that ends in .svg";
-        return Err(Error::argument("there is no font for the picture's text", fix));
-    }
+        Error::argument("there is no font for the picture's text", fix)
+    })?;
+    options.fontdb_mut().set_sans_serif_family(&family);
+    options.font_family = family;
     let tree = usvg::Tree::from_str(svg, &options).map_err(|e| broken(e.to_string()))?;
     let side = |length: f32| (length * SCALE).ceil() as u32;
     let mut pixels = tiny_skia::Pixmap::new(side(tree.size().width()), side(tree.size().height()))
@@ -41,6 +44,13 @@ pub fn png(svg: &str) -> Result<Vec<u8>, Error> {
     pixels.fill(tiny_skia::Color::WHITE);
     resvg::render(&tree, tiny_skia::Transform::from_scale(SCALE, SCALE), &mut pixels.as_mut());
     pixels.encode_png().map_err(|e| broken(e.to_string()))
+}
+
+/// A family for text: one that calls itself sans, but for those of equal widths, or else any.
+#[cfg(feature = "png-plots")]
+fn sans_serif(fonts: &resvg::usvg::fontdb::Database) -> Option<String> {
+    let names = || fonts.faces().filter_map(|face| face.families.first()).map(|family| family.0.clone());
+    names().find(|n| n.contains("Sans") && !n.contains("Mono")).or_else(|| names().next())
 }
 
 /// As [`check`].

@@ -64,12 +64,13 @@ const QUICK: [&str; 3] = ["nickel", "red-plastic", "teflon"];
 
 pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
+    let materials = materials(args)?;
     let [json, csv, page] = ["json", "csv", "html"].map(|e| args.output.join(format!("compare.{e}")));
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     for path in [&json, &csv, &page] {
         check_writable(path, overwrite)?;
     }
-    let mut run = Run::new(args)?;
+    let mut run = Run::new(args, materials)?;
     let comparison = run.comparison()?;
     write(&json, overwrite, |out| write_json(out, "compare", &ComparisonDocument::new(&comparison)))?;
     write(&csv, overwrite, |out| comparison_csv(&comparison).write_csv(out))?;
@@ -87,6 +88,19 @@ pub fn run(args: &Args) -> Outcome {
         writeln!(out, "{}\n{}\n{}", json.display(), csv.display(), page.display())
     })?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// What is compared, by name.
+fn materials(args: &Args) -> Result<(Vec<String>, Vec<Material>), Error> {
+    let default = if args.quick { &QUICK[..] } else { &MATERIALS[..] };
+    let names = match args.materials.is_empty() {
+        true => default.iter().map(|&name| name.to_owned()).collect(),
+        false => args.materials.clone(),
+    };
+    let materials = args::resolve(&names)?;
+    args::refuse_repeated(&materials)?;
+    args::refuse_anisotropic(&materials)?;
+    Ok((names, materials))
 }
 
 fn write(
@@ -107,15 +121,7 @@ struct Run {
 }
 
 impl Run {
-    fn new(args: &Args) -> Result<Self, Error> {
-        let default = if args.quick { &QUICK[..] } else { &MATERIALS[..] };
-        let names = match args.materials.is_empty() {
-            true => default.iter().map(|&name| name.to_owned()).collect(),
-            false => args.materials.clone(),
-        };
-        let materials = args::resolve(&names)?;
-        args::refuse_repeated(&materials)?;
-        args::refuse_anisotropic(&materials)?;
+    fn new(args: &Args, (names, materials): (Vec<String>, Vec<Material>)) -> Result<Self, Error> {
         let plan = plan(args);
         let path = args.output.join("compare.partial.jsonl");
         if path.exists() && !args.resume && !args.force {
