@@ -280,8 +280,8 @@ fn spectra_give_back_the_colours() {
 #[test]
 fn the_smallest_size_within_an_error_is_taken() {
     let brdf = embedded("nickel", LookupRule::Linear);
-    assert_eq!(size_within(&brdf, 0.01).unwrap().name, "0.4MB");
-    assert_eq!(size_within(&brdf, 0.002).unwrap().name, "1.5MB");
+    assert_eq!(size_within(&brdf, 0.01).unwrap().0.name, "0.4MB");
+    assert_eq!(size_within(&brdf, 0.002).unwrap().0.name, "1.5MB");
     let error = size_within(&brdf, 1e-6).unwrap_err().to_string();
     assert!(error.contains("the least is 0.0"), "{error}");
 }

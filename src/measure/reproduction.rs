@@ -68,17 +68,17 @@ pub fn draw_quality(sampler: &dyn DirectionSampler, brdf: &dyn Brdf) -> DrawQual
     }
 }
 
-/// The smallest preset whose file has a median error within `limit`, a share above 0.
+/// The smallest preset whose file has a median error within `limit`, a share above 0, and that file, not described yet.
 ///
 /// # Errors
 /// [`Error::Argument`] if none has.
-pub fn size_within(brdf: &dyn Brdf, limit: f64) -> Result<BsdfSize> {
+pub fn size_within(brdf: &dyn Brdf, limit: f64) -> Result<(BsdfSize, BsdfFile)> {
     let mut least = f64::INFINITY;
     for size in BsdfSize::ALL {
         let file = tabulate(|wo, wi| brdf.eval(wo, wi), size, String::new());
-        let error = value_errors(&Rgl::new(file), brdf).median;
+        let error = value_errors(&Rgl::new(file.clone()), brdf).median;
         if error <= limit {
-            return Ok(size);
+            return Ok((size, file));
         }
         least = least.min(error);
     }

@@ -73,6 +73,7 @@ pub fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
 pub fn refuse_anisotropic(materials: &[Material]) -> Result<(), Error> {
     for material in materials {
         if material.is_anisotropic()? {
+            // Which says what it is and what takes it.
             material.load()?;
         }
     }

@@ -136,7 +136,7 @@ fn write_finished(
 fn hard(args: &Args) -> Outcome {
     if let Some(option) = args.settings.first_given() {
         let what = format!("{option} has no effect on --hard, which has samplers of its own");
-        return Err(merlkit::Error::argument(what, "leave it out").into());
+        return Err(Error::argument(what, "leave it out").into());
     }
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {

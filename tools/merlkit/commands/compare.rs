@@ -38,7 +38,7 @@ pub struct Args {
     /// red-plastic and teflon]
     #[arg(value_name = "MATERIAL")]
     materials: Vec<String>,
-    /// Fewer samplers, angles, seeds and settings: a minute for three materials on two cores, instead of three quarters of an hour
+    /// Fewer samplers, angles, seeds and settings: a minute for three materials on two cores, instead of an hour
     #[arg(long)]
     quick: bool,
     /// Go on with a run of the same options that was stopped
@@ -197,12 +197,11 @@ impl Run {
         for (number, competitor) in picture_competitors(plan.quick).into_iter().enumerate() {
             let one = journal.recall_or(&format!("{key}/{number}"), || {
                 // A run that goes on renders the reference again if it is still needed; it is the same.
-                let rendered = film.take().map_or_else(
-                    || picture_reference(scene, group, &plan.picture).map(|(_, rendered)| rendered),
-                    Ok,
-                )?;
-                let rendered = film.insert(rendered);
-                pictures(scene, group, competitor, &plan.picture, rendered)
+                let rendered = match film.take() {
+                    Some(rendered) => rendered,
+                    None => picture_reference(scene, group, &plan.picture)?.1,
+                };
+                pictures(scene, group, competitor, &plan.picture, film.insert(rendered))
             });
             results.extend(one?);
             progress.advance();

@@ -163,9 +163,14 @@ impl Args {
 
 fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
     let brdf = Measured::new(Arc::new(material.load()?), args.lookup());
-    let given = args.size.unwrap_or_else(|| size_called("6MB"));
-    let size = args.target_error.map_or(Ok(given), |limit| size_within(&brdf, limit))?;
-    let file = tabulate(|wo, wi| brdf.eval(wo, wi), size, description(material, args.lookup(), size));
+    let (size, mut file) = match args.target_error {
+        Some(limit) => size_within(&brdf, limit)?,
+        None => {
+            let size = args.size.unwrap_or_else(|| size_called("6MB"));
+            (size, tabulate(|wo, wi| brdf.eval(wo, wi), size, String::new()))
+        }
+    };
+    file.description = description(material, args.lookup(), size);
     for (variant, path) in args.variants().zip(args.paths(material)) {
         let written = if variant == "rgb" { file.clone() } else { file.to_spectral() };
         let bytes = written.write(&path, output::overwrite(args.force))?;
