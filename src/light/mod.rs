@@ -50,6 +50,22 @@ pub trait Light: Send + Sync {
     /// always for delta lights.
     fn seen(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<Seen>;
 
+    /// [`Self::sample`] for many points: `out[k]` becomes `sample(from[k], u[k])`, to the bit. As many as the shortest slice
+    /// holds are sampled; what is left of a longer `out` stays as it was.
+    fn sample_many(&self, from: &[DVec3], u: &[DVec2], out: &mut [Option<LightSample>]) {
+        for ((out, &from), &u) in out.iter_mut().zip(from).zip(u) {
+            *out = self.sample(from, u);
+        }
+    }
+
+    /// [`Self::seen`] for many rays: `out[k]` becomes `seen(from[k], directions[k], reach[k])`, to the bit. As many as the
+    /// shortest slice holds are looked along; what is left of a longer `out` stays as it was.
+    fn seen_many(&self, from: &[DVec3], directions: &[DVec3], reach: &[f64], out: &mut [Option<Seen>]) {
+        for (((out, &from), &direction), &reach) in out.iter_mut().zip(from).zip(directions).zip(reach) {
+            *out = self.seen(from, direction, reach);
+        }
+    }
+
     /// Whether it has no extent: it has one direction from each point, and no ray sees it.
     fn is_delta(&self) -> bool {
         false

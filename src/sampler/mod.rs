@@ -59,6 +59,22 @@ pub trait DirectionSampler: Send + Sync {
         points.iter().map(|&u| self.sample(wo, u)).collect()
     }
 
+    /// [`Self::sample`] for many pairs: `out[k]` becomes `sample(wo[k], points[k])`, to the bit. As many as the shortest slice
+    /// holds are drawn; what is left of a longer `out` stays as it was.
+    fn sample_pairs(&self, wo: &[Vec3], points: &[Vec2], out: &mut [Option<DirectionSample>]) {
+        for ((out, &wo), &u) in out.iter_mut().zip(wo).zip(points) {
+            *out = self.sample(wo, u);
+        }
+    }
+
+    /// [`Self::pdf`] for many pairs: `out[k]` becomes `pdf(wo[k], wi[k])`, to the bit. As many as the shortest slice holds are
+    /// evaluated; what is left of a longer `out` stays as it was.
+    fn pdf_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
+        for ((out, &wo), &wi) in out.iter_mut().zip(wo).zip(wi) {
+            *out = self.pdf(wo, wi);
+        }
+    }
+
     /// Draws `count` directions that are stratified together, as well as the method can; each alone has density `pdf`.
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
         self.sample_batch(wo, &well_spread(count, seed))
