@@ -50,6 +50,15 @@ pub trait Brdf: Send + Sync {
         self.eval(wo, wi) * unit_upper(wi).map_or(0.0, |wi| wi.z)
     }
 
+    /// f_r·cosθᵢ for many pairs: `out[k]` becomes `eval_cos(wo[k], wi[k])`, to the bit. As many as the shortest slice holds are
+    /// evaluated; what is left of a longer `out` stays as it was.
+    fn eval_cos_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
+        self.eval_pairs(wo, wi, out);
+        for ((out, _), &wi) in out.iter_mut().zip(wo).zip(wi) {
+            *out *= unit_upper(wi).map_or(0.0, |wi| wi.z);
+        }
+    }
+
     /// Whether turning both directions about the normal leaves f_r as it is.
     fn is_isotropic(&self) -> bool;
 

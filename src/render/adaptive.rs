@@ -16,9 +16,9 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::film::Pixel;
-use super::path::Tracer;
+use super::path::{PathId, Tracer};
 use super::{EffectPlan, Film, Scene, Settings};
-use crate::points::mix;
+use crate::points::{PointSet, mix};
 use crate::{Error, Result};
 
 /// Rows and columns of a tile.
@@ -102,6 +102,8 @@ impl Refined {
 /// estimated relative error, see [`Tile`], needs to come down to `error`; at least 16 a pixel and at most
 /// [`Settings::samples`], which counts down to 16 times a power of two. Pixels without an object get 16.
 ///
+/// Their numbers not being known beforehand, [`PointSet::Lattice`] stands for Sobol points here.
+///
 /// The estimate knows what the paths have met: light that they hit once in a million, as with a sampler that misses a bright
 /// lobe, is not in it.
 ///
@@ -116,6 +118,8 @@ pub fn render_to_error(
 ) -> Result<Refined> {
     let count = settings.pixels()?;
     check(error, settings)?;
+    let points = if settings.points == PointSet::Lattice { PointSet::Sobol } else { settings.points };
+    let settings = &Settings { points, ..*settings };
     let refiner = Refiner { tracer: Tracer::new(scene, plan, settings), settings, target: error };
     let shown: Vec<bool> = (0..count).into_par_iter().map(|i| refiner.shows_object(i)).collect();
     let mut pixels: Vec<Pixel> = (0..count)
@@ -245,15 +249,10 @@ impl Half {
 }
 
 impl Refiner<'_> {
-    fn place(&self, pixel: usize) -> (usize, usize) {
-        (pixel % self.settings.width, pixel / self.settings.width)
-    }
-
     fn shows_object(&self, pixel: usize) -> bool {
-        let (x, y) = self.place(pixel);
         (0..9u32).any(|i| {
             let within = DVec2::new(f64::from(i % 3), f64::from(i / 3)) / 2.0;
-            self.tracer.scene.hit(&self.tracer.ray(x, y, within), None).is_some()
+            self.tracer.scene.hit(&self.tracer.ray(pixel, within), None).is_some()
         })
     }
 
@@ -299,14 +298,18 @@ impl Refiner<'_> {
 
     /// Traces paths until each replicate has `count`.
     fn extend(&self, pixel: usize, replicates: &mut Replicates, count: u64) {
-        let (x, y) = self.place(pixel);
-        let seed = self.settings.pixel_seed(x, y);
-        for (r, sum) in replicates.sums.iter_mut().enumerate() {
-            let seed = mix(seed ^ mix(1 + r as u64));
-            for index in replicates.count..count {
-                *sum += self.tracer.sample(x, y, seed, index);
+        let seed = self.settings.pixel_seed(pixel);
+        let (sums, from) = (&mut replicates.sums, replicates.count);
+        let paths = (0..REPLICATES as u64).flat_map(|r| {
+            let seed = mix(seed ^ mix(1 + r));
+            (from..count).map(move |index| (r, PathId { pixel, seed, index, count }))
+        });
+        let mut owners = paths.clone().map(|(r, _)| r as usize);
+        self.tracer.trace(paths.map(|(_, path)| path), |_, radiance| {
+            if let Some(r) = owners.next() {
+                sums[r] += radiance;
             }
-        }
+        });
         replicates.count = count;
     }
 }
@@ -332,7 +335,6 @@ impl Replicates {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::PointSet;
 
     #[test]
     fn tiles_hold_every_shown_pixel_once_and_few_stand_alone() {

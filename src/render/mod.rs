@@ -12,6 +12,7 @@
 mod adaptive;
 mod camera;
 mod film;
+mod follow;
 mod lambert;
 mod numbers;
 mod path;

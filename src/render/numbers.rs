@@ -2,6 +2,7 @@
 
 use glam::{DVec2, Vec2};
 
+use super::path::PathId;
 use super::{Scene, Settings};
 use crate::points::{PointSet, mix};
 
@@ -11,26 +12,29 @@ pub(super) struct Numbers {
     points: PointSet,
     seed: u64,
     index: u64,
+    /// Paths that the set of points is for.
+    count: u64,
     sets_per_vertex: u32,
     candidates: u32,
 }
 
 impl Settings {
     /// Seed of all numbers of a pixel.
-    pub(super) fn pixel_seed(&self, x: usize, y: usize) -> u64 {
-        mix(self.seed ^ mix((y * self.width + x) as u64))
+    pub(super) fn pixel_seed(&self, pixel: usize) -> u64 {
+        mix(self.seed ^ mix(pixel as u64))
     }
 }
 
 impl Numbers {
-    /// Those of path `index` under a pixel's seed.
-    pub(super) fn new(scene: &Scene, points: PointSet, seed: u64, index: u64) -> Self {
+    /// Those of a path.
+    pub(super) fn new(scene: &Scene, points: PointSet, path: PathId) -> Self {
+        let PathId { seed, index, count, .. } = path;
         let sets_per_vertex = 1 + (scene.lights.len() as u32).div_ceil(2);
-        Self { points, seed, index, sets_per_vertex, candidates: scene.strategy.candidates() }
+        Self { points, seed, index, count, sets_per_vertex, candidates: scene.strategy.candidates() }
     }
 
     fn set(&self, set: u32) -> [f32; 4] {
-        self.points.point4(self.seed, self.index, set)
+        self.points.point4_of(self.count, self.seed, self.index, set)
     }
 
     /// A point of the pixel.
@@ -59,6 +63,6 @@ impl Numbers {
     /// Two numbers for a candidate. Those of all paths are one sequence of points, so that all are well spread together.
     pub(super) fn candidate(&self, vertex: u32, candidate: u32) -> Vec2 {
         let index = self.index * u64::from(self.candidates) + u64::from(candidate);
-        self.points.point(mix(!self.seed), index, vertex)
+        self.points.point_of(self.count * u64::from(self.candidates), mix(!self.seed), index, vertex)
     }
 }

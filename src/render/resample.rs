@@ -1,37 +1,50 @@
 //! Resampled importance sampling of the lights that have an extent (Talbot et al. 2005).
 
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 
-use super::numbers::Numbers;
-use super::path::{Step, Tracer, Vertex};
+use super::follow::{Start, Step, Vertex};
+use super::path::Tracer;
 use crate::dist::Reservoir;
 
 impl Tracer<'_> {
-    /// Radiance that a vertex reflects from lights with an extent, by one of several directions from the BRDF.
+    /// Radiance that each vertex of a surface reflects from lights with an extent, by one of several directions from the BRDF.
     ///
     /// A candidate's weight is its target, the mean channel of f·cos·L with nothing in the way, over its density p. The one
     /// kept, with a probability in proportion to its weight, is traced, and stands for all: f·cos·L over its target, times
     /// the mean weight, L now being what it really finds. Nothing is found that the target doesn't hold, so this is unbiased
     /// in every channel; p cancels.
-    pub(super) fn resampled(&self, vertex: &Vertex<'_>, index: u32, numbers: &Numbers) -> DVec3 {
-        let mut reservoir = Reservoir::new(f64::from(numbers.direction(index)[3]));
+    pub(super) fn resampled(&self, run: &[Vertex<'_>], bounce: u32, starts: &[Start]) -> Vec<DVec3> {
+        let numbers = |v: &Vertex<'_>| &starts[v.lane].numbers;
+        let open = |v| Reservoir::new(f64::from(numbers(v).direction(bounce)[3]));
+        let mut reservoirs: Vec<Reservoir<Step>> = run.iter().map(open).collect();
         for candidate in 0..self.scene.strategy.candidates() {
-            let step = self.step(vertex, numbers.candidate(index, candidate));
-            reservoir.offer(step.map(|step| (step, self.unhidden(&step))));
+            let points: Vec<Vec2> = run.iter().map(|v| numbers(v).candidate(bounce, candidate)).collect();
+            let steps = self.steps(run, &points);
+            for (reservoir, offer) in reservoirs.iter_mut().zip(self.targets(&steps)) {
+                reservoir.offer(offer);
+            }
         }
-        let Some(kept) = reservoir.kept() else {
-            return DVec3::ZERO;
-        };
-        let hit = self.next_hit(&kept.candidate.ray, vertex.hit.object);
-        kept.candidate.weight * self.found(&kept.candidate, hit) * (kept.mean_weight / kept.weight)
+        let mut sums = vec![DVec3::ZERO; run.len()];
+        let (mut found, mut scales) = (Vec::new(), Vec::new());
+        for (i, kept) in reservoirs.into_iter().enumerate().filter_map(|(i, r)| Some((i, r.kept()?))) {
+            let hit = self.next_hit(&kept.candidate.ray, run[i].hit.object);
+            found.push((kept.candidate, hit));
+            scales.push((i, kept.mean_weight / kept.weight));
+        }
+        for (((step, _), radiance), (i, scale)) in found.iter().zip(self.found(&found)).zip(scales) {
+            sums[i] = step.weight * radiance * scale;
+        }
+        sums
     }
 
-    /// The mean channel of f·cos·L/p with nothing in the way.
-    fn unhidden(&self, step: &Step) -> f64 {
-        if step.weight == DVec3::ZERO {
-            0.0
-        } else {
-            (step.weight * self.found(step, None)).element_sum() / 3.0
-        }
+    /// Steps with the mean channel of f·cos·L/p with nothing in the way.
+    fn targets(&self, steps: &[Option<Step>]) -> Vec<Option<(Step, f64)>> {
+        let drawn: Vec<_> = steps.iter().flatten().map(|step| (*step, None)).collect();
+        let mut found = self.found(&drawn).into_iter();
+        let target = |step: &Step, found: DVec3| {
+            if step.weight == DVec3::ZERO { 0.0 } else { (step.weight * found).element_sum() / 3.0 }
+        };
+        let offer = |step: &Option<Step>| step.as_ref().zip(found.next()).map(|(s, f)| (*s, target(s, f)));
+        steps.iter().map(offer).collect()
     }
 }

@@ -1,0 +1,269 @@
+//! The path tracer: next-event estimation, multiple importance sampling, Russian roulette (Kajiya 1986; Veach 1997).
+//!
+//! Paths are followed in bundles, stage after stage, each over arrays: what one path waits for overlaps with the others.
+
+use glam::{DVec2, DVec3, Vec2, Vec3};
+
+use super::numbers::Numbers;
+use super::path::Tracer;
+use super::plan::ROULETTE_FROM;
+use super::scene::Hit;
+use super::{Ray, Surface};
+use crate::color::Rgb;
+use crate::geom::{Frame, is_upper};
+use crate::light::Light;
+
+/// Paths that are followed together: their arrays fit the fastest cache.
+pub(super) const BUNDLE: usize = 64;
+
+/// Radiance whose square, summed over any number of samples, is still an f64: what standard errors are made of.
+const BRIGHTEST: f64 = 1e140;
+
+/// How a path begins.
+pub(super) struct Start {
+    pub(super) ray: Ray,
+    pub(super) numbers: Numbers,
+}
+
+/// A path that goes on.
+struct Path {
+    /// Its place in the bundle.
+    lane: usize,
+    ray: Ray,
+    hit: Option<Hit>,
+    throughput: DVec3,
+}
+
+/// A point of a path, with its local frame.
+pub(super) struct Vertex<'a> {
+    /// Place of its path in the bundle.
+    pub(super) lane: usize,
+    throughput: DVec3,
+    pub(super) hit: Hit,
+    frame: Frame,
+    wo: Vec3,
+    surface: &'a Surface,
+}
+
+/// A direction drawn from a vertex, and f_r·cos/pdf.
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    pub(super) ray: Ray,
+    pdf: f64,
+    pub(super) weight: DVec3,
+}
+
+/// Light that is about to be reflected at a vertex.
+struct Lit {
+    /// Of the vertex in its run.
+    index: usize,
+    towards: DVec3,
+    distance: f64,
+    radiance: DVec3,
+    pdf: f64,
+}
+
+impl<'a> Tracer<'a> {
+    /// Estimates of the radiance that arrives at the origins of rays.
+    pub(super) fn follow(&self, starts: &[Start]) -> Vec<DVec3> {
+        let begin = |(lane, start): (usize, &Start)| {
+            let hit = self.scene.hit(&start.ray, None);
+            Path { lane, ray: start.ray, hit, throughput: DVec3::ONE }
+        };
+        let mut paths: Vec<Path> = starts.iter().enumerate().map(begin).collect();
+        let mut sums = self.emitted(paths.iter().map(|p| (&p.ray, p.hit)), |_, _| 1.0);
+        for bounce in 0..self.scene.depth {
+            let vertices: Vec<Vertex<'a>> = paths.iter().filter_map(|path| self.vertex(path)).collect();
+            paths.clear();
+            for run in vertices.chunk_by(|a, b| std::ptr::eq(a.surface, b.surface)) {
+                let lit = self.lit(run, bounce, starts);
+                run.iter().zip(lit).for_each(|(vertex, lit)| sums[vertex.lane] += vertex.throughput * lit);
+                self.go_on(run, bounce, starts, &mut sums, &mut paths);
+            }
+            if paths.is_empty() {
+                break;
+            }
+        }
+        sums.iter_mut().filter(|sum| !(sum.max_element() <= BRIGHTEST)).for_each(|sum| *sum = DVec3::ZERO);
+        sums
+    }
+
+    fn vertex(&self, path: &Path) -> Option<Vertex<'a>> {
+        let hit = path.hit?;
+        let surface = self.scene.surface(hit.object)?;
+        let frame = surface.frame(hit.normal.as_vec3());
+        let wo = frame.to_local(-path.ray.direction.as_vec3());
+        let &Path { lane, throughput, .. } = path;
+        is_upper(wo).then_some(Vertex { lane, throughput, hit, frame, wo, surface })
+    }
+
+    /// Draws a direction from each vertex of a surface, adds what it finds, and keeps the paths that go on.
+    fn go_on(
+        &self,
+        run: &[Vertex<'a>],
+        bounce: u32,
+        starts: &[Start],
+        sums: &mut [DVec3],
+        paths: &mut Vec<Path>,
+    ) {
+        let follows = self.interreflection && bounce + 1 < self.scene.depth;
+        if !(self.directions && (self.hits_count || follows)) {
+            return;
+        }
+        let numbers: Vec<[f32; 4]> = run.iter().map(|v| starts[v.lane].numbers.direction(bounce)).collect();
+        let points: Vec<Vec2> = numbers.iter().map(|u| Vec2::new(u[0], u[1])).collect();
+        let (mut found, mut next) = (Vec::with_capacity(run.len()), Vec::with_capacity(run.len()));
+        for ((vertex, step), u) in run.iter().zip(self.steps(run, &points)).zip(&numbers) {
+            let Some((step, throughput)) = step.map(|step| (step, vertex.throughput * step.weight)) else {
+                continue;
+            };
+            if throughput != DVec3::ZERO && throughput.is_finite() {
+                let hit = self.next_hit(&step.ray, vertex.hit.object);
+                found.push((step, hit));
+                next.push((Path { lane: vertex.lane, ray: step.ray, hit, throughput }, u[2]));
+            }
+        }
+        if self.hits_count {
+            for ((path, _), radiance) in next.iter().zip(self.found(&found)) {
+                sums[path.lane] += path.throughput * radiance;
+            }
+        }
+        if follows {
+            let kept = next
+                .into_iter()
+                .filter_map(|(mut path, u)| self.survives(&mut path.throughput, bounce, u).then_some(path));
+            paths.extend(kept);
+        }
+    }
+
+    /// Radiance of lights with an extent that drawn directions find up to what they hit, each as far as it counts.
+    pub(super) fn found(&self, steps: &[(Step, Option<Hit>)]) -> Vec<DVec3> {
+        let weight = |i: usize, pdf| if self.mis { self.heuristic.weight(steps[i].0.pdf, pdf) } else { 1.0 };
+        self.emitted(steps.iter().map(|(step, hit)| (&step.ray, *hit)), weight)
+    }
+
+    /// What a drawn direction meets; nothing, where the plan says that nothing can be in the way.
+    pub(super) fn next_hit(&self, ray: &Ray, leaving: usize) -> Option<Hit> {
+        (self.shadows || self.interreflection).then(|| self.scene.hit(ray, Some(leaving))).flatten()
+    }
+
+    /// Radiance of lights with an extent along rays, up to what they hit; each light's by `weight` of the ray's place and the
+    /// light's density.
+    fn emitted<'r>(
+        &self,
+        rays: impl ExactSizeIterator<Item = (&'r Ray, Option<Hit>)>,
+        weight: impl Fn(usize, f64) -> f64,
+    ) -> Vec<DVec3> {
+        let count = rays.len();
+        let (mut from, mut along, mut reach) =
+            (Vec::with_capacity(count), Vec::with_capacity(count), Vec::with_capacity(count));
+        for (ray, hit) in rays {
+            from.push(ray.origin);
+            along.push(ray.direction);
+            reach.push(hit.map_or(f64::INFINITY, |h| h.distance));
+        }
+        let mut sums = vec![DVec3::ZERO; count];
+        let mut seen = vec![None; count];
+        for light in &self.scene.lights {
+            light.seen_many(&from, &along, &reach, &mut seen);
+            for (i, (sum, seen)) in sums.iter_mut().zip(&seen).enumerate() {
+                if let Some(s) = seen {
+                    *sum += s.radiance.as_dvec3() * weight(i, s.pdf);
+                }
+            }
+        }
+        sums
+    }
+
+    /// Radiance that vertices of a surface reflect from light that is evaluated, sampled or resampled.
+    fn lit(&self, run: &[Vertex<'_>], bounce: u32, starts: &[Start]) -> Vec<DVec3> {
+        let mut sums =
+            if self.resampling { self.resampled(run, bounce, starts) } else { vec![DVec3::ZERO; run.len()] };
+        for (i, light) in self.scene.lights.iter().enumerate() {
+            if light.is_delta() {
+                self.lit_by(run, light.as_ref(), &vec![DVec2::ZERO; run.len()], &mut sums);
+            } else if self.light_sampling {
+                let points: Vec<DVec2> =
+                    run.iter().map(|v| starts[v.lane].numbers.light(bounce, i)).collect();
+                self.lit_by(run, light.as_ref(), &points, &mut sums);
+            }
+        }
+        sums
+    }
+
+    /// Adds what each vertex reflects of the light in the direction that a point chooses.
+    fn lit_by(&self, run: &[Vertex<'_>], light: &dyn Light, points: &[DVec2], sums: &mut [DVec3]) {
+        let Some(Vertex { surface, .. }) = run.first() else { return };
+        let from: Vec<DVec3> = run.iter().map(|v| v.hit.at).collect();
+        let mut samples = vec![None; run.len()];
+        light.sample_many(&from, points, &mut samples);
+        let (mut lit, mut wo, mut wi) =
+            (Vec::with_capacity(run.len()), Vec::with_capacity(run.len()), Vec::with_capacity(run.len()));
+        for (index, (vertex, sample)) in run.iter().zip(&samples).enumerate() {
+            let Some(s) = sample else { continue };
+            let local = vertex.frame.to_local(s.wi.as_vec3());
+            // What comes from below is not reflected.
+            if is_upper(local) {
+                lit.push(Lit {
+                    index,
+                    towards: s.wi,
+                    distance: s.distance,
+                    radiance: s.radiance.as_dvec3(),
+                    pdf: s.pdf,
+                });
+                wo.push(vertex.wo);
+                wi.push(local);
+            }
+        }
+        let mut reflected = vec![Rgb::ZERO; lit.len()];
+        surface.brdf.eval_cos_pairs(&wo, &wi, &mut reflected);
+        let mut other = vec![0.0; lit.len()];
+        if let Some(sampler) = surface.sampler.as_ref().filter(|_| self.mis && !light.is_delta()) {
+            sampler.pdf_pairs(&wo, &wi, &mut other);
+        }
+        for ((lit, reflected), other) in lit.iter().zip(reflected).zip(other) {
+            let reflected = reflected.as_dvec3() * lit.radiance;
+            let vertex = &run[lit.index];
+            if reflected != DVec3::ZERO && !self.is_hidden(vertex, lit) {
+                sums[lit.index] += reflected * (self.heuristic.weight(lit.pdf, f64::from(other)) / lit.pdf);
+            }
+        }
+    }
+
+    fn is_hidden(&self, vertex: &Vertex<'_>, lit: &Lit) -> bool {
+        let ray = Ray { origin: vertex.hit.at, direction: lit.towards };
+        self.shadows && self.scene.is_hidden(&ray, vertex.hit.object, lit.distance)
+    }
+
+    /// A direction from each vertex of a surface; `None` for a failed draw.
+    pub(super) fn steps(&self, run: &[Vertex<'_>], points: &[Vec2]) -> Vec<Option<Step>> {
+        let surface = run.first().map(|vertex| vertex.surface);
+        let Some((surface, sampler)) = surface.and_then(|s| Some((s, s.sampler.as_ref()?))) else {
+            return vec![None; run.len()];
+        };
+        let wo: Vec<Vec3> = run.iter().map(|v| v.wo).collect();
+        let mut samples = vec![None; run.len()];
+        sampler.sample_pairs(&wo, points, &mut samples);
+        let wi: Vec<Vec3> = samples.iter().map(|s| s.map_or(Vec3::ZERO, |s| s.wi)).collect();
+        let mut reflected = vec![Rgb::ZERO; run.len()];
+        surface.brdf.eval_cos_pairs(&wo, &wi, &mut reflected);
+        let step = |((vertex, sample), reflected): ((&Vertex<'_>, &Option<_>), Rgb)| {
+            let sample: &crate::sampler::DirectionSample = sample.as_ref()?;
+            let pdf = f64::from(sample.pdf);
+            let direction = vertex.frame.to_world(sample.wi).as_dvec3().try_normalize()?;
+            let ray = Ray { origin: vertex.hit.at, direction };
+            Some(Step { ray, pdf, weight: reflected.as_dvec3() / pdf })
+        };
+        run.iter().zip(&samples).zip(reflected).map(step).collect()
+    }
+
+    /// Ends a path at random in proportion to what it can't carry any more, and makes up for it in the survivors.
+    fn survives(&self, throughput: &mut DVec3, bounce: u32, u: f32) -> bool {
+        if !self.roulette || bounce + 1 < ROULETTE_FROM {
+            return true;
+        }
+        let chance = throughput.max_element().min(1.0);
+        *throughput /= chance;
+        f64::from(u) < chance
+    }
+}
