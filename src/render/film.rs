@@ -78,6 +78,19 @@ impl Tally {
         self.squares += before * (radiance - self.mean);
     }
 
+    pub(super) fn count(&self) -> f64 {
+        self.count
+    }
+
+    pub(super) fn mean(&self) -> DVec3 {
+        self.mean
+    }
+
+    /// Of single samples.
+    pub(super) fn variance(&self) -> DVec3 {
+        self.squares / (self.count - 1.0).max(1.0)
+    }
+
     pub(super) fn pixel(&self) -> Pixel {
         let error2 = self.squares / (self.count * (self.count - 1.0)).max(1.0);
         Pixel { mean: self.mean, error: error2.max(DVec3::ZERO).map(f64::sqrt) }

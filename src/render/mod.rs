@@ -10,6 +10,7 @@
 //! their files is their caller's business.
 
 mod adaptive;
+mod allocate;
 mod camera;
 mod film;
 mod follow;
@@ -23,6 +24,7 @@ mod shape;
 mod spec;
 
 pub use adaptive::{Refined, Tile, render_to_error};
+pub use allocate::render_allocated;
 pub use camera::Camera;
 pub use film::Film;
 pub use lambert::Lambert;

@@ -1,0 +1,133 @@
+//! Pictures of a given number of paths, most of them where they matter.
+//!
+//! A few paths in every pixel tell how far single paths are apart there, and the rest are shared out by that. A pixel's share
+//! that looked at its own paths would bias the picture, as a decision to stop does (see [`super::render_to_error`]). So pixels
+//! are of two colours, like a chessboard's fields, and a pixel's share depends on paths of the other colour alone.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::film::{Pixel, Tally};
+use super::path::{PathId, Tracer};
+use super::{EffectPlan, Film, Scene, Settings};
+use crate::points::mix;
+use crate::{Error, Result};
+
+/// Of all paths, one in so many looks ahead.
+const AHEAD: u64 = 8;
+/// Fewer paths that look ahead tell too little.
+const FEWEST: u64 = 4;
+/// Pixels on each side that a pixel's share looks at.
+const REACH: usize = 2;
+/// Squared errors of well-spread points fall as n^−1.5 or so, see `docs/performance.md`; their sum is least if numbers of paths go
+/// with the power 1/2.5 of their factors.
+const POWER: f64 = 0.4;
+/// Darker than this share of the picture's mean, a pixel's error is told by this in place of its own brightness.
+const DARK: f64 = 0.1;
+/// No pixel gets more than so many times the mean.
+const MOST: f64 = 32.0;
+
+/// Renders `scene`, which was built for `plan`, as [`super::render()`] does, with as many paths, but shared out so that the mean
+/// over the pixels of their relative squared errors is small: more go where the paths of a first look around are far apart,
+/// beside the brightness there.
+///
+/// The picture is as unbiased as with a number of paths chosen beforehand. Where the first look sees nothing of a light that
+/// is rarely hit, its pixels get few paths.
+///
+/// # Errors
+/// [`Error::Argument`] for less than 16 samples, and as [`super::render()`].
+pub fn render_allocated(
+    scene: &Scene,
+    plan: &EffectPlan,
+    settings: &Settings,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Result<Film> {
+    let Settings { width, height, samples, .. } = *settings;
+    let count = settings.pixels()?;
+    let least = FEWEST * 4;
+    if samples < least {
+        let what = format!("{samples} samples a pixel to share out");
+        return Err(Error::argument(what, format!("allow {least}: some of them only look where to send the rest")));
+    }
+    let tracer = Tracer::new(scene, plan, settings);
+    let ahead = (samples / AHEAD).max(FEWEST);
+    let mut looks = vec![Tally::default(); count];
+    looks.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        let seed = |pixel| mix(!settings.pixel_seed(pixel));
+        tally(&tracer, y * width, row, |pixel| (seed(pixel), ahead));
+    });
+    let numbers = share_out(&looks, width, samples - ahead);
+    let mut pixels = vec![Pixel::default(); count];
+    pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        let first = y * width;
+        let mut tallies = vec![Tally::default(); row.len()];
+        tally(&tracer, first, &mut tallies, |pixel| (settings.pixel_seed(pixel), numbers[pixel]));
+        for (pixel, (tally, look)) in row.iter_mut().zip(tallies.iter().zip(&looks[first..])) {
+            *pixel = together(look, tally);
+        }
+        progress(width);
+    });
+    Ok(Film::new(width, height, pixels))
+}
+
+/// Adds the paths of some pixels in a row, of each as many as `plan` says and from its seed.
+fn tally(tracer: &Tracer<'_>, first: usize, row: &mut [Tally], plan: impl Fn(usize) -> (u64, u64)) {
+    let paths = (first..first + row.len()).flat_map(|pixel| {
+        let (seed, count) = plan(pixel);
+        (0..count).map(move |index| PathId { pixel, seed, index, count })
+    });
+    tracer.trace(paths, |path, radiance| row[path.pixel - first].add(radiance));
+}
+
+/// Mean of two means, each weighing as its squared error is expected to fall with its number of paths.
+fn together(look: &Tally, rest: &Tally) -> Pixel {
+    let weight = |tally: &Tally| tally.count().powf(1.0 / POWER - 1.0);
+    let (a, b) = (weight(look), weight(rest));
+    let (x, y) = (look.pixel(), rest.pixel());
+    let error = (x.error * a).powf(2.0) + (y.error * b).powf(2.0);
+    Pixel { mean: (x.mean * a + y.mean * b) / (a + b), error: error.map(f64::sqrt) / (a + b) }
+}
+
+/// Numbers of paths, at least 1 a pixel and `mean` on average over each colour.
+fn share_out(looks: &[Tally], width: usize, mean: u64) -> Vec<u64> {
+    let mut numbers = vec![0; looks.len()];
+    for colour in [0, 1] {
+        let of = |colour: usize| (0..looks.len()).filter(move |i| (i % width + i / width) % 2 == colour);
+        // A picture of one pixel has no other colour.
+        let other = if of(1 - colour).next().is_some() { 1 - colour } else { colour };
+        let (sum, seen) = of(other).fold((0.0, 0.0), |(sum, n), i| (sum + brightness(&looks[i]), n + 1.0));
+        let dark = DARK * sum / seen;
+        let score = |pixel: usize| score(looks, width, pixel, dark, other);
+        let scores: Vec<f64> = of(colour).collect::<Vec<_>>().into_par_iter().map(score).collect();
+        let all: f64 = scores.iter().sum();
+        for (pixel, score) in of(colour).zip(&scores) {
+            let share = if all > 0.0 { score / all * scores.len() as f64 } else { 1.0 };
+            numbers[pixel] = ((share.min(MOST) * mean as f64).round() as u64).max(1);
+        }
+    }
+    numbers
+}
+
+fn brightness(look: &Tally) -> f64 {
+    look.mean().element_sum() / 3.0
+}
+
+/// In proportion to the number of paths that a pixel should get, by the pixels of a colour about it.
+fn score(looks: &[Tally], width: usize, pixel: usize, dark: f64, colour: usize) -> f64 {
+    let (x, y, height) = (pixel % width, pixel / width, looks.len() / width);
+    let span = |at: usize, end: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(end);
+    let (mut variance, mut level, mut count) = (0.0, 0.0, 0.0);
+    for (i, j) in span(y, height).flat_map(|j| span(x, width).map(move |i| (i, j))) {
+        if (i + j) % 2 == colour {
+            let look = &looks[j * width + i];
+            variance += look.variance().element_sum() / 3.0;
+            level += brightness(look);
+            count += 1.0;
+        }
+    }
+    if count == 0.0 || variance == 0.0 {
+        return 0.0;
+    }
+    let level = level / count;
+    (variance / count / (level * level + dark * dark)).powf(POWER)
+}
