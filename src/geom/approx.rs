@@ -75,9 +75,9 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     (f64::from_bits(sin), f64::from_bits(cos))
 }
 
-/// Angle of (x, y) in [−π, π] to 4·10⁻¹² of itself where it is within π/8 of 0, and to 4·10⁻¹² rad elsewhere; 0 for (0, 0).
+/// Angle of (x, y) in [−π, π] to 4·10⁻¹² of itself where it is within π/8 of 0, and to 4·10⁻¹² rad elsewhere.
 ///
-/// Multiples of π/4 are exact to rounding. Lengths below `f64::MIN_POSITIVE` count as 0.
+/// Zeros count by their signs, as the library's do. Multiples of π/4 are exact to rounding. Of lengths about `f64::MIN_POSITIVE` it only stays in bounds.
 #[inline]
 pub fn fine_atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 8] = [
@@ -91,17 +91,16 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
         -0.040_462_555_942_950_79,
     ];
     const TAN_PI_8: f64 = 0.414_213_562_373_095_05;
+    // Octants come at random. Signs tell them apart: of comparisons, compilers make branches.
+    let negative = |v: f64| f64::from_bits(((v.to_bits() as i64 >> 63) as u64) & 1f64.to_bits());
     let (ax, ay) = (x.abs(), y.abs());
-    let steep = ay > ax;
-    let (low, high) = if steep { (ax, ay) } else { (ay, ax) };
-    // Beyond an eighth of a half turn, as seen from a quarter of one.
-    let far = low > TAN_PI_8 * high;
-    let (over, under) = if far { (low - high, low + high) } else { (low, high) };
-    let t = over / if under > f64::MIN_POSITIVE { under } else { f64::MIN_POSITIVE };
-    let near = t * polynomial(&C, t * t);
-    let angle = near + if far { FRAC_PI_4 } else { 0.0 };
-    let angle = if steep { FRAC_PI_2 - angle } else { angle };
-    let angle = if x < 0.0 { PI - angle } else { angle };
+    let (low, high) = if ay > ax { (ax, ay) } else { (ay, ax) };
+    let (steep, back, far) = (negative(ax - ay), negative(x), negative(TAN_PI_8 * high - low));
+    // Beyond π/8 as seen from π/4.
+    let t = (low - far * high) / (high + far * low + f64::MIN_POSITIVE);
+    let angle = t * polynomial(&C, t * t) + far * FRAC_PI_4;
+    let angle = steep * FRAC_PI_2 + (1.0 - 2.0 * steep) * angle;
+    let angle = back * PI + (1.0 - 2.0 * back) * angle;
     angle.copysign(y)
 }
 
