@@ -219,7 +219,8 @@ fn guide_cell(u: f64, cells: usize) -> usize {
 /// The interval of positive mass that holds `u`, and the share of it below `u`, in [0, 1].
 #[inline]
 fn place(cdf: &[f64], guide: &[u16], u: f64) -> (usize, f64) {
-    let u = u.clamp(0.0, 1.0f64.next_down());
+    // Not a number counts as 0, and −0, whose sign would mislead, becomes 0.
+    let u = u.max(0.0).min(1.0f64.next_down()) + 0.0;
     let i = above(cdf, guide, u).saturating_sub(1).min(cdf.len() - 2);
     (i, (u - cdf[i]) / (cdf[i + 1] - cdf[i]))
 }
@@ -233,8 +234,10 @@ fn above(cdf: &[f64], guide: &[u16], u: f64) -> usize {
         _ => (0, cdf.len()),
     };
     let start = from.min(cdf.len().saturating_sub(NEAR));
+    // Signs of differences are exact, and counted without branches.
+    let is_above = |&c: &f64| ((u - c).to_bits() >> 63) as usize;
     match cdf.get(start..start + NEAR) {
-        Some(near) if to <= start + NEAR => start + near.iter().map(|&c| usize::from(c <= u)).sum::<usize>(),
+        Some(near) if to <= start + NEAR => start + NEAR - near.iter().map(is_above).sum::<usize>(),
         _ => from + cdf[from..to].partition_point(|&c| c <= u),
     }
 }
@@ -331,7 +334,7 @@ mod tests {
                 let guide = Guide::new(&cdf, width as usize);
                 for u in hard_values(if width < 1000 { &cdf } else { &cdf[..1000] }) {
                     let (i, share) = place(&cdf, guide.of(0), u);
-                    let u = u.clamp(0.0, 1.0f64.next_down());
+                    let u = u.max(0.0).min(1.0f64.next_down());
                     let expected = cdf.partition_point(|&c| c <= u).saturating_sub(1);
                     assert_eq!(i, expected, "{width} {w} {u:e}");
                     assert!(

@@ -90,7 +90,7 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
         0.071_368_995_627_514_77,
         -0.040_462_555_942_950_79,
     ];
-    const TAN_PI_8: f64 = 0.414_213_562_373_095_05;
+    const TAN_PI_8: f64 = 0.414_213_562_373_095;
     // Octants come at random. Signs tell them apart: of comparisons, compilers make branches.
     let negative = |v: f64| f64::from_bits(((v.to_bits() as i64 >> 63) as u64) & 1f64.to_bits());
     let (ax, ay) = (x.abs(), y.abs());

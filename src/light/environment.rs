@@ -10,6 +10,9 @@ use crate::dist::Piecewise2d;
 use crate::geom::approx::{fine_atan2, fine_sin_cos_turns};
 use crate::{Error, Result};
 
+/// Directions that go through the stages of a batch together: arithmetic is vector code, and reads of the map overlap.
+const LANES: usize = 64;
+
 /// How an environment chooses directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SkySampling {
@@ -202,16 +205,14 @@ impl Light for Environment {
 
     fn sample_many(&self, from: &[DVec3], u: &[DVec2], out: &mut [Option<LightSample>]) {
         let count = from.len().min(u.len()).min(out.len());
+        let (mut places, mut squares) = ([(0.0, 0.0); LANES], [DVec2::ZERO; LANES]);
+        let mut directions = [DVec3::Y; LANES];
         for (u, out) in u[..count].chunks(LANES).zip(out[..count].chunks_mut(LANES)) {
-            let mut places = [(0.0, 0.0); LANES];
-            let mut directions = [DVec3::Y; LANES];
-            let mut squares = [DVec2::ZERO; LANES];
             for (place, &u) in places.iter_mut().zip(u) {
                 *place = self.place(u);
             }
-            for ((direction, square), &(longitude, cos)) in
-                directions.iter_mut().zip(&mut squares).zip(&places)
-            {
+            let chosen_places = places[..u.len()].iter().zip(&mut directions).zip(&mut squares);
+            for ((&(longitude, cos), direction), square) in chosen_places {
                 *direction = direction_of(longitude, cos);
                 *square = square_of(*direction);
             }
@@ -224,25 +225,23 @@ impl Light for Environment {
     fn seen_many(&self, from: &[DVec3], directions: &[DVec3], reach: &[f64], out: &mut [Option<Seen>]) {
         let count = from.len().min(directions.len()).min(reach.len()).min(out.len());
         let chunks = directions[..count].chunks(LANES).zip(reach[..count].chunks(LANES));
+        let mut squares = [DVec2::ZERO; LANES];
         for ((directions, reach), out) in chunks.zip(out[..count].chunks_mut(LANES)) {
-            let mut squares = [DVec2::ZERO; LANES];
             for (square, &direction) in squares.iter_mut().zip(directions) {
                 *square = square_of(direction);
             }
             for ((out, &p), &reach) in out.iter_mut().zip(&squares).zip(reach) {
-                *out = (!(reach < f64::INFINITY)).then(|| self.seen_at(p));
+                *out = if reach < f64::INFINITY { None } else { Some(self.seen_at(p)) };
             }
         }
     }
 }
 
-/// Directions that go through the stages of a batch together: arithmetic is vector code, and reads of the map overlap.
-const LANES: usize = 64;
-
 fn chosen(wi: DVec3, Seen { radiance, pdf }: Seen) -> Option<LightSample> {
     (pdf > 0.0).then_some(LightSample { wi, distance: f64::INFINITY, radiance, pdf })
 }
 
+/// The map with what look-ups may read beyond it.
 fn padded(width: usize, pixels: &[Rgb]) -> Vec<Vec4> {
     let rows = pixels.chunks_exact(width);
     let last = rows.clone().next_back();
@@ -255,7 +254,7 @@ fn padded(width: usize, pixels: &[Rgb]) -> Vec<Vec4> {
 }
 
 /// Unit vector, to 10⁻¹², of a longitude share and the cosine of a polar angle.
-#[inline]
+#[inline(always)]
 fn direction_of(longitude: f64, cos: f64) -> DVec3 {
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
     let (s, c) = fine_sin_cos_turns(longitude - 0.5);
@@ -263,7 +262,7 @@ fn direction_of(longitude: f64, cos: f64) -> DVec3 {
 }
 
 /// Longitude and latitude of a unit vector as shares in [0, 1], to 10⁻¹².
-#[inline]
+#[inline(always)]
 fn square_of(direction: DVec3) -> DVec2 {
     let longitude = fine_atan2(direction.x, -direction.z) * (0.5 * FRAC_1_PI) + 0.5;
     let beside = (direction.x * direction.x + direction.z * direction.z).sqrt();
@@ -344,6 +343,74 @@ mod tests {
         for u in [DVec2::ZERO, DVec2::ONE, DVec2::new(1.0f64.next_down(), 0.0)] {
             let s = sky.sample(DVec3::ZERO, u).unwrap();
             assert!(s.wi.is_normalized() && s.pdf.is_finite());
+        }
+    }
+
+    /// Directions of all kinds: drawn, and along, near and between the axes.
+    fn directions(count: u64) -> Vec<DVec3> {
+        let drawn = (0..count).map(|i| {
+            let u = PointSet::Random.point(5, i, 0).as_dvec2();
+            direction_of(u.x, 1.0 - 2.0 * u.y)
+        });
+        let steps = [-1.0, -1e-9, -1e-300, -0.0, 0.0, 1e-300, 1e-9, 1.0];
+        let grid = (0..512).map(|i| DVec3::new(steps[i % 8], steps[i / 8 % 8], steps[i / 64]));
+        grid.filter(|w| w.abs().max_element() == 1.0).map(DVec3::normalize).chain(drawn).collect()
+    }
+
+    #[test]
+    fn many_are_the_same_bits_as_one_by_one() {
+        let plain = Environment::new(3, 2, vec![Rgb::new(0.1, 2.0, 3e5); 6], SkySampling::Uniform).unwrap();
+        let nothing = Some(Seen { radiance: Rgb::ONE, pdf: -1.0 });
+        for sky in [spotted(), plain] {
+            let wi = directions(10_000);
+            let u: Vec<DVec2> = (0..10_000).map(|i| PointSet::Random.point(6, i, 0).as_dvec2()).collect();
+            let from = vec![DVec3::ONE; wi.len()];
+            let reach: Vec<f64> =
+                (0..wi.len()).map(|i| if i % 7 == 3 { 5.0 } else { f64::INFINITY }).collect();
+            for count in [0, 1, 63, 64, 65, 200, 10_000] {
+                let mut sampled = vec![None; count + 1];
+                sky.sample_many(&from, &u[..count], &mut sampled);
+                let mut seen = vec![nothing; count + 1];
+                sky.seen_many(&from, &wi, &reach[..count], &mut seen);
+                for k in 0..count {
+                    assert_eq!(sampled[k], sky.sample(from[k], u[k]), "{}", u[k]);
+                    assert_eq!(seen[k], sky.seen(from[k], wi[k], reach[k]), "{}", wi[k]);
+                    let drawn = sampled[k].unwrap();
+                    let back = sky.seen(from[k], drawn.wi, f64::INFINITY).unwrap();
+                    assert_eq!((back.radiance, back.pdf.to_bits()), (drawn.radiance, drawn.pdf.to_bits()));
+                }
+                assert_eq!((sampled[count], seen[count]), (None, nothing));
+            }
+        }
+    }
+
+    #[test]
+    fn shares_are_those_of_the_library_and_in_bounds() {
+        for w in directions(100_000) {
+            let p = square_of(w);
+            let exact = DVec2::new(w.x.atan2(-w.z) / TAU + 0.5, w.x.hypot(w.z).atan2(w.y) / PI);
+            assert!(p.abs_diff_eq(exact, 1e-11), "{w}: {p} {exact}");
+            assert!(p.min_element() >= 0.0 && p.max_element() <= 1.0, "{w}: {p}");
+            let back = direction_of(p.x, (p.y * PI).cos());
+            assert!((back.length() - 1.0).abs() < 1e-12, "{w}: {back}");
+        }
+    }
+
+    #[test]
+    fn radiance_is_bilinear_between_centres_and_closes_on_itself() {
+        let (width, height) = (5, 3);
+        let pixel = |x: usize, y: usize| Rgb::new(x as f32, y as f32, (x * x + 7 * y) as f32);
+        let pixels = (0..width * height).map(|i| pixel(i % width, i / width)).collect();
+        let sky = Environment::new(width, height, pixels, SkySampling::Importance).unwrap();
+        for i in 0..2000 {
+            let p = PointSet::Sobol.point(3, i, 0).as_dvec2();
+            let (x, y) =
+                (p.x * width as f64 - 0.5, (p.y * height as f64 - 0.5).clamp(0.0, height as f64 - 1.0));
+            let (s, t) = ((x - x.floor()) as f32, y.fract() as f32);
+            let column = |x: f64| (x as i64).rem_euclid(width as i64) as usize;
+            let line = |y: usize| pixel(column(x.floor()), y).lerp(pixel(column(x.floor() + 1.0), y), s);
+            let expected = line(y as usize).lerp(line((y as usize + 1).min(height - 1)), t);
+            assert!(sky.radiance_at(p).abs_diff_eq(expected, 1e-5), "{p}");
         }
     }
 
