@@ -77,7 +77,8 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
 
 /// Angle of (x, y) in [−π, π] to 4·10⁻¹² of itself where it is within π/8 of 0, and to 4·10⁻¹² rad elsewhere.
 ///
-/// Zeros count by their signs, as the library's do. Multiples of π/4 are exact to rounding. Of lengths about `f64::MIN_POSITIVE` it only stays in bounds.
+/// Zeros count by their signs, as the library's do. Multiples of π/4 are exact to rounding. For lengths about
+/// `f64::MIN_POSITIVE` it only stays in bounds; infinite ones give NaN.
 #[inline]
 pub fn fine_atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 8] = [
@@ -104,7 +105,7 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
     angle.copysign(y)
 }
 
-/// Sine and cosine of `turns` full turns, −2⁴⁰ to 2⁴⁰, to 10⁻¹² on [−1, 1]; their squares sum to 1 within 10⁻¹².
+/// Sine and cosine of `turns` full turns, in [−1, 1], to 10⁻¹²; their squares sum to 1 within 10⁻¹².
 #[inline]
 pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
     // To this, numbers are added as integers: rounding without a call, and vector code on the oldest x86-64.
