@@ -1,5 +1,6 @@
 //! What each effect costs: scenes by their plan, with each effect that it leaves out forced on, and with everything on.
 //!
+//! Also what an environment costs: to prepare, and for each direction.
 //! Each variant is checked against the plan's picture before it is timed. `cargo bench --bench render`.
 
 use std::hint::black_box;
@@ -7,7 +8,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use glam::{DVec2, DVec3};
 use merlkit::brdf::{LookupRule, Measured};
+use merlkit::light::{Light, SkySampling, studio};
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::render::{
@@ -23,15 +26,15 @@ fn row(count: usize) -> SceneSpec {
 }
 
 fn scenes() -> [(&'static str, SceneSpec); 5] {
-    let studio = LightSpec::Environment(EnvironmentSource::Studio);
+    let sky = LightSpec::Environment(EnvironmentSource::Studio);
     let lit = |spec: SceneSpec, light: LightSpec| SceneSpec { lights: vec![light], ..spec };
     let floor = |spec: SceneSpec| SceneSpec { floor: Some(0.35), ..spec };
     [
         ("one sphere, point", lit(row(1), row(1).row_point())),
         ("one sphere, area", lit(row(1), row(1).row_area())),
-        ("one sphere, environment", lit(row(1), studio.clone())),
+        ("one sphere, environment", lit(row(1), sky.clone())),
         ("three spheres and floor, directional", lit(floor(row(3)), row(3).row_directional())),
-        ("three spheres and floor, environment", lit(floor(row(3)), studio)),
+        ("three spheres and floor, environment", lit(floor(row(3)), sky)),
     ]
 }
 
@@ -81,16 +84,66 @@ fn effects(c: &mut Criterion) {
 fn preparation(c: &mut Criterion) {
     let mut group = c.benchmark_group("built-in environment");
     group.sample_size(10);
-    for (name, sampling) in [
-        ("without tables", merlkit::light::SkySampling::Uniform),
-        ("with tables", merlkit::light::SkySampling::Importance),
-    ] {
-        let build = || merlkit::light::studio(sampling).expect("a sky");
+    for (name, sampling) in
+        [("without tables", SkySampling::Uniform), ("with tables", SkySampling::Importance)]
+    {
+        let build = || studio(sampling).expect("a sky");
         assert_eq!(build().table_bytes() > 0, name == "with tables");
         group.bench_function(name, |b| b.iter(|| black_box(build())));
     }
     group.finish();
 }
 
-criterion_group!(benches, effects, preparation);
+/// Directions towards an environment and what rays see of it, one by one and many at once.
+fn directions(c: &mut Criterion) {
+    const COUNT: usize = 4096;
+    let sky: &dyn Light = &studio(SkySampling::Importance).expect("a sky");
+    let from = [DVec3::ZERO; COUNT];
+    let reach = [f64::INFINITY; COUNT];
+    let point = |i: usize| PointSet::Random.point(1, i as u64, 0).as_dvec2();
+    let u: [DVec2; COUNT] = std::array::from_fn(point);
+    let wi = u.map(|u| sky.sample(DVec3::ZERO, u).expect("a direction").wi);
+    let (mut sampled, mut seen) = ([None; COUNT], [None; COUNT]);
+    let mut group = c.benchmark_group("a direction to the built-in environment");
+    group.throughput(Throughput::Elements(COUNT as u64)).measurement_time(Duration::from_secs(1));
+    group.bench_function("sample", |b| {
+        b.iter(|| {
+            for (s, &u) in sampled.iter_mut().zip(&u) {
+                *s = black_box(sky).sample(DVec3::ZERO, u);
+            }
+            black_box(sampled[COUNT - 1])
+        })
+    });
+    group.bench_function("sample_many", |b| {
+        b.iter(|| {
+            for ((s, u), from) in sampled.chunks_mut(64).zip(u.chunks(64)).zip(from.chunks(64)) {
+                black_box(sky).sample_many(from, u, s);
+            }
+            black_box(sampled[COUNT - 1])
+        })
+    });
+    group.bench_function("seen", |b| {
+        b.iter(|| {
+            for (s, &wi) in seen.iter_mut().zip(&wi) {
+                *s = black_box(sky).seen(DVec3::ZERO, wi, f64::INFINITY);
+            }
+            black_box(seen[COUNT - 1])
+        })
+    });
+    group.bench_function("seen_many", |b| {
+        b.iter(|| {
+            let rays = wi.chunks(64).zip(from.chunks(64)).zip(reach.chunks(64));
+            for (s, ((wi, from), reach)) in seen.chunks_mut(64).zip(rays) {
+                black_box(sky).seen_many(from, wi, reach, s);
+            }
+            black_box(seen[COUNT - 1])
+        })
+    });
+    group.finish();
+    for (sampled, seen) in sampled.iter().zip(&seen) {
+        assert_eq!(sampled.map(|s| (s.radiance, s.pdf)), seen.map(|s| (s.radiance, s.pdf)));
+    }
+}
+
+criterion_group!(benches, effects, preparation, directions);
 criterion_main!(benches);

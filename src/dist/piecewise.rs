@@ -8,7 +8,8 @@ use crate::{Error, Result};
 ///
 /// A point of the unit square chooses a row by its `y` and, within the row, a column by its `x`; what is left of each
 /// coordinate places the point in the cell. The map is continuous along each axis, so well-spread points stay well spread.
-/// Cumulative sums are `f64`: the ratio of a sun to a sky exceeds the resolution of `f32`.
+/// Cumulative sums are `f64`: the ratio of a sun to a sky exceeds the resolution of `f32`. Intervals are found by guide
+/// tables (Chen and Asau 1974), and by bisection where many share a cell of the guide.
 #[derive(Clone, Debug)]
 pub struct Piecewise2d {
     width: usize,
@@ -17,6 +18,20 @@ pub struct Piecewise2d {
     rows: Vec<f64>,
     /// Cumulative share of columns within each row, `[row][width + 1]`.
     columns: Vec<f64>,
+    row_guide: Guide,
+    /// Of all rows, one after another.
+    column_guide: Guide,
+}
+
+/// A cell of a [`Piecewise2d`], and a point in it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    /// Column of the cell.
+    pub(crate) column: usize,
+    /// Row of the cell.
+    pub(crate) row: usize,
+    /// Where in the cell, as shares of its sides in [0, 1].
+    pub(crate) share: DVec2,
 }
 
 impl Piecewise2d {
@@ -34,7 +49,8 @@ impl Piecewise2d {
             weights.chunks_exact(width).map(|row| push_cumulative(&mut columns, row, largest)).collect();
         let mut rows = Vec::with_capacity(height + 1);
         push_cumulative(&mut rows, &sums, 1.0);
-        Ok(Self { width, height, rows, columns })
+        let (row_guide, column_guide) = (Guide::new(&rows, height), Guide::new(&columns, width));
+        Ok(Self { width, height, rows, columns, row_guide, column_guide })
     }
 
     /// Columns of the grid.
@@ -47,20 +63,27 @@ impl Piecewise2d {
         self.height
     }
 
-    /// Bytes of memory that the cumulative sums hold.
+    /// Bytes of memory that the cumulative sums and their guides hold.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.rows.as_slice()) + size_of_val(self.columns.as_slice())
+        let sums = size_of_val(self.rows.as_slice()) + size_of_val(self.columns.as_slice());
+        sums + self.row_guide.bytes() + self.column_guide.bytes()
+    }
+
+    /// The cell, of positive mass, that `u` in [0, 1)² falls into, and where in it; coordinates outside are clamped.
+    pub(crate) fn place(&self, u: DVec2) -> Placed {
+        let (row, y) = place(&self.rows, self.row_guide.of(0), u.y);
+        let (column, x) = place(self.row(row), self.column_guide.of(row), u.x);
+        Placed { column, row, share: DVec2::new(x, y) }
     }
 
     /// Maps `u` in [0, 1)² to a point in [0, 1)² that lies where the density is positive; coordinates outside are clamped.
     pub fn sample(&self, u: DVec2) -> DVec2 {
-        let (row, y) = place(&self.rows, u.y);
-        let (column, x) = place(self.row(row), u.x);
+        let Placed { column, row, share } = self.place(u);
         let point = |cell: usize, share: f64, cells: usize| {
             // Rounding must not carry the point into the next cell, whose density may be zero.
             ((cell as f64 + share) / cells as f64).min(((cell + 1) as f64 / cells as f64).next_down())
         };
-        DVec2::new(point(column, x, self.width), point(row, y, self.height))
+        DVec2::new(point(column, share.x, self.width), point(row, share.y, self.height))
     }
 
     /// Density at `p` per unit area of the square; 0 outside [0, 1)².
@@ -73,8 +96,18 @@ impl Piecewise2d {
         if x >= self.width || y >= self.height {
             return 0.0;
         }
-        let row = self.row(y);
-        (self.rows[y + 1] - self.rows[y]) * (row[x + 1] - row[x])
+        self.row_mass(y) * self.mass_within_row(x, y)
+    }
+
+    /// Probability of row `y`, which must be in the grid.
+    pub(crate) fn row_mass(&self, y: usize) -> f64 {
+        self.rows[y + 1] - self.rows[y]
+    }
+
+    /// Probability of column `x` once row `y` is chosen; both must be in the grid.
+    pub(crate) fn mass_within_row(&self, x: usize, y: usize) -> f64 {
+        let first = y * (self.width + 1) + x;
+        self.columns[first + 1] - self.columns[first]
     }
 
     /// The `u` that [`Self::sample`] maps to `p`; `None` where the density is zero.
@@ -132,12 +165,81 @@ fn push_cumulative(cdf: &mut Vec<f64>, weights: &[f64], unit: f64) -> f64 {
     sum
 }
 
-/// The interval of positive mass that holds `u`, and the share of it below `u`, in [0, 1).
-fn place(cdf: &[f64], u: f64) -> (usize, f64) {
-    let u = u.clamp(0.0, 1.0f64.next_down());
-    let above = cdf.partition_point(|&c| c <= u);
-    let i = above.saturating_sub(1).min(cdf.len() - 2);
+/// Intervals that are compared with `u` all at once rather than bisected: no branch to predict.
+const NEAR: usize = 8;
+
+/// For cumulative sums of equal number of intervals, one after another: where in each the search for `u` begins and ends.
+///
+/// [0, 1) is divided into as many cells as there are intervals. A value of the sums that is in an earlier cell than `u` is
+/// not above it, and one in a later cell is, whatever the rounding of the cells' numbers: it does not decrease.
+#[derive(Clone, Debug)]
+struct Guide {
+    cells: usize,
+    /// Values of the sum in earlier cells, `[sum][cells + 1]`; empty if they don't fit in 16 bits.
+    starts: Vec<u16>,
+}
+
+impl Guide {
+    /// A guide to sums of `cells + 1` values.
+    fn new(sums: &[f64], cells: usize) -> Self {
+        let mut starts = Vec::new();
+        if cells < usize::from(u16::MAX) {
+            starts.reserve_exact(sums.len());
+            sums.chunks_exact(cells + 1).for_each(|cdf| push_starts(&mut starts, cdf));
+        }
+        Self { cells, starts }
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.starts.as_slice())
+    }
+
+    /// The guide to one of the sums.
+    fn of(&self, sum: usize) -> &[u16] {
+        self.starts.get(sum * (self.cells + 1)..(sum + 1) * (self.cells + 1)).unwrap_or_default()
+    }
+}
+
+fn push_starts(starts: &mut Vec<u16>, cdf: &[f64]) {
+    let cells = cdf.len() - 1;
+    let mut earlier = 0;
+    for k in 0..cells {
+        while earlier < cells && guide_cell(cdf[earlier], cells) < k {
+            earlier += 1;
+        }
+        starts.push(earlier as u16);
+    }
+    starts.push(cdf.len() as u16);
+}
+
+fn guide_cell(u: f64, cells: usize) -> usize {
+    ((u * cells as f64) as u32 as usize).min(cells - 1)
+}
+
+/// The interval of positive mass that holds `u`, and the share of it below `u`, in [0, 1].
+#[inline]
+fn place(cdf: &[f64], guide: &[u16], u: f64) -> (usize, f64) {
+    // Not a number counts as 0, and −0, whose sign would mislead, becomes 0.
+    let u = u.max(0.0).min(1.0f64.next_down()) + 0.0;
+    let i = above(cdf, guide, u).saturating_sub(1).min(cdf.len() - 2);
     (i, (u - cdf[i]) / (cdf[i + 1] - cdf[i]))
+}
+
+/// Index of the first value above `u`.
+#[inline]
+fn above(cdf: &[f64], guide: &[u16], u: f64) -> usize {
+    let cell = guide_cell(u, cdf.len() - 1);
+    let (from, to) = match guide.get(cell..cell + 2) {
+        Some(&[from, to]) => (usize::from(from), usize::from(to)),
+        _ => (0, cdf.len()),
+    };
+    let start = from.min(cdf.len().saturating_sub(NEAR));
+    // Signs of differences are exact, and counted without branches.
+    let is_above = |&c: &f64| ((u - c).to_bits() >> 63) as usize;
+    match cdf.get(start..start + NEAR) {
+        Some(near) if to <= start + NEAR => start + NEAR - near.iter().map(is_above).sum::<usize>(),
+        _ => from + cdf[from..to].partition_point(|&c| c <= u),
+    }
 }
 
 #[cfg(test)]
@@ -208,6 +310,45 @@ mod tests {
             let share = f64::from(count) / f64::from(n);
             assert!((share - d.mass(i % 5, i / 5)).abs() < 2e-3, "cell {i}: {share}");
         }
+    }
+
+    /// Every value of the sums and its neighbours, the ends, what is outside, and points in between.
+    fn hard_values(sums: &[f64]) -> impl Iterator<Item = f64> {
+        let ends = [-1.0, -0.0, f64::MIN_POSITIVE, 1.0f64.next_down(), 1.0, 2.0, f64::INFINITY, f64::NAN];
+        let close = sums.iter().flat_map(|&c| [c.next_down(), c, c.next_up()]);
+        ends.into_iter().chain(close).chain((0..200).map(|i| spread(i).x))
+    }
+
+    #[test]
+    fn guides_find_what_bisection_finds() {
+        let random = |i: u32| spread(i).x * spread(i).y.powi(12);
+        let sun = |at: usize| move |i: u32| if i as usize == at { 1e9 } else { random(i) };
+        let comb = |i: u32| if i % 3 == 1 { random(i) } else { 0.0 };
+        let weights: [&dyn Fn(u32) -> f64; 7] =
+            [&random, &sun(0), &sun(40), &sun(150), &comb, &|_| 0.0, &|_| 1.0];
+        for width in [1, 2, 3, 5, 8, 9, 64, 151, 70_000] {
+            for (w, weight) in weights.iter().enumerate() {
+                let weights: Vec<f64> = (0..width).map(weight).collect();
+                let mut cdf = Vec::new();
+                push_cumulative(&mut cdf, &weights, 1.0);
+                let guide = Guide::new(&cdf, width as usize);
+                for u in hard_values(if width < 1000 { &cdf } else { &cdf[..1000] }) {
+                    let (i, share) = place(&cdf, guide.of(0), u);
+                    let u = u.max(0.0).min(1.0f64.next_down());
+                    let expected = cdf.partition_point(|&c| c <= u).saturating_sub(1);
+                    assert_eq!(i, expected, "{width} {w} {u:e}");
+                    assert!((0.0..=1.0).contains(&share), "{width} {w} {u:e}: {share}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn guides_have_two_bytes_an_interval() {
+        let bytes =
+            |width, height| Piecewise2d::new(width, height, &vec![1.0; width * height]).unwrap().bytes();
+        assert_eq!(bytes(5, 3), (8 + 2) * (6 * 3 + 4));
+        assert_eq!(bytes(70_000, 1), 8 * 70_001 + (8 + 2) * 2);
     }
 
     #[test]

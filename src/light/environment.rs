@@ -1,18 +1,22 @@
 //! Light from all around: an equirectangular map.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec4};
 
 use super::{Light, LightSample, Seen};
 use crate::color::{Rgb, luminance};
 use crate::dist::Piecewise2d;
+use crate::geom::approx::{fine_atan2, fine_sin_cos_turns};
 use crate::{Error, Result};
+
+/// Directions that go through the stages of a batch together: arithmetic is vector code, and reads of the map overlap.
+const LANES: usize = 64;
 
 /// How an environment chooses directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SkySampling {
-    /// In proportion to luminance × solid angle, from tables of 8 bytes a pixel.
+    /// In proportion to luminance × solid angle, from tables of 10 bytes a pixel.
     Importance,
     /// Uniform over the sphere, without tables.
     Uniform,
@@ -26,11 +30,22 @@ pub enum SkySampling {
 pub struct Environment {
     width: usize,
     height: usize,
-    pixels: Vec<Rgb>,
+    /// Width and height.
+    extent: DVec2,
+    /// With what a look-up may read beyond the map: the last column before the first, the first after the last, and the last
+    /// row once more. `[height + 1][width + 2]`; of four channels, which are read as one.
+    pixels: Vec<Vec4>,
     /// Cosines of the polar angles of the rows' upper edges, `height + 1` values from 1 to −1.
     cos_edges: Vec<f64>,
     /// `None`: uniform over the sphere.
-    table: Option<Piecewise2d>,
+    table: Option<Table>,
+}
+
+/// Directions in proportion to luminance.
+struct Table {
+    cells: Piecewise2d,
+    /// Probability of each row over the solid angle of one of its cells.
+    densities: Vec<f64>,
 }
 
 impl Environment {
@@ -51,9 +66,12 @@ impl Environment {
             return Err(Error::argument(what, "give finite radiance ≥ 0"));
         }
         let cos_edges = (0..=height).map(|row| (row as f64 / height as f64 * PI).cos()).collect();
-        let mut sky = Self { width, height, pixels, cos_edges, table: None };
-        if sampling == SkySampling::Importance && sky.pixels.iter().any(|c| luminance(*c) > 0.0) {
-            sky.table = Some(Piecewise2d::new(width, height, &sky.weights())?);
+        let extent = DVec2::new(width as f64, height as f64);
+        let mut sky = Self { width, height, extent, pixels: padded(width, &pixels), cos_edges, table: None };
+        if sampling == SkySampling::Importance && pixels.iter().any(|c| luminance(*c) > 0.0) {
+            let cells = Piecewise2d::new(width, height, &sky.weights(&pixels))?;
+            let densities = (0..height).map(|y| cells.row_mass(y) / sky.solid_angle(y)).collect();
+            sky.table = Some(Table { cells, densities });
         }
         Ok(sky)
     }
@@ -85,7 +103,7 @@ impl Environment {
 
     /// Bytes of memory that the sampling tables hold.
     pub fn table_bytes(&self) -> usize {
-        self.table.as_ref().map_or(0, Piecewise2d::bytes)
+        self.table.as_ref().map_or(0, |t| t.cells.bytes() + size_of_val(t.densities.as_slice()))
     }
 
     /// Radiance that arrives from the unit vector `direction`.
@@ -98,41 +116,48 @@ impl Environment {
         self.pdf_at(square_of(direction))
     }
 
-    fn radiance_at(&self, p: DVec2) -> Rgb {
-        let x = p.x * self.width as f64 - 0.5;
-        let y = (p.y * self.height as f64 - 0.5).clamp(0.0, (self.height - 1) as f64);
-        let (column, row) = (x.floor(), y as usize);
-        let (s, t) = ((x - column) as f32, (y - row as f64) as f32);
-        let left = (column as i64).rem_euclid(self.width as i64) as usize;
-        let right = (left + 1) % self.width;
-        let line = |row: usize| {
-            let row = &self.pixels[row * self.width..(row + 1) * self.width];
-            row[left].lerp(row[right], s)
-        };
-        line(row).lerp(line((row + 1).min(self.height - 1)), t)
+    #[inline]
+    fn seen_at(&self, p: DVec2) -> Seen {
+        Seen { radiance: self.radiance_at(p), pdf: self.pdf_at(p) }
     }
 
+    #[inline]
+    fn radiance_at(&self, p: DVec2) -> Rgb {
+        // Padding moves the pixels to the right by one.
+        let x = p.x * self.extent.x + 0.5;
+        let y = (p.y * self.extent.y - 0.5).max(0.0).min(self.extent.y - 1.0);
+        let (column, row) = (x as u32, y as u32);
+        let (s, t) = ((x - f64::from(column)) as f32, (y - f64::from(row)) as f32);
+        let stride = self.width + 2;
+        let i = row as usize * stride + column as usize;
+        let line = |i: usize| self.pixels[i].lerp(self.pixels[i + 1], s);
+        line(i).lerp(line(i + stride), t).truncate()
+    }
+
+    #[inline]
     fn pdf_at(&self, p: DVec2) -> f64 {
-        let index = |v: f64, cells: usize| ((v * cells as f64) as usize).min(cells - 1);
+        let at = p * self.extent;
         match &self.table {
             None => 1.0 / (4.0 * PI),
             Some(table) => {
-                let row = index(p.y, self.height);
-                table.mass(index(p.x, self.width), row) / self.solid_angle(row)
+                let (column, row) = (at.x as u32 as usize, at.y as u32 as usize);
+                let row = row.min(self.height - 1);
+                table.densities[row] * table.cells.mass_within_row(column.min(self.width - 1), row)
             }
         }
     }
 
-    fn direction(&self, u: DVec2) -> DVec3 {
+    /// Longitude share and cosine of the polar angle of the direction that `u` chooses.
+    #[inline]
+    fn place(&self, u: DVec2) -> (f64, f64) {
         match &self.table {
-            None => direction_of(u.x, 1.0 - 2.0 * u.y),
+            None => (u.x, 1.0 - 2.0 * u.y),
             Some(table) => {
-                let p = table.sample(u);
-                let row = ((p.y * self.height as f64) as usize).min(self.height - 1);
-                let share = p.y * self.height as f64 - row as f64;
+                let at = table.cells.place(u);
                 // Uniform in solid angle within a row, so that the density is constant in a cell and finite at the poles.
-                let (top, bottom) = (self.cos_edges[row], self.cos_edges[row + 1]);
-                direction_of(p.x, top + share * (bottom - top))
+                let (top, bottom) = (self.cos_edges[at.row], self.cos_edges[at.row + 1]);
+                let longitude = (at.column as f64 + at.share.x) / self.extent.x;
+                (longitude, top + at.share.y * (bottom - top))
             }
         }
     }
@@ -145,13 +170,13 @@ impl Environment {
     /// For each cell, the mean luminance of the bilinear map in it, times its solid angle. The mean over a cell of what is
     /// bilinear between centres weighs the pixel itself and its neighbours 1 : 6 : 1 along each axis; it is positive
     /// wherever some light is.
-    fn weights(&self) -> Vec<f64> {
-        let at = |x: usize, y: usize| f64::from(luminance(self.pixels[y * self.width + x]));
+    fn weights(&self, pixels: &[Rgb]) -> Vec<f64> {
+        let at = |x: usize, y: usize| f64::from(luminance(pixels[y * self.width + x]));
         let across = |x: usize, y: usize| {
             let (w, e) = ((x + self.width - 1) % self.width, (x + 1) % self.width);
             (at(w, y) + 6.0 * at(x, y) + at(e, y)) / 8.0
         };
-        let mut weights = Vec::with_capacity(self.pixels.len());
+        let mut weights = Vec::with_capacity(pixels.len());
         for y in 0..self.height {
             let (n, s) = (y.saturating_sub(1), (y + 1).min(self.height - 1));
             let solid_angle = self.solid_angle(y);
@@ -166,33 +191,82 @@ impl Environment {
 
 impl Light for Environment {
     fn sample(&self, _from: DVec3, u: DVec2) -> Option<LightSample> {
-        let wi = self.direction(u);
-        let p = square_of(wi);
-        let (radiance, pdf) = (self.radiance_at(p), self.pdf_at(p));
-        (pdf > 0.0).then_some(LightSample { wi, distance: f64::INFINITY, radiance, pdf })
+        let (longitude, cos) = self.place(u);
+        let wi = direction_of(longitude, cos);
+        chosen(wi, self.seen_at(square_of(wi)))
     }
 
     fn seen(&self, _from: DVec3, direction: DVec3, reach: f64) -> Option<Seen> {
         if reach < f64::INFINITY {
             return None;
         }
-        let p = square_of(direction);
-        Some(Seen { radiance: self.radiance_at(p), pdf: self.pdf_at(p) })
+        Some(self.seen_at(square_of(direction)))
+    }
+
+    fn sample_many(&self, from: &[DVec3], u: &[DVec2], out: &mut [Option<LightSample>]) {
+        let count = from.len().min(u.len()).min(out.len());
+        let (mut places, mut squares) = ([(0.0, 0.0); LANES], [DVec2::ZERO; LANES]);
+        let mut directions = [DVec3::Y; LANES];
+        for (u, out) in u[..count].chunks(LANES).zip(out[..count].chunks_mut(LANES)) {
+            for (place, &u) in places.iter_mut().zip(u) {
+                *place = self.place(u);
+            }
+            let chosen_places = places[..u.len()].iter().zip(&mut directions).zip(&mut squares);
+            for ((&(longitude, cos), direction), square) in chosen_places {
+                *direction = direction_of(longitude, cos);
+                *square = square_of(*direction);
+            }
+            for ((out, &wi), &p) in out.iter_mut().zip(&directions).zip(&squares) {
+                *out = chosen(wi, self.seen_at(p));
+            }
+        }
+    }
+
+    fn seen_many(&self, from: &[DVec3], directions: &[DVec3], reach: &[f64], out: &mut [Option<Seen>]) {
+        let count = from.len().min(directions.len()).min(reach.len()).min(out.len());
+        let chunks = directions[..count].chunks(LANES).zip(reach[..count].chunks(LANES));
+        let mut squares = [DVec2::ZERO; LANES];
+        for ((directions, reach), out) in chunks.zip(out[..count].chunks_mut(LANES)) {
+            for (square, &direction) in squares.iter_mut().zip(directions) {
+                *square = square_of(direction);
+            }
+            for ((out, &p), &reach) in out.iter_mut().zip(&squares).zip(reach) {
+                *out = if reach < f64::INFINITY { None } else { Some(self.seen_at(p)) };
+            }
+        }
     }
 }
 
-/// Longitude share and cosine of the polar angle to a unit vector.
+fn chosen(wi: DVec3, Seen { radiance, pdf }: Seen) -> Option<LightSample> {
+    (pdf > 0.0).then_some(LightSample { wi, distance: f64::INFINITY, radiance, pdf })
+}
+
+/// The map with what look-ups may read beyond it.
+fn padded(width: usize, pixels: &[Rgb]) -> Vec<Vec4> {
+    let rows = pixels.chunks_exact(width);
+    let last = rows.clone().next_back();
+    let mut padded = Vec::with_capacity((width + 2) * (rows.len() + 1));
+    for row in rows.chain(last) {
+        let around = row[width - 1..].iter().chain(row).chain(&row[..1]);
+        padded.extend(around.map(|c| c.extend(0.0)));
+    }
+    padded
+}
+
+/// Unit vector, to 10⁻¹², of a longitude share and the cosine of a polar angle.
+#[inline(always)]
 fn direction_of(longitude: f64, cos: f64) -> DVec3 {
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    let (s, c) = ((longitude - 0.5) * TAU).sin_cos();
+    let (s, c) = fine_sin_cos_turns(longitude - 0.5);
     DVec3::new(sin * s, cos, -sin * c)
 }
 
-/// Longitude and latitude of a unit vector as shares in [0, 1].
+/// Longitude and latitude of a unit vector as shares in [0, 1], to 10⁻¹².
+#[inline(always)]
 fn square_of(direction: DVec3) -> DVec2 {
-    let longitude = direction.x.atan2(-direction.z) / TAU + 0.5;
+    let longitude = fine_atan2(direction.x, -direction.z) * (0.5 * FRAC_1_PI) + 0.5;
     let beside = (direction.x * direction.x + direction.z * direction.z).sqrt();
-    DVec2::new(longitude, beside.atan2(direction.y) / PI)
+    DVec2::new(longitude, fine_atan2(beside, direction.y) * FRAC_1_PI)
 }
 
 #[cfg(test)]
@@ -269,6 +343,74 @@ mod tests {
         for u in [DVec2::ZERO, DVec2::ONE, DVec2::new(1.0f64.next_down(), 0.0)] {
             let s = sky.sample(DVec3::ZERO, u).unwrap();
             assert!(s.wi.is_normalized() && s.pdf.is_finite());
+        }
+    }
+
+    /// Directions of all kinds: drawn, and along, near and between the axes.
+    fn directions(count: u64) -> Vec<DVec3> {
+        let drawn = (0..count).map(|i| {
+            let u = PointSet::Random.point(5, i, 0).as_dvec2();
+            direction_of(u.x, 1.0 - 2.0 * u.y)
+        });
+        let steps = [-1.0, -1e-9, -1e-300, -0.0, 0.0, 1e-300, 1e-9, 1.0];
+        let grid = (0..512).map(|i| DVec3::new(steps[i % 8], steps[i / 8 % 8], steps[i / 64]));
+        grid.filter(|w| w.abs().max_element() == 1.0).map(DVec3::normalize).chain(drawn).collect()
+    }
+
+    #[test]
+    fn many_are_the_same_bits_as_one_by_one() {
+        let plain = Environment::new(3, 2, vec![Rgb::new(0.1, 2.0, 3e5); 6], SkySampling::Uniform).unwrap();
+        let nothing = Some(Seen { radiance: Rgb::ONE, pdf: -1.0 });
+        for sky in [spotted(), plain] {
+            let wi = directions(10_000);
+            let u: Vec<DVec2> = (0..10_000).map(|i| PointSet::Random.point(6, i, 0).as_dvec2()).collect();
+            let from = vec![DVec3::ONE; wi.len()];
+            let reach: Vec<f64> =
+                (0..wi.len()).map(|i| if i % 7 == 3 { 5.0 } else { f64::INFINITY }).collect();
+            for count in [0, 1, 63, 64, 65, 200, 10_000] {
+                let mut sampled = vec![None; count + 1];
+                sky.sample_many(&from, &u[..count], &mut sampled);
+                let mut seen = vec![nothing; count + 1];
+                sky.seen_many(&from, &wi, &reach[..count], &mut seen);
+                for k in 0..count {
+                    assert_eq!(sampled[k], sky.sample(from[k], u[k]), "{}", u[k]);
+                    assert_eq!(seen[k], sky.seen(from[k], wi[k], reach[k]), "{}", wi[k]);
+                    let drawn = sampled[k].unwrap();
+                    let back = sky.seen(from[k], drawn.wi, f64::INFINITY).unwrap();
+                    assert_eq!((back.radiance, back.pdf.to_bits()), (drawn.radiance, drawn.pdf.to_bits()));
+                }
+                assert_eq!((sampled[count], seen[count]), (None, nothing));
+            }
+        }
+    }
+
+    #[test]
+    fn shares_are_those_of_the_library_and_in_bounds() {
+        for w in directions(100_000) {
+            let p = square_of(w);
+            let exact = DVec2::new(w.x.atan2(-w.z) / TAU + 0.5, w.x.hypot(w.z).atan2(w.y) / PI);
+            assert!(p.abs_diff_eq(exact, 1e-11), "{w}: {p} {exact}");
+            assert!(p.min_element() >= 0.0 && p.max_element() <= 1.0, "{w}: {p}");
+            let back = direction_of(p.x, (p.y * PI).cos());
+            assert!((back.length() - 1.0).abs() < 1e-12, "{w}: {back}");
+        }
+    }
+
+    #[test]
+    fn radiance_is_bilinear_between_centres_and_closes_on_itself() {
+        let (width, height) = (5, 3);
+        let pixel = |x: usize, y: usize| Rgb::new(x as f32, y as f32, (x * x + 7 * y) as f32);
+        let pixels = (0..width * height).map(|i| pixel(i % width, i / width)).collect();
+        let sky = Environment::new(width, height, pixels, SkySampling::Importance).unwrap();
+        for i in 0..2000 {
+            let p = PointSet::Sobol.point(3, i, 0).as_dvec2();
+            let (x, y) =
+                (p.x * width as f64 - 0.5, (p.y * height as f64 - 0.5).clamp(0.0, height as f64 - 1.0));
+            let (s, t) = ((x - x.floor()) as f32, y.fract() as f32);
+            let column = |x: f64| (x as i64).rem_euclid(width as i64) as usize;
+            let line = |y: usize| pixel(column(x.floor()), y).lerp(pixel(column(x.floor() + 1.0), y), s);
+            let expected = line(y as usize).lerp(line((y as usize + 1).min(height - 1)), t);
+            assert!(sky.radiance_at(p).abs_diff_eq(expected, 1e-5), "{p}");
         }
     }
 
