@@ -22,6 +22,7 @@ use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::render::{
     Camera, EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Sphere, Surface, render,
+    render_allocated,
 };
 use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
 use serde_json::{Value, json};
@@ -33,6 +34,8 @@ const LOOKUP: LookupRule = LookupRule::Linear;
 const SIDE: usize = 512;
 const SKY: [usize; 2] = [512, 256];
 const SAMPLES: [u64; 3] = [4, 16, 64];
+/// On average, where they are shared out by noise, which takes 16.
+const SHARED_SAMPLES: [u64; 3] = [16, 32, 64];
 /// Pictures of each, of which the error is the spread.
 const SEEDS: u64 = 4;
 /// relMSE that is to be reached.
@@ -42,15 +45,41 @@ const BSDF_SIZE: &str = "6MB";
 /// One of the renderers, set up in one way.
 struct Contender {
     name: &'static str,
-    /// Variant and material of Mitsuba; `None` is ours.
-    peer: Option<(&'static str, &'static str)>,
+    renderer: Renderer,
 }
 
-const CONTENDERS: [Contender; 4] = [
-    Contender { name: "merlkit, half-vector 64KB", peer: None },
-    Contender { name: "Mitsuba scalar_rgb, measured", peer: Some(("scalar_rgb", "measured")) },
-    Contender { name: "Mitsuba llvm_ad_rgb, measured", peer: Some(("llvm_ad_rgb", "measured")) },
-    Contender { name: "Mitsuba llvm_ad_rgb, plugin in Python", peer: Some(("llvm_ad_rgb", "plugin")) },
+#[derive(Clone, Copy)]
+enum Renderer {
+    /// Ours, as many paths to every pixel.
+    Even,
+    /// Ours, more of them where the picture is noisy.
+    Shared,
+    /// Mitsuba by variant and material.
+    Mitsuba(&'static str, &'static str),
+}
+
+impl Contender {
+    fn is_ours(&self) -> bool {
+        !matches!(self.renderer, Renderer::Mitsuba(..))
+    }
+
+    fn samples(&self) -> [u64; SAMPLES.len()] {
+        if matches!(self.renderer, Renderer::Shared) { SHARED_SAMPLES } else { SAMPLES }
+    }
+}
+
+const CONTENDERS: [Contender; 5] = [
+    Contender { name: "merlkit, half-vector 64KB", renderer: Renderer::Even },
+    Contender { name: "merlkit, half-vector 64KB, adaptive", renderer: Renderer::Shared },
+    Contender { name: "Mitsuba scalar_rgb, measured", renderer: Renderer::Mitsuba("scalar_rgb", "measured") },
+    Contender {
+        name: "Mitsuba llvm_ad_rgb, measured",
+        renderer: Renderer::Mitsuba("llvm_ad_rgb", "measured"),
+    },
+    Contender {
+        name: "Mitsuba llvm_ad_rgb, plugin in Python",
+        renderer: Renderer::Mitsuba("llvm_ad_rgb", "plugin"),
+    },
 ];
 
 type Picture = Vec<Rgb>;
@@ -152,10 +181,16 @@ impl Ours {
         Self { plan, scene }
     }
 
-    fn render(&self, samples: u64, seed: u64) -> Picture {
-        let settings = Settings { width: SIDE, height: SIDE, samples, seed, points: PointSet::Sobol };
-        let film = render(&self.scene, &self.plan, &settings, &|_| {}).expect("a picture");
-        film.to_image().expect("an image").into_pixels()
+    /// The picture and seconds.
+    fn render(&self, shared: bool, samples: u64, seed: u64) -> (Picture, f64) {
+        let settings = Settings { width: SIDE, height: SIDE, samples, seed, points: PointSet::Lattice };
+        let start = Instant::now();
+        let film = match shared {
+            true => render_allocated(&self.scene, &self.plan, &settings, &|_| {}),
+            false => render(&self.scene, &self.plan, &settings, &|_| {}),
+        };
+        let picture = film.and_then(|film| film.to_image()).expect("a picture").into_pixels();
+        (picture, start.elapsed().as_secs_f64())
     }
 }
 
@@ -216,7 +251,7 @@ impl Drop for Mitsuba {
 struct Record {
     /// Seconds from files or networks to a scene; of Mitsuba without starting Python.
     load: f64,
-    /// Pictures and seconds by [`SAMPLES`] and seed.
+    /// Pictures and seconds by number of samples and seed.
     runs: [Vec<(Picture, f64)>; SAMPLES.len()],
 }
 
@@ -228,7 +263,7 @@ impl Record {
         (0..SIDE * SIDE).map(pixel).collect()
     }
 
-    /// Seconds, the median, and relMSE of pictures of `SAMPLES[k]`: their variance over the squared mean, which knows of no
+    /// Seconds, the median, and relMSE of pictures of the `k`th number of samples: their variance over the squared mean, which knows of no
     /// reference; ε is a hundredth of the squared mean of all.
     fn point(&self, k: usize, mask: &[bool]) -> (f64, f64) {
         let (runs, mean) = (&self.runs[k], self.mean());
@@ -272,24 +307,26 @@ fn beside(mean: &[f64], ours: &[f64], mask: &[bool]) -> (f64, f64) {
 }
 
 /// All contenders in turn, seed after seed, so that a machine that changes speed does so for all. Those that fail are left out.
-fn measure(files: &Files, mitsuba: &mut Mitsuba) -> Vec<(&'static str, Record)> {
+fn measure(files: &Files, mitsuba: &mut Mitsuba) -> Vec<(&'static Contender, Record)> {
     let start = Instant::now();
-    let ours = Ours::load(&files.sky);
+    let library = Ours::load(&files.sky);
     let loaded = start.elapsed().as_secs_f64();
     // Mitsuba tells with its first picture.
-    let load = |c: &Contender| if c.peer.is_none() { loaded } else { 0.0 };
+    let load = |c: &Contender| if c.is_ours() { loaded } else { 0.0 };
     let record = |c| (c, Some(Record { load: load(c), ..Record::default() }));
     let mut records: Vec<_> = CONTENDERS.iter().map(record).collect();
     for seed in 0..SEEDS {
         for (contender, slot) in &mut records {
             let Some(mut record) = slot.take() else { continue };
-            let all = SAMPLES.iter().enumerate().try_for_each(|(k, &samples)| {
-                let (picture, load, seconds) = match contender.peer {
-                    Some(peer) => mitsuba.render(peer, samples, seed)?,
-                    None => {
-                        let start = Instant::now();
-                        let picture = ours.render(samples, seed);
-                        (picture, 0.0, start.elapsed().as_secs_f64())
+            let all = contender.samples().iter().enumerate().try_for_each(|(k, &samples)| {
+                let (picture, load, seconds) = match contender.renderer {
+                    Renderer::Mitsuba(variant, material) => {
+                        mitsuba.render((variant, material), samples, seed)?
+                    }
+                    ours => {
+                        let (picture, seconds) =
+                            library.render(matches!(ours, Renderer::Shared), samples, seed);
+                        (picture, 0.0, seconds)
                     }
                 };
                 record.load += load;
@@ -305,10 +342,10 @@ fn measure(files: &Files, mitsuba: &mut Mitsuba) -> Vec<(&'static str, Record)> 
             }
         }
     }
-    records.into_iter().filter_map(|(c, r)| Some((c.name, r?))).collect()
+    records.into_iter().filter_map(|(c, r)| Some((c, r?))).collect()
 }
 
-fn report(records: &[(&'static str, Record)], mask: &[bool]) {
+fn report(records: &[(&'static Contender, Record)], mask: &[bool]) {
     println!(
         "{MATERIAL}, {SIDE} × {SIDE} pixels, studio of {} × {}, direct light by MIS, {} seeds",
         SKY[0], SKY[1], SEEDS
@@ -316,26 +353,28 @@ fn report(records: &[(&'static str, Record)], mask: &[bool]) {
     println!(
         "relMSE over pixels of the sphere, from the spread of seeds; seconds of rendering alone, the median"
     );
-    let Some(((_, first), points)) = records.first().map(|r| (r, r.1.points(mask))) else { return };
-    let ours = TARGETS.map(|t| seconds_to(t, &points));
-    for (name, record) in records {
+    let ours: Vec<&Record> = records.iter().filter(|(c, _)| c.is_ours()).map(|(_, r)| r).collect();
+    let [even, shared] = ours[..] else { return };
+    for (contender, record) in records {
         let points = record.points(mask);
-        let (brightness, median) = beside(&record.mean(), &first.mean(), mask);
-        println!("\n{name}: loaded in {:.2} s", record.load);
+        let (brightness, median) = beside(&record.mean(), &even.mean(), mask);
+        println!("\n{}: loaded in {:.2} s", contender.name, record.load);
         println!(
             "  brightness {:+.3} % of ours, pixels differ by {:.2} % in the median",
             100.0 * brightness,
             100.0 * median
         );
-        for (samples, (seconds, error)) in SAMPLES.iter().zip(&points) {
+        for (samples, (seconds, error)) in contender.samples().iter().zip(&points) {
             println!("  {samples:3} samples a pixel: {seconds:7.3} s, relMSE {error:.2e}");
         }
-        for (target, (ours, _)) in TARGETS.iter().zip(ours) {
-            let (seconds, beyond) = seconds_to(*target, &points);
+        for target in TARGETS {
+            let (seconds, beyond) = seconds_to(target, &points);
             let note = if beyond { ", extrapolated" } else { "" };
-            let ratio = seconds / ours;
-            let all = (seconds + record.load) / (ours + first.load);
-            println!("  to {target:.0e}: {seconds:.3} s{note}; {ratio:.2} × ours, {all:.2} × with loading");
+            let [even, shared] =
+                [even, shared].map(|ours| seconds / seconds_to(target, &ours.points(mask)).0);
+            println!(
+                "  to {target:.0e}: {seconds:.3} s{note}; {even:.2} × ours, {shared:.2} × ours adaptive"
+            );
         }
     }
 }

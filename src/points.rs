@@ -22,8 +22,8 @@ const SOBOL_BLOCK: u64 = 1 << 16;
 /// Points of a lattice, at most; later ones come from another.
 const LATTICE_BLOCK: u64 = 1 << 16;
 
-/// 1 / golden ratio: of all numbers the one whose multiples, modulo 1, stay the most evenly spread.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// 1 / golden ratio: of all numbers the one whose multiples, modulo 1, stay the most evenly spread. In units of 2⁻³².
+const GOLDEN: u32 = 0x9e37_79b9;
 
 impl PointSet {
     /// Point `index` of the pair of dimensions `pair`, in [0, 1)², of a sequence without end.
@@ -37,23 +37,25 @@ impl PointSet {
         self.point4_of(LATTICE_BLOCK, seed, index, set)
     }
 
-    /// Point `index` of `count` ≥ 1, of the pair of dimensions `pair`, in [0, 1)²; as [`Self::point4_of`].
-    pub fn point_of(self, count: u64, seed: u64, index: u64, pair: u32) -> Vec2 {
-        let p = self.point4_of(count, seed, index, pair);
-        Vec2::new(p[0], p[1])
+    /// The first or, if `second`, the last two dimensions of [`Self::point4_of`].
+    #[inline]
+    pub fn pair_of(self, count: u64, seed: u64, index: u64, set: u32, second: bool) -> Vec2 {
+        if self == Self::Lattice {
+            return Vec2::from_array(lattice_pair(count, seed, index, 2 * set + u32::from(second)));
+        }
+        let p = self.point4_of(count, seed, index, set);
+        if second { Vec2::new(p[2], p[3]) } else { Vec2::new(p[0], p[1]) }
     }
 
     /// Point `index` of `count` ≥ 1, of the set of four dimensions `set`, in [0, 1)⁴. The number matters to lattices alone:
     /// point i of n is ((i + s)/n, i/ϕ + t mod 1) with the golden ratio ϕ and random shifts s and t, a Kronecker sequence
-    /// set up as Hammersley's (Niederreiter 1992, ch. 3 and 5). In each of the set's two pairs, i is the index under a
+    /// set up as Hammersley's (Niederreiter 1992, ch. 3 and 5). In every pair but the first of set 0, i is the index under a
     /// permutation of its own. An index past the end goes on with another lattice, as do those past 2¹⁶.
     #[inline]
     pub fn point4_of(self, count: u64, seed: u64, index: u64, set: u32) -> [f32; 4] {
         match self {
             Self::Lattice => {
-                let block = count.clamp(1, LATTICE_BLOCK);
-                let key = mix(seed ^ mix(u64::from(set) ^ ((index / block) << 32)));
-                let [a, b] = [key, mix(key)].map(|key| lattice(block as u32, (index % block) as u32, key));
+                let [a, b] = [0, 1].map(|pair| lattice_pair(count, seed, index, 2 * set + pair));
                 [a[0], a[1], b[0], b[1]]
             }
             Self::Random => {
@@ -72,21 +74,33 @@ impl PointSet {
     }
 }
 
-/// Point `index` of a lattice of `count`, shuffled and shifted by `key`.
+/// Point `index` of the lattice of `count` that a seed gives a pair of dimensions.
 #[inline]
-fn lattice(count: u32, index: u32, key: u64) -> [f32; 2] {
-    let i = f64::from(place(count, index, key));
-    let shift = |bits: u64| (bits & 0xff_ffff) as f64 * (1.0 / (1u64 << 24) as f64);
-    let (x, y) = ((i + shift(key)) / f64::from(count), i * GOLDEN + shift(key >> 40));
+fn lattice_pair(count: u64, seed: u64, index: u64, pair: u32) -> [f32; 2] {
+    let block = count.clamp(1, LATTICE_BLOCK);
+    let (turn, index) = if index < block { (0, index) } else { (index / block, index % block) };
+    let (block, index) = (block as u32, index as u32);
+    let key = mix(seed ^ mix(u64::from(pair) ^ (turn << 32)));
+    // All others being shuffled against each other, the first may stay as it is.
+    lattice(block, if pair == 0 { index } else { place(block, index, key) }, key)
+}
+
+/// Point `i` of a lattice of `count`, shifted by `key`.
+#[inline]
+fn lattice(count: u32, i: u32, key: u64) -> [f32; 2] {
+    let shift = (key & 0xff_ffff) as f32 * (1.0 / (1u32 << 24) as f32);
+    let x = (f64::from(i) + f64::from(shift)) / f64::from(count);
+    // In units of 2⁻³², where what is past 1 is lost by itself.
+    let y = f64::from(i.wrapping_mul(GOLDEN).wrapping_add((key >> 32) as u32)) * (1.0 / (1u64 << 32) as f64);
     // Rounding to f32 must not reach 1.
-    [x, y - y.floor()].map(|v| (v as f32).min(1f32.next_down()))
+    [x, y].map(|v| (v as f32).min(1f32.next_down()))
 }
 
 /// Place of `index` in a lattice of `count`: shuffled, and turned by as many as the bits of `key` say that shift nothing. By the
 /// shuffling alone some places of small lattices would be taken more often than others.
 #[inline]
 fn place(count: u32, index: u32, key: u64) -> u32 {
-    let turn = ((((key >> 24) & 0xffff) * u64::from(count)) >> 16) as u32;
+    let turn = ((((key >> 24) & 0xff) * u64::from(count)) >> 8) as u32;
     let place = shuffled(count, index, mix(!key)) + turn;
     if place < count { place } else { place - count }
 }

@@ -249,10 +249,14 @@ impl Half {
 }
 
 impl Refiner<'_> {
+    fn place(&self, pixel: usize) -> [usize; 2] {
+        [pixel % self.settings.width, pixel / self.settings.width]
+    }
+
     fn shows_object(&self, pixel: usize) -> bool {
         (0..9u32).any(|i| {
             let within = DVec2::new(f64::from(i % 3), f64::from(i / 3)) / 2.0;
-            self.tracer.scene.hit(&self.tracer.ray(pixel, within), None).is_some()
+            self.tracer.scene.hit(&self.tracer.ray(self.place(pixel), within), None).is_some()
         })
     }
 
@@ -298,6 +302,7 @@ impl Refiner<'_> {
 
     /// Traces paths until each replicate has `count`.
     fn extend(&self, pixel: usize, replicates: &mut Replicates, count: u64) {
+        let pixel = self.place(pixel);
         let seed = self.settings.pixel_seed(pixel);
         let (sums, from) = (&mut replicates.sums, replicates.count);
         let paths = (0..REPLICATES as u64).flat_map(|r| {

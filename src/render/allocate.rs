@@ -4,7 +4,6 @@
 //! that looked at its own paths would bias the picture, as a decision to stop does (see [`super::render_to_error`]). So pixels
 //! are of two colours, like a chessboard's fields, and a pixel's share depends on paths of the other colour alone.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::film::{Pixel, Tally};
@@ -47,22 +46,24 @@ pub fn render_allocated(
     let least = FEWEST * 4;
     if samples < least {
         let what = format!("{samples} samples a pixel to share out");
-        return Err(Error::argument(what, format!("allow {least}: some of them only look where to send the rest")));
+        return Err(Error::argument(
+            what,
+            format!("allow {least}: some of them only look where to send the rest"),
+        ));
     }
     let tracer = Tracer::new(scene, plan, settings);
     let ahead = (samples / AHEAD).max(FEWEST);
     let mut looks = vec![Tally::default(); count];
     looks.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        let seed = |pixel| mix(!settings.pixel_seed(pixel));
-        tally(&tracer, y * width, row, |pixel| (seed(pixel), ahead));
+        let seed = |x| mix(!settings.pixel_seed([x, y]));
+        tally(&tracer, y, row, |x| (seed(x), ahead));
     });
     let numbers = share_out(&looks, width, samples - ahead);
     let mut pixels = vec![Pixel::default(); count];
     pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        let first = y * width;
         let mut tallies = vec![Tally::default(); row.len()];
-        tally(&tracer, first, &mut tallies, |pixel| (settings.pixel_seed(pixel), numbers[pixel]));
-        for (pixel, (tally, look)) in row.iter_mut().zip(tallies.iter().zip(&looks[first..])) {
+        tally(&tracer, y, &mut tallies, |x| (settings.pixel_seed([x, y]), numbers[y * width + x]));
+        for (pixel, (tally, look)) in row.iter_mut().zip(tallies.iter().zip(&looks[y * width..])) {
             *pixel = together(look, tally);
         }
         progress(width);
@@ -70,13 +71,13 @@ pub fn render_allocated(
     Ok(Film::new(width, height, pixels))
 }
 
-/// Adds the paths of some pixels in a row, of each as many as `plan` says and from its seed.
-fn tally(tracer: &Tracer<'_>, first: usize, row: &mut [Tally], plan: impl Fn(usize) -> (u64, u64)) {
-    let paths = (first..first + row.len()).flat_map(|pixel| {
-        let (seed, count) = plan(pixel);
-        (0..count).map(move |index| PathId { pixel, seed, index, count })
+/// Adds the paths of a row's pixels, of each as many as `plan` says and from its seed.
+fn tally(tracer: &Tracer<'_>, y: usize, row: &mut [Tally], plan: impl Fn(usize) -> (u64, u64)) {
+    let paths = (0..row.len()).flat_map(|x| {
+        let (seed, count) = plan(x);
+        (0..count).map(move |index| PathId { pixel: [x, y], seed, index, count })
     });
-    tracer.trace(paths, |path, radiance| row[path.pixel - first].add(radiance));
+    tracer.trace(paths, |path, radiance| row[path.pixel[0]].add(radiance));
 }
 
 /// Mean of two means, each weighing as its squared error is expected to fall with its number of paths.
@@ -130,4 +131,55 @@ fn score(looks: &[Tally], width: usize, pixel: usize, dark: f64, colour: usize) 
     }
     let level = level / count;
     (variance / count / (level * level + dark * dark)).powf(POWER)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    /// Looks of eight paths that are apart by `spread` about `mean`.
+    fn look(mean: f64, spread: f64) -> Tally {
+        let mut tally = Tally::default();
+        (0..8).for_each(|i| tally.add(DVec3::splat(mean + if i % 2 == 0 { spread } else { -spread })));
+        tally
+    }
+
+    #[test]
+    fn noisy_places_get_more_and_the_sum_stays() {
+        let noisy = |i: usize| i % 20 >= 10;
+        let looks: Vec<Tally> = (0..20 * 20).map(|i| look(1.0, if noisy(i) { 0.5 } else { 0.05 })).collect();
+        let numbers = share_out(&looks, 20, 50);
+        let mean = numbers.iter().sum::<u64>() as f64 / 400.0;
+        assert!((mean / 50.0 - 1.0).abs() < 0.02, "{mean}");
+        // A hundredfold variance: 100^0.4.
+        let ratio = numbers[19] as f64 / numbers[0] as f64;
+        assert!((ratio / 6.31 - 1.0).abs() < 0.1, "{ratio}");
+    }
+
+    #[test]
+    fn no_pixel_decides_for_itself() {
+        let mut looks = vec![look(1.0, 0.1); 11 * 9];
+        let before = share_out(&looks, 11, 50);
+        looks[49] = look(9.0, 5.0);
+        let after = share_out(&looks, 11, 50);
+        assert_eq!(before[49], after[49]);
+        assert!(after[48] > 2 * before[48]);
+    }
+
+    #[test]
+    fn pictures_without_noise_or_light_are_even() {
+        for looks in [vec![look(0.0, 0.0); 12], vec![look(2.0, 0.0); 12], vec![look(2.0, 0.0); 1]] {
+            assert!(share_out(&looks, 4.min(looks.len()), 30).iter().all(|&n| n == 30));
+        }
+    }
+
+    #[test]
+    fn means_weigh_by_their_numbers_of_paths() {
+        let (mut few, mut many) = (Tally::default(), Tally::default());
+        few.add(DVec3::ZERO);
+        (0..4).for_each(|_| many.add(DVec3::ONE));
+        assert!((together(&few, &many).mean.x - 8.0 / 9.0).abs() < 1e-15);
+    }
 }

@@ -110,28 +110,27 @@ impl<'a> Tracer<'a> {
         if !(self.directions && (self.hits_count || follows)) {
             return;
         }
-        let numbers: Vec<[f32; 4]> = run.iter().map(|v| starts[v.lane].numbers.direction(bounce)).collect();
-        let points: Vec<Vec2> = numbers.iter().map(|u| Vec2::new(u[0], u[1])).collect();
+        let points: Vec<Vec2> = run.iter().map(|v| starts[v.lane].numbers.direction(bounce)).collect();
         let (mut found, mut next) = (Vec::with_capacity(run.len()), Vec::with_capacity(run.len()));
-        for ((vertex, step), u) in run.iter().zip(self.steps(run, &points)).zip(&numbers) {
+        for (vertex, step) in run.iter().zip(self.steps(run, &points)) {
             let Some((step, throughput)) = step.map(|step| (step, vertex.throughput * step.weight)) else {
                 continue;
             };
             if throughput != DVec3::ZERO && throughput.is_finite() {
                 let hit = self.next_hit(&step.ray, vertex.hit.object);
                 found.push((step, hit));
-                next.push((Path { lane: vertex.lane, ray: step.ray, hit, throughput }, u[2]));
+                next.push(Path { lane: vertex.lane, ray: step.ray, hit, throughput });
             }
         }
         if self.hits_count {
-            for ((path, _), radiance) in next.iter().zip(self.found(&found)) {
+            for (path, radiance) in next.iter().zip(self.found(&found)) {
                 sums[path.lane] += path.throughput * radiance;
             }
         }
         if follows {
-            let kept = next
-                .into_iter()
-                .filter_map(|(mut path, u)| self.survives(&mut path.throughput, bounce, u).then_some(path));
+            let kept = next.into_iter().filter_map(|mut path| {
+                self.survives(&mut path.throughput, bounce, &starts[path.lane].numbers).then_some(path)
+            });
             paths.extend(kept);
         }
     }
@@ -258,12 +257,12 @@ impl<'a> Tracer<'a> {
     }
 
     /// Ends a path at random in proportion to what it can't carry any more, and makes up for it in the survivors.
-    fn survives(&self, throughput: &mut DVec3, bounce: u32, u: f32) -> bool {
+    fn survives(&self, throughput: &mut DVec3, bounce: u32, numbers: &Numbers) -> bool {
         if !self.roulette || bounce + 1 < ROULETTE_FROM {
             return true;
         }
         let chance = throughput.max_element().min(1.0);
         *throughput /= chance;
-        f64::from(u) < chance
+        f64::from(numbers.chances(bounce).x) < chance
     }
 }

@@ -20,8 +20,8 @@ pub(super) struct Numbers {
 
 impl Settings {
     /// Seed of all numbers of a pixel.
-    pub(super) fn pixel_seed(&self, pixel: usize) -> u64 {
-        mix(self.seed ^ mix(pixel as u64))
+    pub(super) fn pixel_seed(&self, [x, y]: [usize; 2]) -> u64 {
+        mix(self.seed ^ mix((y * self.width + x) as u64))
     }
 }
 
@@ -33,36 +33,39 @@ impl Numbers {
         Self { points, seed, index, count, sets_per_vertex, candidates: scene.strategy.candidates() }
     }
 
-    fn set(&self, set: u32) -> [f32; 4] {
-        self.points.point4_of(self.count, self.seed, self.index, set)
+    fn pair(&self, set: u32, second: bool) -> Vec2 {
+        self.points.pair_of(self.count, self.seed, self.index, set, second)
     }
 
     /// A point of the pixel.
     pub(super) fn pixel(&self) -> DVec2 {
-        let p = self.set(0);
-        Vec2::new(p[0], p[1]).as_dvec2()
+        self.pair(0, false).as_dvec2()
     }
 
-    /// Two numbers for a direction from the BRDF, one for roulette and one for the choice of a candidate.
-    pub(super) fn direction(&self, vertex: u32) -> [f32; 4] {
-        self.set(1 + vertex * self.sets_per_vertex)
+    /// Two numbers for a direction from the BRDF.
+    pub(super) fn direction(&self, vertex: u32) -> Vec2 {
+        self.pair(1 + vertex * self.sets_per_vertex, false)
+    }
+
+    /// One number for roulette and one for the choice of a candidate.
+    pub(super) fn chances(&self, vertex: u32) -> Vec2 {
+        self.pair(1 + vertex * self.sets_per_vertex, true)
     }
 
     /// A point on a light. Of the first vertex and light, one that is well spread together with the point of the pixel: on
     /// most pixels they make most of the error.
     pub(super) fn light(&self, vertex: u32, light: usize) -> DVec2 {
-        if vertex == 0 && light == 0 {
-            let p = self.set(0);
-            return Vec2::new(p[2], p[3]).as_dvec2();
-        }
-        let p = self.set(2 + vertex * self.sets_per_vertex + light as u32 / 2);
-        let pair = if light.is_multiple_of(2) { [p[0], p[1]] } else { [p[2], p[3]] };
-        Vec2::from_array(pair).as_dvec2()
+        let (set, second) = match (vertex, light) {
+            (0, 0) => (0, true),
+            _ => (2 + vertex * self.sets_per_vertex + light as u32 / 2, light % 2 == 1),
+        };
+        self.pair(set, second).as_dvec2()
     }
 
     /// Two numbers for a candidate. Those of all paths are one sequence of points, so that all are well spread together.
     pub(super) fn candidate(&self, vertex: u32, candidate: u32) -> Vec2 {
-        let index = self.index * u64::from(self.candidates) + u64::from(candidate);
-        self.points.point_of(self.count * u64::from(self.candidates), mix(!self.seed), index, vertex)
+        let candidates = u64::from(self.candidates);
+        let index = self.index * candidates + u64::from(candidate);
+        self.points.pair_of(self.count * candidates, mix(!self.seed), index, vertex, true)
     }
 }

@@ -92,7 +92,8 @@ pub(super) struct Tracer<'a> {
 /// A path of those that a seed gives a pixel.
 #[derive(Clone, Copy)]
 pub(super) struct PathId {
-    pub(super) pixel: usize,
+    /// Column and row.
+    pub(super) pixel: [usize; 2],
     pub(super) seed: u64,
     pub(super) index: u64,
     /// How many the seed gives.
@@ -123,14 +124,13 @@ impl<'a> Tracer<'a> {
 
     /// All paths of a row's pixels.
     fn row(&self, y: usize, row: &mut [Pixel]) {
-        let first = y * self.settings.width;
-        let paths = (first..first + row.len()).flat_map(|pixel| {
-            let seed = self.settings.pixel_seed(pixel);
-            let samples = self.settings.samples;
-            (0..samples).map(move |index| PathId { pixel, seed, index, count: samples })
+        let count = self.settings.samples;
+        let paths = (0..row.len()).flat_map(|x| {
+            let seed = self.settings.pixel_seed([x, y]);
+            (0..count).map(move |index| PathId { pixel: [x, y], seed, index, count })
         });
         let mut tallies = vec![Tally::default(); row.len()];
-        self.trace(paths, |path, radiance| tallies[path.pixel - first].add(radiance));
+        self.trace(paths, |path, radiance| tallies[path.pixel[0]].add(radiance));
         row.iter_mut().zip(&tallies).for_each(|(pixel, tally)| *pixel = tally.pixel());
     }
 
@@ -158,9 +158,8 @@ impl<'a> Tracer<'a> {
     }
 
     /// The ray through a point of a pixel, in [0, 1]² from its upper left corner.
-    pub(super) fn ray(&self, pixel: usize, within: DVec2) -> Ray {
-        let Settings { width, height, .. } = *self.settings;
-        let corner = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
-        self.lens.ray((corner + within) / DVec2::new(width as f64, height as f64))
+    pub(super) fn ray(&self, [x, y]: [usize; 2], within: DVec2) -> Ray {
+        let size = DVec2::new(self.settings.width as f64, self.settings.height as f64);
+        self.lens.ray((DVec2::new(x as f64, y as f64) + within) / size)
     }
 }

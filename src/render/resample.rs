@@ -15,7 +15,7 @@ impl Tracer<'_> {
     /// in every channel; p cancels.
     pub(super) fn resampled(&self, run: &[Vertex<'_>], bounce: u32, starts: &[Start]) -> Vec<DVec3> {
         let numbers = |v: &Vertex<'_>| &starts[v.lane].numbers;
-        let open = |v| Reservoir::new(f64::from(numbers(v).direction(bounce)[3]));
+        let open = |v| Reservoir::new(f64::from(numbers(v).chances(bounce).y));
         let mut reservoirs: Vec<Reservoir<Step>> = run.iter().map(open).collect();
         for candidate in 0..self.scene.strategy.candidates() {
             let points: Vec<Vec2> = run.iter().map(|v| numbers(v).candidate(bounce, candidate)).collect();

@@ -8,7 +8,9 @@ use merlkit::brdf::{LookupRule, MaterialBrdf};
 use merlkit::files::{Overwrite, check_writable};
 use merlkit::image::{write_exr, write_png};
 use merlkit::merl::Material;
-use merlkit::render::{EffectPlan, Refined, Scene, SceneSpec, Settings, Surface, render, render_to_error};
+use merlkit::render::{
+    EffectPlan, Refined, Scene, SceneSpec, Settings, Surface, render, render_allocated, render_to_error,
+};
 use merlkit::sampler::{DirectionSampler, SamplerSpec};
 
 use crate::progress::Progress;
@@ -27,10 +29,21 @@ pub struct Picture<'a> {
     pub sampler: SamplerSpec,
     /// Size, samples and seed.
     pub settings: Settings,
-    /// The error to reach with at most the settings' samples, instead of taking all of them.
-    pub target_error: Option<f64>,
+    /// Where its paths go.
+    pub spending: Spending,
     /// Exposure of the PNG, stops.
     pub exposure: f32,
+}
+
+/// Where a picture's paths go.
+#[derive(Clone, Copy)]
+pub enum Spending {
+    /// As many to every pixel.
+    Even,
+    /// More to where the picture is noisy, as many in all.
+    Adaptive,
+    /// As many as each tile needs to come down to an error, at most the settings' samples a pixel.
+    ToError(f64),
 }
 
 impl Picture<'_> {
@@ -42,10 +55,12 @@ impl Picture<'_> {
         let scene = Scene::build(self.scene, self.plan, |i, directions| self.surface(i, directions))?;
         let progress = Progress::new("rendering", self.settings.width * self.settings.height);
         let advance = |pixels| progress.advance_by(pixels);
-        let (image, refined) = match self.target_error {
-            None => (render(&scene, self.plan, &self.settings, &advance)?.to_image()?, None),
-            Some(error) => {
-                let refined = render_to_error(&scene, self.plan, &self.settings, error, &advance)?;
+        let (plan, settings) = (self.plan, &self.settings);
+        let (image, refined) = match self.spending {
+            Spending::Even => (render(&scene, plan, settings, &advance)?.to_image()?, None),
+            Spending::Adaptive => (render_allocated(&scene, plan, settings, &advance)?.to_image()?, None),
+            Spending::ToError(error) => {
+                let refined = render_to_error(&scene, plan, settings, error, &advance)?;
                 (refined.film.to_image()?, Some(refined))
             }
         };

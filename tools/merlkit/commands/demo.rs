@@ -17,7 +17,7 @@ use merlkit::sampler::SamplerSpec;
 use super::render::GREY;
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::picture::{Files, Picture};
+use crate::picture::{Files, Picture, Spending};
 use crate::progress::Progress;
 use crate::sampler_args::SamplerArgs;
 use crate::table;
@@ -111,7 +111,7 @@ fn pictures(
     overwrite: Overwrite,
 ) -> Result<(), Failure> {
     let settings =
-        Settings { width: 600, height: 240, samples: args.spp, seed: args.seed, points: PointSet::Sobol };
+        Settings { width: 600, height: 240, samples: args.spp, seed: args.seed, points: PointSet::Lattice };
     let names: Vec<String> = NAMES.map(String::from).to_vec();
     let mut scene = SceneSpec::row(&names, settings.width as f64 / settings.height as f64);
     scene.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
@@ -126,7 +126,7 @@ fn pictures(
             lookup: LOOKUP,
             sampler: *sampler,
             settings,
-            target_error: None,
+            spending: Spending::Even,
             exposure: 0.0,
         };
         picture.render(files, overwrite)?;

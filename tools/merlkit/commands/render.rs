@@ -15,7 +15,7 @@ use merlkit::render::{
 use merlkit::report::Sheet;
 
 use crate::failure::Outcome;
-use crate::picture::{Files, Picture};
+use crate::picture::{Files, Picture, Spending};
 use crate::sampler_args::{self, DEFAULT, SamplerArgs};
 use crate::{args, output, table};
 
@@ -37,6 +37,13 @@ pub struct Args {
     /// Paths a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
+    /// Take more paths where the picture is noisy, found out by the first of them, and fewer elsewhere: as many in all, from 16
+    #[arg(long, conflicts_with = "target_error")]
+    adaptive: bool,
+    /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as lattices of as many
+    /// points as the pixel has paths [default: lattice; with --target-error sobol, as numbers are not known beforehand]
+    #[arg(long, value_name = "SET", value_parser = args::named(&POINTS))]
+    points: Option<PointSet>,
     /// Take as many paths in each tile of 16 × 16 pixels as its relative error needs to come down to E: 0.05 or 5%
     ///
     /// The error is the root of the mean squared error of the tile's pixels over their mean, pixels without an object left
@@ -92,6 +99,8 @@ pub struct Args {
 
 const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
 const HEURISTICS: [(&str, Heuristic); 2] = [("power", Heuristic::Power), ("balance", Heuristic::Balance)];
+const POINTS: [(&str, PointSet); 3] =
+    [("random", PointSet::Random), ("sobol", PointSet::Sobol), ("lattice", PointSet::Lattice)];
 /// Paths a pixel that a target error may take, where nothing is said.
 const MAX_SPP: u64 = 4096;
 /// The floor's reflectance: a mid grey.
@@ -103,7 +112,7 @@ pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
     files.check(overwrite)?;
     let sampler = args.settings.spec(&args.sampler)?;
-    let settings = settings(args);
+    let settings = settings(args)?;
     let (scene, materials) = describe(args, &settings)?;
     let plan = if args.all_effects { EffectPlan::everything(&scene) } else { EffectPlan::of(&scene) };
     if args.explain {
@@ -117,7 +126,7 @@ pub fn run(args: &Args) -> Outcome {
         lookup: args.lookup,
         sampler,
         settings,
-        target_error: args.target_error,
+        spending: spending(args),
         exposure: args.exposure,
     };
     let refined = picture.render(&files, overwrite)?;
@@ -161,10 +170,26 @@ fn stops(argument: &str) -> Result<f32, String> {
         .ok_or_else(|| "expected a finite number of stops".into())
 }
 
-fn settings(args: &Args) -> Settings {
+fn spending(args: &Args) -> Spending {
+    match args.target_error {
+        Some(error) => Spending::ToError(error),
+        None if args.adaptive => Spending::Adaptive,
+        None => Spending::Even,
+    }
+}
+
+fn settings(args: &Args) -> Result<Settings, Error> {
     let (width, height) = args.size.unwrap_or(((320 * args.materials.len()).max(480), 360));
     let samples = args.target_error.map_or(args.spp, |_| args.max_spp.unwrap_or(MAX_SPP));
-    Settings { width, height, samples, seed: args.seed, points: PointSet::Sobol }
+    let points = match (args.points, args.target_error) {
+        (Some(PointSet::Lattice), Some(_)) => {
+            let what = "lattices are for numbers of paths that are known beforehand";
+            return Err(Error::argument(what, "leave out --points lattice or --target-error"));
+        }
+        (None, Some(_)) => PointSet::Sobol,
+        (points, _) => points.unwrap_or(PointSet::Lattice),
+    };
+    Ok(Settings { width, height, samples, seed: args.seed, points })
 }
 
 /// The scene, and its materials in the order of [`SceneSpec::materials`]; nothing is loaded.

@@ -1,4 +1,5 @@
-//! Pictures of a target error: the error they claim is the error they have, and stopping leaves the picture unbiased.
+//! Pictures whose pixels differ in their numbers of paths. Of a target error: the error they claim is the error they have, and
+//! stopping leaves the picture unbiased. Shared out by noise: as unbiased, and nearer to the truth than even ones.
 
 use std::sync::Arc;
 
@@ -7,7 +8,7 @@ use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, Film, LightSpec, Refined, Scene, SceneSpec, Settings, Strategy, Surface,
-    render, render_to_error,
+    render, render_allocated, render_to_error,
 };
 use merlkit::sampler::{Cosine, DirectionSampler, HalfVectorSettings, HalfVectorTable};
 
@@ -48,6 +49,11 @@ impl Picture {
     fn reference(&self, samples: u64) -> Film {
         let settings = Settings { samples, seed: 77, ..self.settings };
         render(&self.scene, &self.plan, &settings, &|_| {}).unwrap()
+    }
+
+    fn allocated(&self, samples: u64, seed: u64) -> Film {
+        let settings = Settings { samples, seed, ..self.settings };
+        render_allocated(&self.scene, &self.plan, &settings, &|_| {}).unwrap()
     }
 
     fn refined(&self, error: f64, seed: u64) -> Refined {
@@ -97,21 +103,80 @@ fn chrome_is_as_exact_as_it_says() {
     assert_honest("chrome");
 }
 
-/// A metal by the cosine: most paths find little, few find much, and to stop where few have been met would darken.
-#[test]
-fn stopping_leaves_the_mean_as_it_is() {
+/// A metal by the cosine: most paths find little, few find much. To stop where few have been met, or to send paths where many
+/// have been, would change the mean.
+fn assert_unbiased(points: PointSet, image: impl Fn(&Picture, u64) -> Film) {
     const SIDE: usize = 3;
     let mean =
         |film: &Film| -> f64 { (0..SIDE * SIDE).map(|i| film.mean(i % SIDE, i / SIDE).element_sum()).sum() };
     let truth = mean(&Picture::of("nickel", Strategy::default(), SIDE).reference(1 << 15));
     let mut picture = Picture::with(measured("nickel"), Arc::new(Cosine), Strategy::Brdf, SIDE);
-    picture.settings.points = PointSet::Random;
-    let means: Vec<f64> = (1..=2000).map(|seed| mean(&picture.refined(0.5, seed).film) / truth).collect();
+    picture.settings.points = points;
+    let means: Vec<f64> = (1..=2000).map(|seed| mean(&image(&picture, seed)) / truth).collect();
     let n = means.len() as f64;
     let average = means.iter().sum::<f64>() / n;
     let error = (means.iter().map(|m| (m - average).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
     assert!(error < 0.02, "{average} ± {error} says nothing");
     assert!((average - 1.0).abs() < 3.5 * error, "{average} ± {error} of the true mean");
+}
+
+#[test]
+fn stopping_leaves_the_mean_as_it_is() {
+    assert_unbiased(PointSet::Random, |picture, seed| picture.refined(0.5, seed).film);
+}
+
+#[test]
+fn sharing_paths_out_leaves_the_mean_as_it_is() {
+    for points in [PointSet::Random, PointSet::Lattice] {
+        assert_unbiased(points, |picture, seed| picture.allocated(64, seed));
+    }
+}
+
+/// Mean over pixels of the squared relative error of the picture's sums of channels, beside a tenth of its mean where it is dark.
+fn relative_error(film: &Film, truth: &Film) -> f64 {
+    let pixels = |film: &Film| -> Vec<f64> {
+        let (w, h) = (film.width(), film.height());
+        (0..w * h).map(|i| film.mean(i % w, i / w).element_sum()).collect()
+    };
+    let (film, truth) = (pixels(film), pixels(truth));
+    let dark = 0.1 * truth.iter().sum::<f64>() / truth.len() as f64;
+    let errors = film.iter().zip(&truth).map(|(f, t)| (f - t).powi(2) / (t * t + dark * dark));
+    errors.sum::<f64>() / film.len() as f64
+}
+
+#[test]
+fn shared_out_paths_leave_less_error() {
+    for name in ["nickel", "chrome", "teflon"] {
+        let mut picture = Picture::of(name, Strategy::default(), 64);
+        picture.settings.points = PointSet::Lattice;
+        let truth = picture.reference(4096);
+        let even =
+            render(&picture.scene, &picture.plan, &Settings { samples: 32, ..picture.settings }, &|_| {});
+        let (even, shared) =
+            (relative_error(&even.unwrap(), &truth), relative_error(&picture.allocated(32, 1), &truth));
+        println!("{name}: {shared:.2e} of {even:.2e}");
+        assert!(shared < 0.75 * even, "{name}: {shared} and {even}");
+    }
+}
+
+#[test]
+fn shared_out_paths_are_the_same_for_any_number_of_threads_and_leave_nothing_out() {
+    let picture = Picture::of("nickel", Strategy::default(), 40);
+    let films = [1, 2, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| picture.allocated(16, 1))
+    });
+    assert!(films[0] == films[1] && films[0] == films[2]);
+    assert_ne!(films[0], picture.allocated(16, 2));
+    assert!((0..1600).all(|i| films[0].mean(i % 40, i / 40).min_element() > 0.0));
+    let few = Settings { samples: 15, ..picture.settings };
+    assert!(render_allocated(&picture.scene, &picture.plan, &few, &|_| {}).is_err());
+}
+
+#[test]
+fn a_picture_of_one_pixel_is_shared_out() {
+    let film = Picture::of("nickel", Strategy::default(), 1).allocated(16, 1);
+    assert!(film.mean(0, 0).min_element() > 0.0);
 }
 
 #[test]
