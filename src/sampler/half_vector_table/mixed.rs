@@ -53,7 +53,7 @@ impl Mixed {
     }
 }
 
-impl Mixture for Mixed {
+impl Mixture for &Mixed {
     #[inline(always)]
     fn segments(&self) -> usize {
         self.segments

@@ -297,7 +297,7 @@ mod tests {
         let tables = example();
         for cos_o in [1.0, 0.77, 0.3, 0.01] {
             let blend = tables.at(cos_o);
-            let mixed = Mixed::new(&blend);
+            let mixed = &Mixed::new(&blend);
             for i in 0..2000 {
                 let u = if i == 1999 { 1f32.next_down() } else { i as f32 / 2000.0 };
                 let ((a, x), (b, y)) = (blend.find_row(u), mixed.find_row(u));
