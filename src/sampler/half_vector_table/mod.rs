@@ -269,8 +269,9 @@ impl<M: Mixture> About<'_, M> {
     /// Where a row begins, and its width, in caps.
     #[inline(always)]
     fn span(&self, row: usize) -> (f32, f32) {
-        let [low, high] = self.table.tables.edges(row).map(|edge| self.square.cap(edge));
-        (low, high - low)
+        let [low, high] = self.table.tables.edges(row);
+        let low = self.square.cap(low);
+        (low, self.square.cap(high) - low)
     }
 
     /// The row that holds a place.
