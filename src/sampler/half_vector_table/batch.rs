@@ -101,9 +101,15 @@ impl Draws {
     /// `about` tells what the draw of a lane is about.
     #[inline(always)]
     fn of<'a, M: Mixture + 'a>(about: impl Fn(usize) -> About<'a, M>, points: &[Vec2]) -> Self {
+        // A search waits for each of its steps: alone in a loop, many of them fit the processor at once.
+        let mut rows = [(0, 0.0); LANES];
+        for ((k, row), u) in rows.iter_mut().enumerate().zip(points) {
+            let (found, share) = about(k).blend.find_row(u.x);
+            *row = (found.index, share);
+        }
         let mut choices = Columns::ZERO;
-        for (k, &u) in points.iter().enumerate().take(LANES) {
-            choices.set(k, about(k).choose(u).to_array());
+        for ((k, &(row, share)), u) in rows.iter().enumerate().zip(points) {
+            choices.set(k, about(k).choose_in(row, share, u.y).to_array());
         }
         let mut wi = Columns::ZERO;
         for k in 0..points.len().min(LANES) {

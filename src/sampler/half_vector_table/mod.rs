@@ -283,10 +283,16 @@ impl<M: Mixture> About<'_, M> {
     #[inline(always)]
     fn choose(&self, u: Vec2) -> Choice {
         let (row, share) = self.blend.find_row(u.x);
-        let (low, width) = self.span(row.index);
-        let (v, side) = unfold(u.y, self.table.settings.fold);
-        let (segment, rest) = self.blend.find_segment(row.index, v);
-        Choice { low, width, slope: self.blend.slope(row.index), share, segment, rest, side }
+        self.choose_in(row.index, share, u.y)
+    }
+
+    /// What `u` chooses in a row that is chosen at a share of its probability.
+    #[inline(always)]
+    fn choose_in(&self, row: usize, share: f32, u: f32) -> Choice {
+        let (low, width) = self.span(row);
+        let (v, side) = unfold(u, self.table.settings.fold);
+        let (segment, rest) = self.blend.find_segment(row, v);
+        Choice { low, width, slope: self.blend.slope(row), share, segment, rest, side }
     }
 
     /// The point of the square that was chosen: cap and azimuth.

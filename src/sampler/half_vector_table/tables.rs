@@ -3,6 +3,8 @@
 //! Integers make the tables small and the sums exact: a mixture of two normalised tables is normalised to the last bit, and
 //! rising probabilities stay rising.
 
+use std::hint::select_unpredictable;
+
 use super::mixture::{Mixture, NODE_UNIT, Row, Segment};
 use super::square::{Edge, PARTS};
 
@@ -189,11 +191,13 @@ impl Mixture for Blend<'_> {
     fn index_of(&self, target: u32) -> usize {
         let n = self.tables.row_count();
         let (first, second) = self.both(&self.tables.stored.rows, 1, 0, n);
+        // Bisection of as many steps for every draw: nothing to mispredict, and draws of a batch don't wait for each other.
         let (mut index, mut left) = (0, n);
         while left > 1 {
             let half = left / 2;
             let last = index + half - 1;
-            index += half * usize::from(self.mix(first[last], second[last]) <= target);
+            let passed = self.mix(first[last], second[last]) <= target;
+            index = select_unpredictable(passed, index + half, index);
             left -= half;
         }
         index
@@ -238,12 +242,9 @@ impl Mixture for Blend<'_> {
         let (first, second) = self.nodes(row);
         let low = self.mix(first[index], second[index]) as f32;
         let high = self.mix(first[index + 1], second[index + 1]) as f32;
-        Segment { index: index as f32, low, high }
+        Segment { index: index as u32 as f32, low, high }
     }
 }
-
-/// Rows that one comparison of the first count stands for.
-const STRIDE: usize = 8;
 
 #[cfg(test)]
 mod tests {
