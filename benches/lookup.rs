@@ -1,6 +1,7 @@
 //! Evaluation by each lookup rule, for pairs anywhere, pairs near the mirror direction and pairs drawn for the material: one at
 //! a time, each waiting for the one before, many at once, and the bins alone.
 
+use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -36,8 +37,8 @@ impl Pairs {
     fn near_the_mirror() -> Self {
         let pair = |i| {
             let u = PointSet::Random.point4(2, i, 0).map(f64::from);
-            let wo = spherical(u[0] * 1.4, u[1] * std::f64::consts::TAU);
-            let h = spherical(u[2] * 0.05, u[3] * std::f64::consts::TAU);
+            let wo = spherical(u[0] * 1.4, u[1] * TAU);
+            let h = spherical(u[2] * 0.05, u[3] * TAU);
             (wo.as_vec3(), reflect_about(wo, h).as_vec3())
         };
         let (wo, wi) = (0..PAIRS).map(pair).unzip();
@@ -51,7 +52,7 @@ impl Pairs {
             let pixel = PointSet::Random.point(3, i / 64, 0).as_dvec2();
             let u = PointSet::Random.point4(4, i, 0);
             let wo =
-                spherical(pixel.x * 1.47 + f64::from(u[0]) * 0.01, pixel.y * 6.28 + f64::from(u[1]) * 0.01);
+                spherical(pixel.x * 1.47 + f64::from(u[0]) * 0.01, pixel.y * TAU + f64::from(u[1]) * 0.01);
             (wo.as_vec3(), table.sample(wo.as_vec3(), Vec2::new(u[2], u[3])).unwrap().wi)
         };
         let (wo, wi) = (0..PAIRS).map(pair).unzip();

@@ -1,6 +1,7 @@
 //! One draw, draws in batches and one density of each sampler for nickel, at angles of `wo` from normal to grazing; and draws
 //! and densities for pairs, each of another `wo`: alone, each waiting for the one before, and 16 to 64 at once.
 
+use std::f32::consts::TAU;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
@@ -96,7 +97,7 @@ fn views() -> Vec<Vec3> {
     let view = |i: u64| {
         let pixel = PointSet::Random.point(2, i / PIXEL, 0);
         let within = PointSet::Random.point(3, i, 0) * 0.01;
-        let (theta, phi) = (f64::from(pixel.x * 1.47 + within.x), f64::from(pixel.y * 6.28 + within.y));
+        let (theta, phi) = (f64::from(pixel.x * 1.47 + within.x), f64::from(pixel.y * TAU + within.y));
         spherical(theta, phi).as_vec3()
     };
     (0..DRAWS).map(view).collect()
