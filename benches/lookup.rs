@@ -1,17 +1,19 @@
-//! Evaluation by each lookup rule, for pairs anywhere and for pairs near the mirror direction: one at a time, many at once,
-//! and the bins alone.
+//! Evaluation by each lookup rule, for pairs anywhere, pairs near the mirror direction and pairs drawn for the material: one at
+//! a time, each waiting for the one before, many at once, and the bins alone.
 
+use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use merlkit::brdf::{BinIndex, Brdf, LookupRule, Measured};
 use merlkit::color::Rgb;
 use merlkit::geom::{cosine_hemisphere, reflect_about, spherical};
 use merlkit::merl::{MerlTable, decode_embedded};
 use merlkit::points::PointSet;
+use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
 
 const PAIRS: u64 = 4096;
 
@@ -35,12 +37,26 @@ impl Pairs {
     fn near_the_mirror() -> Self {
         let pair = |i| {
             let u = PointSet::Random.point4(2, i, 0).map(f64::from);
-            let wo = spherical(u[0] * 1.4, u[1] * std::f64::consts::TAU);
-            let h = spherical(u[2] * 0.05, u[3] * std::f64::consts::TAU);
+            let wo = spherical(u[0] * 1.4, u[1] * TAU);
+            let h = spherical(u[2] * 0.05, u[3] * TAU);
             (wo.as_vec3(), reflect_about(wo, h).as_vec3())
         };
         let (wo, wi) = (0..PAIRS).map(pair).unzip();
         Self { place: "near the mirror", wo, wi }
+    }
+
+    /// As paths of a renderer ask: viewers nearly equal within each 64, lights drawn from a half-vector table.
+    fn drawn(brdf: &Measured) -> Self {
+        let table = HalfVectorTable::build(brdf, HalfVectorSettings::default()).unwrap();
+        let pair = |i| {
+            let pixel = PointSet::Random.point(3, i / 64, 0).as_dvec2();
+            let u = PointSet::Random.point4(4, i, 0);
+            let wo =
+                spherical(pixel.x * 1.47 + f64::from(u[0]) * 0.01, pixel.y * TAU + f64::from(u[1]) * 0.01);
+            (wo.as_vec3(), table.sample(wo.as_vec3(), Vec2::new(u[2], u[3])).unwrap().wi)
+        };
+        let (wo, wi) = (0..PAIRS).map(pair).unzip();
+        Self { place: "drawn", wo, wi }
     }
 
     fn iter(&self) -> impl Iterator<Item = (Vec3, Vec3)> {
@@ -63,11 +79,22 @@ fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &Measured, pairs: &Pairs) {
     let mut out = vec![Rgb::ZERO; pairs.wi.len()];
     group.bench_function(id("one"), |b| b.iter(|| sum(brdf, black_box(pairs))));
 
+    let next = |z: f32, (wo, wi)| brdf.eval(wo + Vec3::splat(z), wi).x.min(1.0) * f32::MIN_POSITIVE * 0.0;
+    group.bench_function(id("chain"), |b| b.iter(|| black_box(pairs).iter().fold(0.0, next)));
+
     brdf.eval_pairs(&pairs.wo, &pairs.wi, &mut out);
     assert!(pairs.iter().zip(&out).all(|((wo, wi), &f)| f == brdf.eval(wo, wi)));
     group.bench_function(id("pairs"), |b| {
         b.iter(|| brdf.eval_pairs(black_box(&pairs.wo), &pairs.wi, &mut out))
     });
+    for count in [16, 32, 64] {
+        group.bench_function(id(&format!("pairs of {count}")), |b| {
+            b.iter(|| {
+                let batches = pairs.wo.chunks(count).zip(pairs.wi.chunks(count)).zip(out.chunks_mut(count));
+                batches.for_each(|((wo, wi), out)| brdf.eval_pairs(black_box(wo), wi, out));
+            })
+        });
+    }
 
     let wo = pairs.wo[7];
     brdf.eval_many(wo, &pairs.wi, &mut out);
@@ -79,8 +106,9 @@ fn benches(c: &mut Criterion) {
     let table = Arc::new(decode_embedded("nickel").unwrap());
     let mut group = c.benchmark_group("lookup");
     group.throughput(Throughput::Elements(PAIRS));
-    for pairs in [Pairs::anywhere(), Pairs::near_the_mirror()] {
-        let floor = sum(&Measured::new(table.clone(), LookupRule::Floor), &pairs);
+    let floor = Measured::new(table.clone(), LookupRule::Floor);
+    for pairs in [Pairs::anywhere(), Pairs::near_the_mirror(), Pairs::drawn(&floor)] {
+        let floor = sum(&floor, &pairs);
         group.bench_function(BenchmarkId::new("bins alone", pairs.place), |b| {
             b.iter(|| bins(&table, black_box(&pairs)))
         });

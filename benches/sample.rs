@@ -1,5 +1,7 @@
-//! One draw, draws in batches and one density of each sampler for nickel, at angles of `wo` from normal to grazing.
+//! One draw, draws in batches and one density of each sampler for nickel, at angles of `wo` from normal to grazing; and draws
+//! and densities for pairs, each of another `wo`: alone, each waiting for the one before, and 16 to 64 at once.
 
+use std::f32::consts::TAU;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
@@ -87,5 +89,75 @@ fn benches(c: &mut Criterion) {
     }
 }
 
-criterion_group!(sample_benches, benches);
+/// Paths of one pixel, whose `wo` are nearly equal, as many as go through a batch together.
+const PIXEL: u64 = 64;
+
+/// A `wo` for each draw: nearly equal within a pixel, anywhere up to 85° among pixels.
+fn views() -> Vec<Vec3> {
+    let view = |i: u64| {
+        let pixel = PointSet::Random.point(2, i / PIXEL, 0);
+        let within = PointSet::Random.point(3, i, 0) * 0.01;
+        let (theta, phi) = (f64::from(pixel.x * 1.47 + within.x), f64::from(pixel.y * TAU + within.y));
+        spherical(theta, phi).as_vec3()
+    };
+    (0..DRAWS).map(view).collect()
+}
+
+/// A nothing that can't be known before `value` is.
+fn nothing_after(value: f32) -> Vec3 {
+    Vec3::splat(value.min(1.0) * f32::MIN_POSITIVE * 0.0)
+}
+
+fn pairs(c: &mut Criterion) {
+    let brdf = Arc::new(Measured::new(Arc::new(decode_embedded("nickel").unwrap()), LookupRule::Floor));
+    let points: Vec<Vec2> = (0..DRAWS).map(|i| PointSet::Random.point(1, i, 0)).collect();
+    let wo = views();
+    for (name, spec) in specs().into_iter().take(3) {
+        let sampler = spec.build(&brdf).unwrap();
+        let single: Vec<_> = wo.iter().zip(&points).map(|(&wo, &u)| sampler.sample(wo, u)).collect();
+        let wi: Vec<Vec3> = single.iter().map(|s| s.unwrap().wi).collect();
+        let (mut drawn, mut pdfs) = (single.clone(), vec![0.0; wi.len()]);
+        let mut group = c.benchmark_group("pairs");
+        group.throughput(Throughput::Elements(DRAWS)).sample_size(15);
+        group.warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_secs(1));
+        let id = |call: &str| BenchmarkId::new(call, name);
+        group.bench_function(id("sample"), |b| {
+            b.iter(|| {
+                black_box(&wo).iter().zip(&points).filter_map(|(&wo, &u)| sampler.sample(wo, u)).count()
+            })
+        });
+        group.bench_function(id("sample in a chain"), |b| {
+            b.iter(|| {
+                let next = |z, (&wo, &u)| nothing_after(sampler.sample(wo + z, u).map_or(0.0, |s| s.pdf));
+                black_box(&wo).iter().zip(&points).fold(Vec3::ZERO, next)
+            })
+        });
+        group.bench_function(id("pdf"), |b| {
+            b.iter(|| black_box(&wo).iter().zip(&wi).map(|(&wo, &wi)| sampler.pdf(wo, wi)).sum::<f32>())
+        });
+        group.bench_function(id("pdf in a chain"), |b| {
+            let next = |z, (&wo, &wi): (&Vec3, &Vec3)| nothing_after(sampler.pdf(wo + z, wi));
+            b.iter(|| black_box(&wo).iter().zip(&wi).fold(Vec3::ZERO, next))
+        });
+        for count in [16, 32, 64] {
+            group.bench_function(id(&format!("sample_pairs of {count}")), |b| {
+                b.iter(|| {
+                    let batches = wo.chunks(count).zip(points.chunks(count)).zip(drawn.chunks_mut(count));
+                    batches.for_each(|((wo, u), out)| sampler.sample_pairs(black_box(wo), u, out));
+                })
+            });
+            assert!(drawn == single, "{name} {count}");
+            group.bench_function(id(&format!("pdf_pairs of {count}")), |b| {
+                b.iter(|| {
+                    let batches = wo.chunks(count).zip(wi.chunks(count)).zip(pdfs.chunks_mut(count));
+                    batches.for_each(|((wo, wi), out)| sampler.pdf_pairs(black_box(wo), wi, out));
+                })
+            });
+            assert!(single.iter().zip(&pdfs).all(|(s, &pdf)| s.is_some_and(|s| s.pdf == pdf)));
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(sample_benches, benches, pairs);
 criterion_main!(sample_benches);

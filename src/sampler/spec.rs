@@ -284,6 +284,14 @@ impl DirectionSampler for Sampler {
         self.as_dyn().sample_batch(wo, points)
     }
 
+    fn sample_pairs(&self, wo: &[Vec3], points: &[Vec2], out: &mut [Option<DirectionSample>]) {
+        self.as_dyn().sample_pairs(wo, points, out);
+    }
+
+    fn pdf_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
+        self.as_dyn().pdf_pairs(wo, wi, out);
+    }
+
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
         self.as_dyn().sample_many(wo, count, seed)
     }

@@ -53,7 +53,7 @@ impl Mixed {
     }
 }
 
-impl Mixture for Mixed {
+impl Mixture for &Mixed {
     #[inline(always)]
     fn segments(&self) -> usize {
         self.segments
@@ -89,6 +89,6 @@ impl Mixture for Mixed {
     #[inline(always)]
     fn segment(&self, row: usize, index: usize) -> Segment {
         let nodes = &self.nodes[row * (self.segments + 1) + index..][..2];
-        Segment { index: index as f32, low: nodes[0], high: nodes[1] }
+        Segment { index: index as u32 as f32, low: nodes[0], high: nodes[1] }
     }
 }

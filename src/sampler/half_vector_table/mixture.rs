@@ -85,8 +85,8 @@ pub trait Mixture {
     #[inline(always)]
     fn segment_at(&self, row: usize, y: f32) -> (Segment, f32) {
         let at = y * self.segments() as f32;
-        let index = (at as usize).min(self.segments() - 1);
-        (self.segment(row, index), at - index as f32)
+        let index = (at as u32 as usize).min(self.segments() - 1);
+        (self.segment(row, index), at - index as u32 as f32)
     }
 
     /// Probability of a row's azimuths below `y`: the inverse of [`Self::find_segment`] and [`find_in`].

@@ -10,6 +10,7 @@
 
 mod batch;
 mod build;
+mod lanes;
 mod mixed;
 mod mixture;
 mod quantise;
@@ -186,7 +187,11 @@ impl HalfVectorTable {
     /// What depends on `wo` alone.
     #[inline]
     fn about(&self, square: Square) -> About<'_, Blend<'_>> {
-        let blend = self.tables.at(square.cos_o());
+        self.with(square, self.tables.at(square.cos_o()))
+    }
+
+    #[inline(always)]
+    fn with<'a>(&'a self, square: Square, blend: Blend<'a>) -> About<'a, Blend<'a>> {
         let (segments, unit) = blend.scale();
         // The azimuth's share runs over [−1, 1]: half the density on [0, 1].
         About { table: self, square, blend, per_segment: 1.0 / segments, unit: 0.5 * unit }
@@ -195,6 +200,7 @@ impl HalfVectorTable {
 
 /// The table about one `wo`. Mixing its tables beforehand halves the time of a draw and takes as long as some hundred (`cargo
 /// bench --bench sample`): for large batches.
+#[derive(Clone, Copy)]
 struct About<'a, M> {
     table: &'a HalfVectorTable,
     square: Square,
@@ -205,7 +211,7 @@ struct About<'a, M> {
 }
 
 /// What a point of the unit square chooses, before arithmetic: the part of a draw that looks things up.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Choice {
     /// Cap where the row begins, and its width.
     low: f32,
@@ -220,7 +226,7 @@ struct Choice {
 }
 
 /// What the density at a place depends on: the part that looks things up.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Found {
     low: f32,
     width: f32,
@@ -231,12 +237,41 @@ struct Found {
     share: f32,
 }
 
+impl Choice {
+    #[inline(always)]
+    fn to_array(self) -> [f32; 9] {
+        let Self { low, width, slope, share, segment, rest, side } = self;
+        [low, width, slope, share, segment.index, segment.low, segment.high, rest, side]
+    }
+
+    #[inline(always)]
+    fn from_array([low, width, slope, share, index, first, second, rest, side]: [f32; 9]) -> Self {
+        let segment = Segment { index, low: first, high: second };
+        Self { low, width, slope, share, segment, rest, side }
+    }
+}
+
+impl Found {
+    #[inline(always)]
+    fn to_array(self) -> [f32; 8] {
+        let Self { low, width, slope, mass, segment, share } = self;
+        [low, width, slope, mass, segment.index, segment.low, segment.high, share]
+    }
+
+    #[inline(always)]
+    fn from_array([low, width, slope, mass, index, first, second, share]: [f32; 8]) -> Self {
+        let segment = Segment { index, low: first, high: second };
+        Self { low, width, slope, mass, segment, share }
+    }
+}
+
 impl<M: Mixture> About<'_, M> {
     /// Where a row begins, and its width, in caps.
     #[inline(always)]
     fn span(&self, row: usize) -> (f32, f32) {
-        let [low, high] = self.table.tables.edges(row).map(|edge| self.square.cap(edge));
-        (low, high - low)
+        let [low, high] = self.table.tables.edges(row);
+        let low = self.square.cap(low);
+        (low, self.square.cap(high) - low)
     }
 
     /// The row that holds a place.
@@ -248,10 +283,16 @@ impl<M: Mixture> About<'_, M> {
     #[inline(always)]
     fn choose(&self, u: Vec2) -> Choice {
         let (row, share) = self.blend.find_row(u.x);
-        let (low, width) = self.span(row.index);
-        let (v, side) = unfold(u.y, self.table.settings.fold);
-        let (segment, rest) = self.blend.find_segment(row.index, v);
-        Choice { low, width, slope: self.blend.slope(row.index), share, segment, rest, side }
+        self.choose_in(row.index, share, u.y)
+    }
+
+    /// What `u` chooses in a row that is chosen at a share of its probability.
+    #[inline(always)]
+    fn choose_in(&self, row: usize, share: f32, u: f32) -> Choice {
+        let (low, width) = self.span(row);
+        let (v, side) = unfold(u, self.table.settings.fold);
+        let (segment, rest) = self.blend.find_segment(row, v);
+        Choice { low, width, slope: self.blend.slope(row), share, segment, rest, side }
     }
 
     /// The point of the square that was chosen: cap and azimuth.
@@ -352,5 +393,15 @@ impl DirectionSampler for HalfVectorTable {
     fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
         let square = unit_upper(wo).map(Square::about);
         square.map_or_else(|| vec![None; points.len()], |square| batch::sample(&self.about(square), points))
+    }
+
+    fn sample_pairs(&self, wo: &[Vec3], points: &[Vec2], out: &mut [Option<DirectionSample>]) {
+        let count = wo.len().min(points.len()).min(out.len());
+        batch::sample_pairs(self, &wo[..count], &points[..count], &mut out[..count]);
+    }
+
+    fn pdf_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
+        let count = wo.len().min(wi.len()).min(out.len());
+        batch::pdf_pairs(self, &wo[..count], &wi[..count], &mut out[..count]);
     }
 }

@@ -73,7 +73,7 @@ pub struct Square {
 }
 
 /// Where a direction lies in the square.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Place {
     /// Coordinate on the first axis.
     pub cap: f32,
@@ -98,6 +98,19 @@ impl Square {
         // cos θmax = cos(π/4 + θo/2).
         let cos_max = cos_o / (2.0 * (1.0 + sin_o)).sqrt();
         Self { wo, sin_o, cos_o, azimuth, top: 0.5 * (1.0 - cos_max) }
+    }
+
+    /// Its numbers, for arrays of many squares.
+    #[inline(always)]
+    pub(super) fn to_array(self) -> [f32; 8] {
+        let Self { wo, sin_o, cos_o, azimuth, top } = self;
+        [wo.x, wo.y, wo.z, sin_o, cos_o, azimuth.0, azimuth.1, top]
+    }
+
+    /// The inverse of [`Self::to_array`].
+    #[inline(always)]
+    pub(super) fn from_array([x, y, z, sin_o, cos_o, c, s, top]: [f32; 8]) -> Self {
+        Self { wo: Vec3::new(x, y, z), sin_o, cos_o, azimuth: (c, s), top }
     }
 
     /// Cosine of the polar angle of `wo`.

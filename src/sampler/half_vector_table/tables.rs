@@ -3,6 +3,8 @@
 //! Integers make the tables small and the sums exact: a mixture of two normalised tables is normalised to the last bit, and
 //! rising probabilities stay rising.
 
+use std::hint::select_unpredictable;
+
 use super::mixture::{Mixture, NODE_UNIT, Row, Segment};
 use super::square::{Edge, PARTS};
 
@@ -136,10 +138,11 @@ impl Tables {
 }
 
 impl Blend<'_> {
-    /// Exact: both factors fit 32 bits together.
+    /// `first · (SHARES − share) + second · share`, which fits 32 bits: exact, by one product modulo 2³².
     #[inline(always)]
     pub(super) fn mix(&self, first: u16, second: u16) -> u32 {
-        u32::from(first) * (SHARES - self.share) + u32::from(second) * self.share
+        let (first, second) = (u32::from(first), u32::from(second));
+        (first * SHARES).wrapping_add(second.wrapping_sub(first).wrapping_mul(self.share))
     }
 
     /// Row `row` of both tables, of `values` that hold `rows` of `width` for every table.
@@ -156,7 +159,7 @@ impl Blend<'_> {
     }
 
     /// The block in which the sum passes `target`, and the sum below it.
-    #[inline]
+    #[inline(always)]
     fn find_block(&self, row: usize, target: u32) -> (usize, u32) {
         let tables = self.tables;
         let (first, second) = self.both(&tables.blocks, tables.row_count(), row, tables.block_count);
@@ -188,18 +191,23 @@ impl Mixture for Blend<'_> {
     fn index_of(&self, target: u32) -> usize {
         let n = self.tables.row_count();
         let (first, second) = self.both(&self.tables.stored.rows, 1, 0, n);
-        let passed = |i: usize| usize::from(self.mix(first[i], second[i]) <= target);
-        // Two counts of independent comparisons are sooner done than a search whose steps wait for each other.
-        let coarse = (1..=(n - 1) / STRIDE).map(|k| passed(k * STRIDE - 1)).sum::<usize>() * STRIDE;
-        coarse + (coarse..(coarse + STRIDE - 1).min(n - 1)).map(passed).sum::<usize>()
+        // Bisection of as many steps for every draw: nothing to mispredict, and draws of a batch don't wait for each other.
+        let (mut index, mut left) = (0, n);
+        while left > 1 {
+            let half = left / 2;
+            let last = index + half - 1;
+            let passed = self.mix(first[last], second[last]) <= target;
+            index = select_unpredictable(passed, index + half, index);
+            left -= half;
+        }
+        index
     }
 
     #[inline(always)]
     fn row(&self, index: usize) -> Row {
         let (first, second) = self.both(&self.tables.stored.rows, 1, 0, self.tables.row_count());
-        let to = |i: usize| self.mix(first[i], second[i]);
-        let below = if index == 0 { 0 } else { to(index - 1) };
-        Row { index, below, mass: to(index) - below }
+        let below = if index == 0 { 0 } else { self.mix(first[index - 1], second[index - 1]) };
+        Row { index, below, mass: self.mix(first[index], second[index]) - below }
     }
 
     #[inline(always)]
@@ -232,13 +240,11 @@ impl Mixture for Blend<'_> {
     #[inline(always)]
     fn segment(&self, row: usize, index: usize) -> Segment {
         let (first, second) = self.nodes(row);
-        let [low, high] = [index, index + 1].map(|i| self.mix(first[i], second[i]) as f32);
-        Segment { index: index as f32, low, high }
+        let low = self.mix(first[index], second[index]) as f32;
+        let high = self.mix(first[index + 1], second[index + 1]) as f32;
+        Segment { index: index as u32 as f32, low, high }
     }
 }
-
-/// Rows that one comparison of the first count stands for.
-const STRIDE: usize = 8;
 
 #[cfg(test)]
 mod tests {
@@ -297,7 +303,7 @@ mod tests {
         let tables = example();
         for cos_o in [1.0, 0.77, 0.3, 0.01] {
             let blend = tables.at(cos_o);
-            let mixed = Mixed::new(&blend);
+            let mixed = &Mixed::new(&blend);
             for i in 0..2000 {
                 let u = if i == 1999 { 1f32.next_down() } else { i as f32 / 2000.0 };
                 let ((a, x), (b, y)) = (blend.find_row(u), mixed.find_row(u));
