@@ -105,14 +105,14 @@ fn chrome_is_as_exact_as_it_says() {
 
 /// A metal by the cosine: most paths find little, few find much. To stop where few have been met, or to send paths where many
 /// have been, would change the mean.
-fn assert_unbiased(points: PointSet, image: impl Fn(&Picture, u64) -> Film) {
+fn assert_unbiased(points: PointSet, pictures: u64, image: impl Fn(&Picture, u64) -> Film) {
     const SIDE: usize = 3;
     let mean =
         |film: &Film| -> f64 { (0..SIDE * SIDE).map(|i| film.mean(i % SIDE, i / SIDE).element_sum()).sum() };
     let truth = mean(&Picture::of("nickel", Strategy::default(), SIDE).reference(1 << 15));
     let mut picture = Picture::with(measured("nickel"), Arc::new(Cosine), Strategy::Brdf, SIDE);
     picture.settings.points = points;
-    let means: Vec<f64> = (1..=2000).map(|seed| mean(&image(&picture, seed)) / truth).collect();
+    let means: Vec<f64> = (1..=pictures).map(|seed| mean(&image(&picture, seed)) / truth).collect();
     let n = means.len() as f64;
     let average = means.iter().sum::<f64>() / n;
     let error = (means.iter().map(|m| (m - average).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
@@ -122,13 +122,13 @@ fn assert_unbiased(points: PointSet, image: impl Fn(&Picture, u64) -> Film) {
 
 #[test]
 fn stopping_leaves_the_mean_as_it_is() {
-    assert_unbiased(PointSet::Random, |picture, seed| picture.refined(0.5, seed).film);
+    assert_unbiased(PointSet::Random, 2000, |picture, seed| picture.refined(0.5, seed).film);
 }
 
 #[test]
 fn sharing_paths_out_leaves_the_mean_as_it_is() {
     for points in [PointSet::Random, PointSet::Lattice] {
-        assert_unbiased(points, |picture, seed| picture.allocated(64, seed));
+        assert_unbiased(points, 5000, |picture, seed| picture.allocated(16, seed));
     }
 }
 

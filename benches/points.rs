@@ -1,0 +1,105 @@
+//! Errors of pictures by how their numbers are spread, and by where their paths go: a sphere under the studio.
+//! `cargo bench --bench points`.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use merlkit::brdf::{LookupRule, Measured};
+use merlkit::merl::decode_embedded;
+use merlkit::points::PointSet;
+use merlkit::render::{
+    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Surface, render,
+    render_allocated,
+};
+use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
+
+const MATERIALS: [&str; 5] = ["nickel", "chrome", "blue-metallic-paint", "teflon", "red-plastic"];
+/// Pixels a side.
+const SIDE: usize = 128;
+const SAMPLES: [u64; 3] = [16, 40, 64];
+/// Pictures of each, of which the error is the spread.
+const SEEDS: u64 = 8;
+
+/// How paths are spread, over the unit square and over the picture.
+#[derive(Clone, Copy)]
+struct Spread {
+    name: &'static str,
+    points: PointSet,
+    adaptive: bool,
+}
+
+const SPREADS: [Spread; 4] = [
+    Spread { name: "random", points: PointSet::Random, adaptive: false },
+    Spread { name: "sobol", points: PointSet::Sobol, adaptive: false },
+    Spread { name: "lattice", points: PointSet::Lattice, adaptive: false },
+    Spread { name: "adaptive", points: PointSet::Lattice, adaptive: true },
+];
+
+struct Picture {
+    plan: EffectPlan,
+    scene: Scene,
+}
+
+impl Picture {
+    fn of(material: &str) -> Self {
+        let lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
+        let spec = SceneSpec { lights, ..SceneSpec::row(&[material.to_owned()], 1.0) };
+        let plan = EffectPlan::of(&spec);
+        let surface = |_, _| {
+            let table = Arc::new(decode_embedded(material).expect("an embedded material"));
+            let brdf = Arc::new(Measured::new(table, LookupRule::Linear));
+            let sampler = HalfVectorTable::build(&*brdf, HalfVectorSettings::default())?;
+            Ok(Surface { brdf, sampler: Some(Arc::new(sampler) as Arc<dyn DirectionSampler>) })
+        };
+        let scene = Scene::build(&spec, &plan, surface).expect("a scene");
+        Self { plan, scene }
+    }
+
+    fn film(&self, spread: Spread, samples: u64, seed: u64) -> Film {
+        let settings = Settings { width: SIDE, height: SIDE, samples, seed, points: spread.points };
+        let film = match spread.adaptive {
+            true => render_allocated(&self.scene, &self.plan, &settings, &|_| {}),
+            false => render(&self.scene, &self.plan, &settings, &|_| {}),
+        };
+        film.expect("a picture")
+    }
+
+    /// relMSE over all pixels from the spread of seeds, and seconds a picture.
+    fn measure(&self, spread: Spread, samples: u64) -> (f64, f64) {
+        let start = Instant::now();
+        let films: Vec<Film> = (0..SEEDS).map(|seed| self.film(spread, samples, seed)).collect();
+        let seconds = start.elapsed().as_secs_f64() / SEEDS as f64;
+        let n = SEEDS as f64;
+        let moments: Vec<(f64, f64)> = (0..SIDE * SIDE)
+            .map(|i| {
+                let values: Vec<f64> =
+                    films.iter().map(|f| f.mean(i % SIDE, i / SIDE).element_sum() / 3.0).collect();
+                let mean = values.iter().sum::<f64>() / n;
+                (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0))
+            })
+            .collect();
+        let pixels = moments.len() as f64;
+        let level = moments.iter().map(|m| m.0).sum::<f64>() / pixels;
+        let error = |&(mean, variance): &(f64, f64)| variance / (mean * mean + 0.01 * level * level);
+        (moments.iter().map(error).sum::<f64>() / pixels, seconds)
+    }
+}
+
+fn main() {
+    println!(
+        "{SIDE} × {SIDE} pixels, linear lookup, relMSE over all pixels from the spread of {SEEDS} seeds, seconds a picture"
+    );
+    for material in MATERIALS {
+        let picture = Picture::of(material);
+        for samples in SAMPLES {
+            let of = |spread: &Spread| {
+                let (error, seconds) = picture.measure(*spread, samples);
+                format!("{} {error:.2e} ({seconds:.3} s)", spread.name)
+            };
+            println!(
+                "{material}, {samples} paths: {}",
+                SPREADS.iter().map(of).collect::<Vec<_>>().join(", ")
+            );
+        }
+    }
+}
