@@ -16,6 +16,8 @@ use crate::{Error, Result};
 const AHEAD: u64 = 8;
 /// Fewer paths that look ahead tell too little.
 const FEWEST: u64 = 4;
+/// Fewer samples a pixel than this are not shared out.
+pub const LEAST_ALLOCATED: u64 = 4 * FEWEST;
 /// Pixels on each side that a pixel's share looks at.
 const REACH: usize = 2;
 /// Squared errors of well-spread points fall as n^−1.5 or so, see `docs/performance.md`; their sum is least if numbers of paths go
@@ -34,7 +36,7 @@ const MOST: f64 = 32.0;
 /// is rarely hit, its pixels get few paths.
 ///
 /// # Errors
-/// [`Error::Argument`] for less than 16 samples, and as [`super::render()`].
+/// [`Error::Argument`] for less than [`LEAST_ALLOCATED`] samples, and as [`super::render()`].
 pub fn render_allocated(
     scene: &Scene,
     plan: &EffectPlan,
@@ -43,13 +45,9 @@ pub fn render_allocated(
 ) -> Result<Film> {
     let Settings { width, height, samples, .. } = *settings;
     let count = settings.pixels()?;
-    let least = FEWEST * 4;
-    if samples < least {
-        let what = format!("{samples} samples a pixel to share out");
-        return Err(Error::argument(
-            what,
-            format!("allow {least}: some of them only look where to send the rest"),
-        ));
+    if samples < LEAST_ALLOCATED {
+        let fix = format!("give {LEAST_ALLOCATED} or more: some of them look where to send the rest");
+        return Err(Error::argument(format!("{samples} samples a pixel to share out"), fix));
     }
     let tracer = Tracer::new(scene, plan, settings);
     let ahead = (samples / AHEAD).max(FEWEST);
@@ -129,8 +127,8 @@ fn score(looks: &[Tally], width: usize, pixel: usize, dark: f64, colour: usize) 
     if count == 0.0 || variance == 0.0 {
         return 0.0;
     }
-    let level = level / count;
-    (variance / count / (level * level + dark * dark)).powf(POWER)
+    // By roots: squares of what is dim would vanish.
+    ((variance / count).sqrt() / (level / count).hypot(dark)).powf(2.0 * POWER)
 }
 
 #[cfg(test)]

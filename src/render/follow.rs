@@ -84,8 +84,8 @@ impl<'a> Tracer<'a> {
                 break;
             }
         }
-        sums.iter_mut().filter(|sum| !(sum.max_element() <= BRIGHTEST)).for_each(|sum| *sum = DVec3::ZERO);
-        sums
+        let kept = |sum: DVec3| if sum.max_element() <= BRIGHTEST { sum } else { DVec3::ZERO };
+        sums.into_iter().map(kept).collect()
     }
 
     fn vertex(&self, path: &Path) -> Option<Vertex<'a>> {

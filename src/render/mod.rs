@@ -6,7 +6,8 @@
 //!
 //! A [`SceneSpec`] describes; nothing is loaded for it. The [`EffectPlan`] says, with reasons, which effects it calls for
 //! and which materials and lights are used. [`Scene::build`] loads those and no others, and [`render()`] computes those
-//! and no others; [`render_to_error`] takes as many paths as a target error needs. Materials come in as the traits [`crate::brdf::Brdf`] and [`crate::sampler::DirectionSampler`]; reading
+//! and no others; [`render_allocated`] sends more paths where the picture is noisy, and [`render_to_error`] takes as many as a target
+//! error needs. Materials come in as the traits [`crate::brdf::Brdf`] and [`crate::sampler::DirectionSampler`]; reading
 //! their files is their caller's business.
 
 mod adaptive;
@@ -24,7 +25,7 @@ mod shape;
 mod spec;
 
 pub use adaptive::{Refined, Tile, render_to_error};
-pub use allocate::render_allocated;
+pub use allocate::{LEAST_ALLOCATED, render_allocated};
 pub use camera::Camera;
 pub use film::Film;
 pub use lambert::Lambert;

@@ -36,6 +36,20 @@ fn a_target_error_is_reached_and_told() {
 }
 
 #[test]
+fn points_and_places_of_paths_make_different_pictures_of_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |options: &[&str]| {
+        succeeds(run_in(folder.path(), &[&RENDER[..], &["--spp", "16"], options].concat(), ""));
+        std::fs::read(folder.path().join("render.exr")).unwrap()
+    };
+    let lattice = picture(&[]);
+    assert!(picture(&["--points", "lattice"]) == lattice);
+    let others = [&["--points", "sobol"][..], &["--points", "random"], &["--adaptive"]].map(picture);
+    assert!(others.iter().all(|other| other != &lattice) && others[0] != others[1]);
+    assert!(picture(&["--adaptive"]) == others[2]);
+}
+
+#[test]
 fn options_of_other_strategies_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for (options, expected) in [
@@ -47,6 +61,9 @@ fn options_of_other_strategies_are_refused() {
         (&["--target-error", "0.1", "--spp", "4"], "cannot be used with"),
         (&["--max-spp", "64"], "--target-error"),
         (&["--target-error", "0.1", "--max-spp", "8"], "8 is not in 16.."),
+        (&["--target-error", "0.1", "--adaptive"], "cannot be used with"),
+        (&["--target-error", "0.1", "--points", "lattice"], "leave out --points lattice or --target-error"),
+        (&["--adaptive", "--spp", "8"], "give --spp 16 or more"),
     ] {
         let text = fails(run_in(folder.path(), &[&RENDER[..], options].concat(), ""));
         assert!(text.contains(expected), "{options:?}: {text}");

@@ -10,7 +10,8 @@ use merlkit::dist::Heuristic;
 use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Decision, Effect, EffectPlan, EnvironmentSource, LightSpec, Refined, SceneSpec, Settings, Strategy,
+    Decision, Effect, EffectPlan, EnvironmentSource, LEAST_ALLOCATED, LightSpec, Refined, SceneSpec,
+    Settings, Strategy,
 };
 use merlkit::report::Sheet;
 
@@ -181,6 +182,10 @@ fn spending(args: &Args) -> Spending {
 fn settings(args: &Args) -> Result<Settings, Error> {
     let (width, height) = args.size.unwrap_or(((320 * args.materials.len()).max(480), 360));
     let samples = args.target_error.map_or(args.spp, |_| args.max_spp.unwrap_or(MAX_SPP));
+    if args.adaptive && samples < LEAST_ALLOCATED {
+        let fix = format!("give --spp {LEAST_ALLOCATED} or more: some paths look where to send the rest");
+        return Err(Error::argument(format!("--adaptive with --spp {samples}"), fix));
+    }
     let points = match (args.points, args.target_error) {
         (Some(PointSet::Lattice), Some(_)) => {
             let what = "lattices are for numbers of paths that are known beforehand";
