@@ -104,6 +104,11 @@ fn directions(c: &mut Criterion) {
     let u: [DVec2; COUNT] = std::array::from_fn(point);
     let wi = u.map(|u| sky.sample(DVec3::ZERO, u).expect("a direction").wi);
     let (mut sampled, mut seen) = ([None; COUNT], [None; COUNT]);
+    sky.sample_many(&from, &u, &mut sampled);
+    sky.seen_many(&from, &wi, &reach, &mut seen);
+    for (sampled, seen) in sampled.iter().zip(&seen) {
+        assert_eq!(sampled.map(|s| (s.radiance, s.pdf)), seen.map(|s| (s.radiance, s.pdf)));
+    }
     let mut group = c.benchmark_group("a direction to the built-in environment");
     group.throughput(Throughput::Elements(COUNT as u64)).measurement_time(Duration::from_secs(1));
     group.bench_function("sample", |b| {
@@ -140,9 +145,6 @@ fn directions(c: &mut Criterion) {
         })
     });
     group.finish();
-    for (sampled, seen) in sampled.iter().zip(&seen) {
-        assert_eq!(sampled.map(|s| (s.radiance, s.pdf)), seen.map(|s| (s.radiance, s.pdf)));
-    }
 }
 
 criterion_group!(benches, effects, preparation, directions);

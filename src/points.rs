@@ -32,16 +32,22 @@ impl PointSet {
         Vec2::new(p[0], p[1])
     }
 
-    /// Point `index` of the set of four dimensions `set`, in [0, 1)⁴, of a sequence without end; lattices are of 2¹⁶.
+    /// Point `index` of the set of four dimensions `set`, in [0, 1)⁴, of a sequence without end; lattices
+    /// are of 2¹⁶, and well spread as a whole only.
     pub fn point4(self, seed: u64, index: u64, set: u32) -> [f32; 4] {
-        self.point4_of(LATTICE_BLOCK, seed, index, set)
+        self.point4_of(u64::MAX, seed, index, set)
     }
 
     /// The first or, if `second`, the last two dimensions of [`Self::point4_of`].
     #[inline]
     pub fn pair_of(self, count: u64, seed: u64, index: u64, set: u32, second: bool) -> Vec2 {
         if self == Self::Lattice {
-            return Vec2::from_array(lattice_pair(count, seed, index, 2 * set + u32::from(second)));
+            return Vec2::from_array(lattice_pair(
+                count,
+                seed,
+                index,
+                2 * u64::from(set) + u64::from(second),
+            ));
         }
         let p = self.point4_of(count, seed, index, set);
         if second { Vec2::new(p[2], p[3]) } else { Vec2::new(p[0], p[1]) }
@@ -50,12 +56,13 @@ impl PointSet {
     /// Point `index` of `count` ≥ 1, of the set of four dimensions `set`, in [0, 1)⁴. The number matters to lattices alone:
     /// point i of n is ((i + s)/n, i/ϕ + t mod 1) with the golden ratio ϕ and random shifts s and t, a Kronecker sequence
     /// set up as Hammersley's (Niederreiter 1992, ch. 3 and 5). In every pair but the first of set 0, i is the index under a
-    /// permutation of its own. An index past the end goes on with another lattice, as do those past 2¹⁶.
+    /// permutation of its own. More than 2¹⁶ points are several lattices, all of whose pairs are shuffled; an
+    /// index past the end goes on with others.
     #[inline]
     pub fn point4_of(self, count: u64, seed: u64, index: u64, set: u32) -> [f32; 4] {
         match self {
             Self::Lattice => {
-                let [a, b] = [0, 1].map(|pair| lattice_pair(count, seed, index, 2 * set + pair));
+                let [a, b] = [0, 1].map(|pair| lattice_pair(count, seed, index, 2 * u64::from(set) + pair));
                 [a[0], a[1], b[0], b[1]]
             }
             Self::Random => {
@@ -74,15 +81,18 @@ impl PointSet {
     }
 }
 
-/// Point `index` of the lattice of `count` that a seed gives a pair of dimensions.
+/// Point `index` of the lattices that hold the `count` points a seed gives a pair of dimensions, and of others past these.
 #[inline]
-fn lattice_pair(count: u64, seed: u64, index: u64, pair: u32) -> [f32; 2] {
+fn lattice_pair(count: u64, seed: u64, index: u64, pair: u64) -> [f32; 2] {
     let block = count.clamp(1, LATTICE_BLOCK);
-    let (turn, index) = if index < block { (0, index) } else { (index / block, index % block) };
-    let (block, index) = (block as u32, index as u32);
-    let key = mix(seed ^ mix(u64::from(pair) ^ (turn << 32)));
-    // All others being shuffled against each other, the first may stay as it is.
-    lattice(block, if pair == 0 { index } else { place(block, index, key) }, key)
+    let (turn, within) = if index < block { (0, index) } else { (index / block, index % block) };
+    // The last block of many holds what is left.
+    let size = if index < count { block.min(count - (index - within)) } else { block };
+    let key = mix(seed ^ mix(pair ^ mix(turn)));
+    let (size, within) = (size as u32, within as u32);
+    // All others being shuffled against each other, the first may stay as it is, where all of it is taken.
+    let is_first = pair == 0 && count <= LATTICE_BLOCK;
+    lattice(size, if is_first { within } else { place(size, within, key) }, key)
 }
 
 /// Point `i` of a lattice of `count`, shifted by `key`.
@@ -175,7 +185,7 @@ mod tests {
 
     #[test]
     fn points_are_in_the_unit_square_and_fill_it() {
-        for set in [PointSet::Random, PointSet::Sobol] {
+        for set in [PointSet::Random, PointSet::Sobol, PointSet::Lattice] {
             let mut quarters = [0u32; 4];
             for i in 0..4096 {
                 let p = set.point(7, i, 0);
@@ -228,6 +238,18 @@ mod tests {
             assert!(mean.abs() < 4.0 * (lattice / 4000.0).sqrt(), "{count}: {mean}");
             assert!(count == 1 || lattice < 0.5 * sobol, "{count}: {lattice} {sobol}");
         }
+    }
+
+    #[test]
+    fn many_points_are_several_lattices_of_which_the_last_is_whole() {
+        const COUNT: u64 = 100_000;
+        for second in [false, true] {
+            let points = (0..COUNT).map(|i| PointSet::Lattice.pair_of(COUNT, 3, i, 0, second).as_dvec2());
+            let mean = points.sum::<glam::DVec2>() / COUNT as f64;
+            assert!(mean.abs_diff_eq(glam::DVec2::splat(0.5), 1e-4), "{mean}");
+        }
+        let past = PointSet::Lattice.pair_of(16, 3, 16, 0, false);
+        assert_ne!(past, PointSet::Lattice.pair_of(16, 3, 0, 0, false));
     }
 
     #[test]

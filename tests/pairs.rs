@@ -5,12 +5,13 @@ mod support;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
-use merlkit::brdf::{LookupRule, Measured};
+use merlkit::brdf::{Brdf, LookupRule, Measured};
 use merlkit::bsdf::Rgl;
 use merlkit::geom::Symmetry;
 use merlkit::measure::hard::hard_samplers;
 use merlkit::merl::decode_embedded;
 use merlkit::points::{PointSet, Stream};
+use merlkit::render::Lambert;
 use merlkit::sampler::{
     ByAzimuth, ByAzimuthSettings, DirectionSample, DirectionSampler, FactoredSettings, HalfVectorSettings,
     LobeKind, LobeSettings, SamplerSpec,
@@ -107,6 +108,27 @@ fn every_isotropic_sampler_gives_the_bits_of_single_calls() {
     let brdf = Arc::new(Measured::new(Arc::new(table), LookupRule::Floor));
     for (name, spec) in isotropic_samplers() {
         assert_same(&name, &spec.build(&brdf).unwrap());
+    }
+}
+
+#[test]
+fn every_brdf_times_the_cosine_gives_the_bits_of_single_calls() {
+    let table = Arc::new(decode_embedded("nickel").unwrap());
+    let measured = LookupRule::ALL.map(|rule| Measured::new(table.clone(), rule));
+    let file = Rgl::new(bsdf_of(&Brushed::STRONG, Symmetry::Quarter, Resolution::COARSE));
+    let lambert = Lambert { reflectance: Vec3::splat(0.5) };
+    let (wo, wi) = difficult_pairs();
+    let measured = measured.iter().map(|m| m as &dyn Brdf);
+    for (i, brdf) in measured.chain([&file as &dyn Brdf, &lambert]).enumerate() {
+        let mut values = vec![Vec3::NAN; PAIRS];
+        for batch in batches() {
+            brdf.eval_cos_pairs(&wo[batch.clone()], &wi[batch.clone()], &mut values[batch]);
+        }
+        let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+        for (k, value) in values.iter().enumerate() {
+            assert_eq!(bits(*value), bits(brdf.eval_cos(wo[k], wi[k])), "{i} {} {}", wo[k], wi[k]);
+        }
+        assert!(values.iter().filter(|v| v.x > 0.0).count() > PAIRS / 10, "{i}");
     }
 }
 

@@ -26,11 +26,15 @@ const POWER: f64 = 0.4;
 /// Darker than this share of the picture's mean, a pixel's error is told by this in place of its own brightness.
 const DARK: f64 = 0.1;
 /// No pixel gets more than so many times the mean.
-const MOST: f64 = 32.0;
+const MOST: f64 = 256.0;
+/// None gets fewer: one path has no spread to tell an error by.
+const LEAST: f64 = 2.0;
+/// Sets the first look's numbers apart from all others of a pixel.
+const LOOK: u64 = 0x6c6f_6f6b;
 
-/// Renders `scene`, which was built for `plan`, as [`super::render()`] does, with as many paths, but shared out so that the mean
-/// over the pixels of their relative squared errors is small: more go where the paths of a first look around are far apart,
-/// beside the brightness there.
+/// Renders `scene`, which was built for `plan`, as [`super::render()`] does, with about as many paths, but shared out so that the
+/// mean over the pixels of their relative squared errors is small: more go where the paths of a first look around are far apart,
+/// beside the brightness there; at most 256 times the mean, so that there are fewer where nearly nothing is noisy.
 ///
 /// The picture is as unbiased as with a number of paths chosen beforehand. Where the first look sees nothing of a light that
 /// is rarely hit, its pixels get few paths.
@@ -53,7 +57,7 @@ pub fn render_allocated(
     let ahead = (samples / AHEAD).max(FEWEST);
     let mut looks = vec![Tally::default(); count];
     looks.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        let seed = |x| mix(!settings.pixel_seed([x, y]));
+        let seed = |x| mix(settings.pixel_seed([x, y]) ^ mix(LOOK));
         tally(&tracer, y, row, |x| (seed(x), ahead));
     });
     let numbers = share_out(&looks, width, samples - ahead);
@@ -87,7 +91,7 @@ fn together(look: &Tally, rest: &Tally) -> Pixel {
     Pixel { mean: (x.mean * a + y.mean * b) / (a + b), error: error.map(f64::sqrt) / (a + b) }
 }
 
-/// Numbers of paths, at least 1 a pixel and `mean` on average over each colour.
+/// Numbers of paths, `mean` on average over each colour as far as [`LEAST`] and [`MOST`] allow.
 fn share_out(looks: &[Tally], width: usize, mean: u64) -> Vec<u64> {
     let mut numbers = vec![0; looks.len()];
     for colour in [0, 1] {
@@ -98,14 +102,39 @@ fn share_out(looks: &[Tally], width: usize, mean: u64) -> Vec<u64> {
         let dark = DARK * sum / seen;
         let score = |pixel: usize| score(looks, width, pixel, dark, other);
         let scores: Vec<f64> = of(colour).collect::<Vec<_>>().into_par_iter().map(score).collect();
-        let all: f64 = scores.iter().sum();
-        for (pixel, score) in of(colour).zip(&scores) {
-            let share = if all > 0.0 { score / all * scores.len() as f64 } else { 1.0 };
-            numbers[pixel] = ((share.min(MOST) * mean as f64).round() as u64).max(1);
+        for (pixel, number) in of(colour).zip(in_proportion(&scores, mean as f64)) {
+            numbers[pixel] = number.round() as u64;
         }
     }
     numbers
 }
+
+/// Numbers in proportion to `scores` but for those beyond the bounds, with the given mean where they can have it.
+fn in_proportion(scores: &[f64], mean: f64) -> Vec<f64> {
+    let (least, most) = (LEAST.min(mean), MOST * mean);
+    let number = |score: f64, scale: f64| (score * scale).clamp(least, most);
+    let sum: f64 = scores.iter().sum();
+    if !(sum > 0.0 && sum.is_finite()) {
+        return vec![mean; scores.len()];
+    }
+    // Each round gives what the bounds took or added to those between them.
+    let mut scale = mean * scores.len() as f64 / sum;
+    for _ in 0..ROUNDS {
+        let (mut rest, mut open) = (mean * scores.len() as f64, 0.0);
+        for &score in scores {
+            let number = number(score, scale);
+            if number > least && number < most { open += score } else { rest -= number }
+        }
+        if open == 0.0 || rest <= 0.0 {
+            break;
+        }
+        scale = rest / open;
+    }
+    scores.iter().map(|&score| number(score, scale)).collect()
+}
+
+/// After which few pixels still pass a bound.
+const ROUNDS: usize = 8;
 
 fn brightness(look: &Tally) -> f64 {
     look.mean().element_sum() / 3.0
@@ -151,7 +180,7 @@ mod tests {
         let numbers = share_out(&looks, 20, 50);
         let mean = numbers.iter().sum::<u64>() as f64 / 400.0;
         assert!((mean / 50.0 - 1.0).abs() < 0.02, "{mean}");
-        // A hundredfold variance: 100^0.4.
+        // A hundred times the variance: 100^0.4.
         let ratio = numbers[19] as f64 / numbers[0] as f64;
         assert!((ratio / 6.31 - 1.0).abs() < 0.1, "{ratio}");
     }
@@ -170,6 +199,16 @@ mod tests {
     fn pictures_without_noise_or_light_are_even() {
         for looks in [vec![look(0.0, 0.0); 12], vec![look(2.0, 0.0); 12], vec![look(2.0, 0.0); 1]] {
             assert!(share_out(&looks, 4.min(looks.len()), 30).iter().all(|&n| n == 30));
+        }
+    }
+
+    #[test]
+    fn bounds_leave_the_mean_as_it_is() {
+        for (noisy, mean) in [(1.0, 30.0), (1e3, 30.0), (1e6, 12.0)] {
+            let scores: Vec<f64> = (0..1000).map(|i| if i % 50 == 0 { noisy } else { 1.0 }).collect();
+            let numbers = in_proportion(&scores, mean);
+            assert!((numbers.iter().sum::<f64>() / (1000.0 * mean) - 1.0).abs() < 1e-9, "{noisy}");
+            assert!(numbers.iter().all(|n| (LEAST..=MOST * mean).contains(n)));
         }
     }
 

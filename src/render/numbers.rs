@@ -6,8 +6,9 @@ use super::path::PathId;
 use super::{Scene, Settings};
 use crate::points::{PointSet, mix};
 
-/// The numbers behind one path: sets of four dimensions, one for the pixel, then for each vertex one for the BRDF, roulette
-/// and the choice of a candidate, and one for every two lights. Candidates have a seed of their own.
+/// The numbers behind one path: sets of four dimensions, one for the pixel and the first light of the first vertex, then for
+/// each vertex one for the BRDF, roulette and the choice of a candidate, and one for every two lights. Candidates have a seed of
+/// their own.
 pub(super) struct Numbers {
     points: PointSet,
     seed: u64,
@@ -52,8 +53,8 @@ impl Numbers {
         self.pair(1 + vertex * self.sets_per_vertex, true)
     }
 
-    /// A point on a light. Of the first vertex and light, one that is well spread together with the point of the pixel: on
-    /// most pixels they make most of the error.
+    /// A point on a light. Of the first vertex and light, one that Sobol points spread together with the point of the
+    /// pixel: on most pixels they make most of the error.
     pub(super) fn light(&self, vertex: u32, light: usize) -> DVec2 {
         let (set, second) = match (vertex, light) {
             (0, 0) => (0, true),
@@ -66,6 +67,6 @@ impl Numbers {
     pub(super) fn candidate(&self, vertex: u32, candidate: u32) -> Vec2 {
         let candidates = u64::from(self.candidates);
         let index = self.index * candidates + u64::from(candidate);
-        self.points.pair_of(self.count * candidates, mix(!self.seed), index, vertex, true)
+        self.points.pair_of(self.count.saturating_mul(candidates), mix(!self.seed), index, vertex, true)
     }
 }

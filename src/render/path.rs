@@ -96,7 +96,7 @@ pub(super) struct PathId {
     pub(super) pixel: [usize; 2],
     pub(super) seed: u64,
     pub(super) index: u64,
-    /// How many the seed gives.
+    /// How many the seed gives; only lattices ask.
     pub(super) count: u64,
 }
 

@@ -38,7 +38,7 @@ pub struct Args {
     /// Paths a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
-    /// Take more paths where the picture is noisy, found out by the first of them, and fewer elsewhere: as many in all, from 16
+    /// Take more paths where the picture is noisy, found out by the first of them, and fewer elsewhere, as many in all; wants --spp of 16 or more
     #[arg(long, conflicts_with = "target_error")]
     adaptive: bool,
     /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as lattices of as many
