@@ -355,6 +355,7 @@ fn report(records: &[(&'static Contender, Record)], mask: &[bool]) {
     );
     let ours: Vec<&Record> = records.iter().filter(|(c, _)| c.is_ours()).map(|(_, r)| r).collect();
     let [even, shared] = ours[..] else { return };
+    let ours = [even, shared].map(|record| record.points(mask));
     for (contender, record) in records {
         let points = record.points(mask);
         let (brightness, median) = beside(&record.mean(), &even.mean(), mask);
@@ -370,8 +371,7 @@ fn report(records: &[(&'static Contender, Record)], mask: &[bool]) {
         for target in TARGETS {
             let (seconds, beyond) = seconds_to(target, &points);
             let note = if beyond { ", extrapolated" } else { "" };
-            let [even, shared] =
-                [even, shared].map(|ours| seconds / seconds_to(target, &ours.points(mask)).0);
+            let [even, shared] = [0, 1].map(|i| seconds / seconds_to(target, &ours[i]).0);
             println!(
                 "  to {target:.0e}: {seconds:.3} s{note}; {even:.2} × ours, {shared:.2} × ours adaptive"
             );

@@ -42,12 +42,8 @@ impl PointSet {
     #[inline]
     pub fn pair_of(self, count: u64, seed: u64, index: u64, set: u32, second: bool) -> Vec2 {
         if self == Self::Lattice {
-            return Vec2::from_array(lattice_pair(
-                count,
-                seed,
-                index,
-                2 * u64::from(set) + u64::from(second),
-            ));
+            let pair = 2 * u64::from(set) + u64::from(second);
+            return Vec2::from_array(lattice_pair(count, seed, index, pair));
         }
         let p = self.point4_of(count, seed, index, set);
         if second { Vec2::new(p[2], p[3]) } else { Vec2::new(p[0], p[1]) }

@@ -110,6 +110,13 @@ impl Brdf for Measured {
         batch::evaluate(&self.table, self.rule, wo.iter().copied().zip(wi.iter().copied()), out);
     }
 
+    fn eval_cos_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
+        self.eval_pairs(wo, wi, out);
+        for ((out, _), &wi) in out.iter_mut().zip(wo).zip(wi) {
+            *out *= unit_upper(wi).map_or(0.0, |wi| wi.z);
+        }
+    }
+
     fn is_isotropic(&self) -> bool {
         true
     }

@@ -51,11 +51,10 @@ pub trait Brdf: Send + Sync {
     }
 
     /// f_r·cosθᵢ for many pairs: `out[k]` becomes `eval_cos(wo[k], wi[k])`, to the bit. As many as the shortest slice holds are
-    /// evaluated; what is left of a longer `out` stays as it was. Who has an [`Self::eval_cos`] of its own needs one of these, too.
+    /// evaluated; what is left of a longer `out` stays as it was.
     fn eval_cos_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
-        self.eval_pairs(wo, wi, out);
-        for ((out, _), &wi) in out.iter_mut().zip(wo).zip(wi) {
-            *out *= unit_upper(wi).map_or(0.0, |wi| wi.z);
+        for ((out, &wo), &wi) in out.iter_mut().zip(wo).zip(wi) {
+            *out = self.eval_cos(wo, wi);
         }
     }
 

@@ -16,12 +16,6 @@ impl Brdf for Rgl {
         self.value_cos(wo, wi)
     }
 
-    fn eval_cos_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
-        for ((out, &wo), &wi) in out.iter_mut().zip(wo).zip(wi) {
-            *out = self.value_cos(wo, wi);
-        }
-    }
-
     fn is_isotropic(&self) -> bool {
         Self::is_isotropic(self)
     }

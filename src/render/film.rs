@@ -41,8 +41,8 @@ impl Film {
     }
 
     /// Standard error of that mean. [`super::render()`] and [`super::render_allocated`] compute it as if samples were independent:
-    /// too large for lattices and Sobol points, right for random ones. [`super::render_to_error`] computes it from replicates: right for both of its sets of points. 0 for a single
-    /// sample and outside.
+    /// too large for lattices and Sobol points, right for random ones. [`super::render_to_error`] computes it from replicates:
+    /// right for both of its sets of points. 0 for a single sample and outside.
     pub fn standard_error(&self, x: usize, y: usize) -> DVec3 {
         self.pixel(x, y).map_or(DVec3::ZERO, |p| p.error)
     }

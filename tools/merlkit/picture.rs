@@ -40,7 +40,7 @@ pub struct Picture<'a> {
 pub enum Spending {
     /// As many to every pixel.
     Even,
-    /// More to where the picture is noisy, as many in all.
+    /// More to where the picture is noisy, about as many in all.
     Adaptive,
     /// As many as each tile needs to come down to an error, at most the settings' samples a pixel.
     ToError(f64),

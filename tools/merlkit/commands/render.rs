@@ -38,7 +38,8 @@ pub struct Args {
     /// Paths a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
-    /// Take more paths where the picture is noisy, found out by the first of them, and fewer elsewhere, as many in all; wants --spp of 16 or more
+    /// Take more paths where the picture is noisy, found out by the first of them, and fewer elsewhere: about as many in all. Wants
+    /// --spp of 16 or more
     #[arg(long, conflicts_with = "target_error")]
     adaptive: bool,
     /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as lattices of as many
@@ -134,7 +135,8 @@ pub fn run(args: &Args) -> Outcome {
     output::stdout(|out| {
         writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
         let (w, h, seconds) = (settings.width, settings.height, start.elapsed().as_secs_f64());
-        let paths = refined.as_ref().map_or_else(|| args.spp.to_string(), |r| paths(r, &settings));
+        let even = || format!("{}{}", if args.adaptive { "about " } else { "" }, args.spp);
+        let paths = refined.as_ref().map_or_else(even, |r| paths(r, &settings));
         writeln!(out, "{w} × {h} pixels, {paths} paths a pixel, {seconds:.2} s in all")?;
         refined.map_or(Ok(()), |refined| writeln!(out, "{}", reached(&refined, settings.samples)))
     })?;
