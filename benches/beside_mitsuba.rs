@@ -21,8 +21,8 @@ use merlkit::light::{SkySampling, studio};
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Camera, EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Sphere, Surface, render,
-    render_allocated,
+    Camera, EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Sphere, Surface,
+    render, render_allocated,
 };
 use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
 use serde_json::{Value, json};
@@ -64,14 +64,27 @@ impl Contender {
     }
 
     fn samples(&self) -> [u64; SAMPLES.len()] {
-        if matches!(self.renderer, Renderer::Shared) { SHARED_SAMPLES } else { SAMPLES }
+        if matches!(self.renderer, Renderer::Shared) {
+            SHARED_SAMPLES
+        } else {
+            SAMPLES
+        }
     }
 }
 
 const CONTENDERS: [Contender; 5] = [
-    Contender { name: "merlkit, half-vector 64KB", renderer: Renderer::Even },
-    Contender { name: "merlkit, half-vector 64KB, adaptive", renderer: Renderer::Shared },
-    Contender { name: "Mitsuba scalar_rgb, measured", renderer: Renderer::Mitsuba("scalar_rgb", "measured") },
+    Contender {
+        name: "merlkit, half-vector 64KB",
+        renderer: Renderer::Even,
+    },
+    Contender {
+        name: "merlkit, half-vector 64KB, adaptive",
+        renderer: Renderer::Shared,
+    },
+    Contender {
+        name: "Mitsuba scalar_rgb, measured",
+        renderer: Renderer::Mitsuba("scalar_rgb", "measured"),
+    },
     Contender {
         name: "Mitsuba llvm_ad_rgb, measured",
         renderer: Renderer::Mitsuba("llvm_ad_rgb", "measured"),
@@ -95,14 +108,25 @@ impl Files {
     fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);
-        let (sky, bsdf, table, scene) = (at("sky.exr"), at("m.bsdf"), at("table"), at("scene.json"));
+        let (sky, bsdf, table, scene) =
+            (at("sky.exr"), at("m.bsdf"), at("table"), at("scene.json"));
         write_exr(&sky, &sky_map(), Overwrite::Refuse).expect("a sky");
         let brdf = brdf();
-        let size = BsdfSize::ALL.into_iter().find(|s| s.name == BSDF_SIZE).expect("a size");
+        let size = BsdfSize::ALL
+            .into_iter()
+            .find(|s| s.name == BSDF_SIZE)
+            .expect("a size");
         let file = tabulate(|wo, wi| brdf.eval(wo, wi), size, MATERIAL.into());
         file.write(&bsdf, Overwrite::Refuse).expect("a .bsdf file");
         std::fs::write(&table, cells(&brdf)).expect("a table");
-        let (Camera { eye, target, vertical_angle }, ball) = (spec(&sky).camera, ball(&sky));
+        let (
+            Camera {
+                eye,
+                target,
+                vertical_angle,
+            },
+            ball,
+        ) = (spec(&sky).camera, ball(&sky));
         let described = json!({
             "side": SIDE, "sky": sky, "bsdf": bsdf, "table": table,
             "camera": {"eye": eye.to_array(), "target": target.to_array(), "degrees": vertical_angle.to_degrees()},
@@ -114,7 +138,10 @@ impl Files {
 }
 
 fn brdf() -> Measured {
-    Measured::new(Arc::new(decode_embedded(MATERIAL).expect("an embedded material")), LOOKUP)
+    Measured::new(
+        Arc::new(decode_embedded(MATERIAL).expect("an embedded material")),
+        LOOKUP,
+    )
 }
 
 /// f32 by θh, θd, φd and channel.
@@ -123,7 +150,9 @@ fn cells(brdf: &Measured) -> Vec<u8> {
     let mut bytes = Vec::new();
     for (h, d, p) in (0..90 * 90 * 180).map(|i| (i / (90 * 180), i / 180 % 90, i % 180)) {
         let cell = table.cells()[table.index(h, d, p)].truncate();
-        cell.to_array().iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        cell.to_array()
+            .iter()
+            .for_each(|v| bytes.extend(v.to_le_bytes()));
     }
     bytes
 }
@@ -134,16 +163,26 @@ fn sky_map() -> Image {
     let [width, height] = SKY;
     let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
     Image::from_fn(width, height, |x, y| {
-        let (theta, phi) =
-            (share(y, height) * std::f64::consts::PI, (share(x, width) - 0.5) * std::f64::consts::TAU);
-        sky.radiance(DVec3::new(theta.sin() * phi.sin(), theta.cos(), -theta.sin() * phi.cos()))
+        let (theta, phi) = (
+            share(y, height) * std::f64::consts::PI,
+            (share(x, width) - 0.5) * std::f64::consts::TAU,
+        );
+        sky.radiance(DVec3::new(
+            theta.sin() * phi.sin(),
+            theta.cos(),
+            -theta.sin() * phi.cos(),
+        ))
     })
     .expect("a map")
 }
 
 fn spec(sky: &Path) -> SceneSpec {
     let light = LightSpec::Environment(EnvironmentSource::File(sky.to_owned()));
-    SceneSpec { lights: vec![light], depth: 1, ..SceneSpec::row(&[MATERIAL.to_owned()], 1.0) }
+    SceneSpec {
+        lights: vec![light],
+        depth: 1,
+        ..SceneSpec::row(&[MATERIAL.to_owned()], 1.0)
+    }
 }
 
 fn ball(sky: &Path) -> Sphere {
@@ -158,7 +197,9 @@ fn mask(sky: &Path) -> Vec<bool> {
         ball.enter(&camera.ray(p, 1.0)).is_some()
     };
     let whole = |(x, y)| shows(x, y) && shows(x + 1, y) && shows(x, y + 1) && shows(x + 1, y + 1);
-    (0..SIDE * SIDE).map(|i| whole((i % SIDE, i / SIDE))).collect()
+    (0..SIDE * SIDE)
+        .map(|i| whole((i % SIDE, i / SIDE)))
+        .collect()
 }
 
 /// This library, with what it has loaded.
@@ -175,7 +216,10 @@ impl Ours {
         let surface = |_, _| {
             let brdf = Arc::new(brdf());
             let sampler = HalfVectorTable::build(&*brdf, HalfVectorSettings::default())?;
-            Ok(Surface { brdf, sampler: Some(Arc::new(sampler) as Arc<dyn DirectionSampler>) })
+            Ok(Surface {
+                brdf,
+                sampler: Some(Arc::new(sampler) as Arc<dyn DirectionSampler>),
+            })
         };
         let scene = Scene::build(&spec, &plan, surface).expect("a scene");
         Self { plan, scene }
@@ -183,13 +227,22 @@ impl Ours {
 
     /// The picture and seconds.
     fn render(&self, shared: bool, samples: u64, seed: u64) -> (Picture, f64) {
-        let settings = Settings { width: SIDE, height: SIDE, samples, seed, points: PointSet::Lattice };
+        let settings = Settings {
+            width: SIDE,
+            height: SIDE,
+            samples,
+            seed,
+            points: PointSet::Lattice,
+        };
         let start = Instant::now();
         let film = match shared {
             true => render_allocated(&self.scene, &self.plan, &settings, &|_| {}),
             false => render(&self.scene, &self.plan, &settings, &|_| {}),
         };
-        let picture = film.and_then(|film| film.to_image()).expect("a picture").into_pixels();
+        let picture = film
+            .and_then(|film| film.to_image())
+            .expect("a picture")
+            .into_pixels();
         (picture, start.elapsed().as_secs_f64())
     }
 }
@@ -204,16 +257,27 @@ struct Mitsuba {
 
 impl Mitsuba {
     fn start(files: &Files) -> Option<Self> {
-        let has = Command::new("python3").args(["-c", "import mitsuba, numpy"]).output();
+        let has = Command::new("python3")
+            .args(["-c", "import mitsuba, numpy"])
+            .output();
         if !has.is_ok_and(|o| o.status.success()) {
             return None;
         }
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba/render.py");
         let mut python = Command::new("python3");
-        python.arg(script).arg(&files.scene).stdin(Stdio::piped()).stdout(Stdio::piped());
+        python
+            .arg(script)
+            .arg(&files.scene)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped());
         let mut child = python.spawn().ok()?;
         let (requests, replies) = (child.stdin.take()?, BufReader::new(child.stdout.take()?));
-        Some(Self { child, requests, replies, out: files.folder.path().join("picture") })
+        Some(Self {
+            child,
+            requests,
+            replies,
+            out: files.folder.path().join("picture"),
+        })
     }
 
     /// After it went away.
@@ -224,7 +288,12 @@ impl Mitsuba {
     }
 
     /// The picture, seconds to load and seconds to render; `None` if it went away.
-    fn render(&mut self, peer: (&str, &str), samples: u64, seed: u64) -> Option<(Picture, f64, f64)> {
+    fn render(
+        &mut self,
+        peer: (&str, &str),
+        samples: u64,
+        seed: u64,
+    ) -> Option<(Picture, f64, f64)> {
         let (variant, material) = peer;
         let request = json!({"variant": variant, "material": material, "samples": samples, "seed": seed, "out": self.out});
         writeln!(self.requests, "{request}").ok()?;
@@ -232,8 +301,10 @@ impl Mitsuba {
         self.replies.read_line(&mut line).ok()?;
         let reply: Value = serde_json::from_str(&line).ok()?;
         let bytes = std::fs::read(&self.out).ok()?;
-        let numbers: Vec<f32> =
-            bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        let numbers: Vec<f32> = bytes
+            .chunks_exact(4)
+            .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+            .collect();
         let picture = numbers.chunks_exact(3).map(Rgb::from_slice).collect();
         Some((picture, reply["load"].as_f64()?, reply["render"].as_f64()?))
     }
@@ -259,7 +330,12 @@ impl Record {
     /// Mean of the pictures with most samples, by luminance.
     fn mean(&self) -> Vec<f64> {
         let runs = &self.runs[SAMPLES.len() - 1];
-        let pixel = |i| runs.iter().map(|(p, _)| f64::from(luminance(p[i]))).sum::<f64>() / runs.len() as f64;
+        let pixel = |i| {
+            runs.iter()
+                .map(|(p, _)| f64::from(luminance(p[i])))
+                .sum::<f64>()
+                / runs.len() as f64
+        };
         (0..SIDE * SIDE).map(pixel).collect()
     }
 
@@ -272,13 +348,19 @@ impl Record {
         let seen: Vec<usize> = (0..mask.len()).filter(|&i| mask[i]).collect();
         let level = seen.iter().map(|&i| mean[i]).sum::<f64>() / seen.len() as f64;
         let error = |&i: &usize| {
-            let values: Vec<f64> = runs.iter().map(|(p, _)| f64::from(luminance(p[i]))).collect();
+            let values: Vec<f64> = runs
+                .iter()
+                .map(|(p, _)| f64::from(luminance(p[i])))
+                .collect();
             let centre = values.iter().sum::<f64>() / values.len() as f64;
-            let variance =
-                values.iter().map(|v| (v - centre).powi(2)).sum::<f64>() / (values.len() - 1) as f64;
+            let variance = values.iter().map(|v| (v - centre).powi(2)).sum::<f64>()
+                / (values.len() - 1) as f64;
             variance / (mean[i] * mean[i] + 0.01 * level * level)
         };
-        (seconds[seconds.len() / 2], seen.iter().map(error).sum::<f64>() / seen.len() as f64)
+        (
+            seconds[seconds.len() / 2],
+            seen.iter().map(error).sum::<f64>() / seen.len() as f64,
+        )
     }
 
     fn points(&self, mask: &[bool]) -> Vec<(f64, f64)> {
@@ -294,7 +376,10 @@ fn seconds_to(target: f64, points: &[(f64, f64)]) -> (f64, bool) {
         return (seconds * error / target, true);
     };
     let ((s0, e0), (s1, e1)) = (points[next.max(1) - 1], points[next.max(1)]);
-    (s0 * (target / e0).powf((s1 / s0).ln() / (e1 / e0).ln()), next == 0)
+    (
+        s0 * (target / e0).powf((s1 / s0).ln() / (e1 / e0).ln()),
+        next == 0,
+    )
 }
 
 /// Brightness of all of the sphere against ours, and the median over its pixels of the relative difference.
@@ -303,7 +388,10 @@ fn beside(mean: &[f64], ours: &[f64], mask: &[bool]) -> (f64, f64) {
     let sum = |picture: &[f64]| seen().map(|i| picture[i]).sum::<f64>();
     let mut differences: Vec<f64> = seen().map(|i| (mean[i] / ours[i] - 1.0).abs()).collect();
     differences.sort_by(f64::total_cmp);
-    (sum(mean) / sum(ours) - 1.0, differences[differences.len() / 2])
+    (
+        sum(mean) / sum(ours) - 1.0,
+        differences[differences.len() / 2],
+    )
 }
 
 /// All contenders in turn, seed after seed, so that a machine that changes speed does so for all. Those that fail are left out.
@@ -313,26 +401,40 @@ fn measure(files: &Files, mitsuba: &mut Mitsuba) -> Vec<(&'static Contender, Rec
     let loaded = start.elapsed().as_secs_f64();
     // Mitsuba tells with its first picture.
     let load = |c: &Contender| if c.is_ours() { loaded } else { 0.0 };
-    let record = |c| (c, Some(Record { load: load(c), ..Record::default() }));
+    let record = |c| {
+        (
+            c,
+            Some(Record {
+                load: load(c),
+                ..Record::default()
+            }),
+        )
+    };
     let mut records: Vec<_> = CONTENDERS.iter().map(record).collect();
     for seed in 0..SEEDS {
         for (contender, slot) in &mut records {
-            let Some(mut record) = slot.take() else { continue };
-            let all = contender.samples().iter().enumerate().try_for_each(|(k, &samples)| {
-                let (picture, load, seconds) = match contender.renderer {
-                    Renderer::Mitsuba(variant, material) => {
-                        mitsuba.render((variant, material), samples, seed)?
-                    }
-                    ours => {
-                        let (picture, seconds) =
-                            library.render(matches!(ours, Renderer::Shared), samples, seed);
-                        (picture, 0.0, seconds)
-                    }
-                };
-                record.load += load;
-                record.runs[k].push((picture, seconds));
-                Some(())
-            });
+            let Some(mut record) = slot.take() else {
+                continue;
+            };
+            let all = contender
+                .samples()
+                .iter()
+                .enumerate()
+                .try_for_each(|(k, &samples)| {
+                    let (picture, load, seconds) = match contender.renderer {
+                        Renderer::Mitsuba(variant, material) => {
+                            mitsuba.render((variant, material), samples, seed)?
+                        }
+                        ours => {
+                            let (picture, seconds) =
+                                library.render(matches!(ours, Renderer::Shared), samples, seed);
+                            (picture, 0.0, seconds)
+                        }
+                    };
+                    record.load += load;
+                    record.runs[k].push((picture, seconds));
+                    Some(())
+                });
             match all {
                 Some(()) => *slot = Some(record),
                 None => {
@@ -342,7 +444,10 @@ fn measure(files: &Files, mitsuba: &mut Mitsuba) -> Vec<(&'static Contender, Rec
             }
         }
     }
-    records.into_iter().filter_map(|(c, r)| Some((c, r?))).collect()
+    records
+        .into_iter()
+        .filter_map(|(c, r)| Some((c, r?)))
+        .collect()
 }
 
 fn report(records: &[(&'static Contender, Record)], mask: &[bool]) {
@@ -353,7 +458,11 @@ fn report(records: &[(&'static Contender, Record)], mask: &[bool]) {
     println!(
         "relMSE over pixels of the sphere, from the spread of seeds; seconds of rendering alone, the median"
     );
-    let ours: Vec<&Record> = records.iter().filter(|(c, _)| c.is_ours()).map(|(_, r)| r).collect();
+    let ours: Vec<&Record> = records
+        .iter()
+        .filter(|(c, _)| c.is_ours())
+        .map(|(_, r)| r)
+        .collect();
     let [even, shared] = ours[..] else { return };
     let ours = [even, shared].map(|record| record.points(mask));
     for (contender, record) in records {

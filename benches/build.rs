@@ -10,19 +10,38 @@ use merlkit::geom::spherical;
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice,
+    SamplerSpec,
 };
 
 fn benches(c: &mut Criterion) {
-    let brdf = Arc::new(Measured::new(Arc::new(decode_embedded("nickel").unwrap()), LookupRule::Floor));
+    let brdf = Arc::new(Measured::new(
+        Arc::new(decode_embedded("nickel").unwrap()),
+        LookupRule::Floor,
+    ));
     let wo = spherical(0.7, 0.3).as_vec3();
     let mut group = c.benchmark_group("build");
-    group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(2));
+    group
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(2));
     for (name, spec) in [
-        ("half-vector 2KB", SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1)),
-        ("half-vector 64KB", SamplerSpec::HalfVector(HalfVectorSettings::default())),
-        ("half-vector 1MB", SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[7].1)),
-        ("adaptive disc", SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default())),
+        (
+            "half-vector 2KB",
+            SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1),
+        ),
+        (
+            "half-vector 64KB",
+            SamplerSpec::HalfVector(HalfVectorSettings::default()),
+        ),
+        (
+            "half-vector 1MB",
+            SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[7].1),
+        ),
+        (
+            "adaptive disc",
+            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()),
+        ),
         (
             "adaptive disc, rejection-free",
             SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
@@ -30,14 +49,25 @@ fn benches(c: &mut Criterion) {
                 ..Default::default()
             }),
         ),
-        ("adaptive disc as published", SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::as_published())),
-        ("cascade CDF 1024x512 compressed", SamplerSpec::CascadeCdf(CascadeCdfSettings::default())),
-        ("cascade CDF 256x32 whole", SamplerSpec::CascadeCdf(CascadeCdfSettings::uniform())),
+        (
+            "adaptive disc as published",
+            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::as_published()),
+        ),
+        (
+            "cascade CDF 1024x512 compressed",
+            SamplerSpec::CascadeCdf(CascadeCdfSettings::default()),
+        ),
+        (
+            "cascade CDF 256x32 whole",
+            SamplerSpec::CascadeCdf(CascadeCdfSettings::uniform()),
+        ),
     ] {
         let sampler = spec.build(&brdf).unwrap();
         let draw = sampler.sample(wo, PointSet::Sobol.point(1, 0, 0)).unwrap();
         assert_eq!(draw.pdf, sampler.pdf(wo, draw.wi), "{name}");
-        group.bench_function(name, |b| b.iter(|| black_box(&spec).build(black_box(&brdf)).unwrap()));
+        group.bench_function(name, |b| {
+            b.iter(|| black_box(&spec).build(black_box(&brdf)).unwrap())
+        });
     }
     group.finish();
 }

@@ -26,12 +26,24 @@ fn radiance(wi: Vec3) -> f64 {
 }
 
 fn samplers() -> [(&'static str, SamplerSpec); 5] {
-    let warp = AdaptiveDiscSettings { leaves: LeafChoice::Warp, ..Default::default() };
+    let warp = AdaptiveDiscSettings {
+        leaves: LeafChoice::Warp,
+        ..Default::default()
+    };
     [
-        ("half-vector 64KB", SamplerSpec::HalfVector(HalfVectorSettings::default())),
-        ("cascade-cdf", SamplerSpec::CascadeCdf(CascadeCdfSettings::default())),
+        (
+            "half-vector 64KB",
+            SamplerSpec::HalfVector(HalfVectorSettings::default()),
+        ),
+        (
+            "cascade-cdf",
+            SamplerSpec::CascadeCdf(CascadeCdfSettings::default()),
+        ),
         ("disc, rejection-free", SamplerSpec::AdaptiveDisc(warp)),
-        ("adaptive-disc", SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default())),
+        (
+            "adaptive-disc",
+            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()),
+        ),
         ("cosine", SamplerSpec::Cosine),
     ]
 }
@@ -39,7 +51,11 @@ fn samplers() -> [(&'static str, SamplerSpec); 5] {
 /// Errors of every material.
 fn errors(spec: &SamplerSpec, brdfs: &[Arc<Measured>]) -> Vec<Vec<ErrorAt>> {
     let wo = spherical(45f64.to_radians(), 0.8).as_vec3();
-    let runs = Runs { points: PointSet::Sobol, seeds: 200, first_seed: 1 };
+    let runs = Runs {
+        points: PointSet::Sobol,
+        seeds: 200,
+        first_seed: 1,
+    };
     let of = |brdf: &Arc<Measured>| {
         let sampler = spec.build(brdf).expect("a sampler");
         let point = LitPoint {
@@ -61,15 +77,25 @@ fn main() {
         ))
     };
     let brdfs: Vec<Arc<Measured>> = MATERIALS.iter().map(measured).collect();
-    println!("relative RMSE over 200 seeds, geometric mean of {} materials, and slopes", MATERIALS.len());
+    println!(
+        "relative RMSE over 200 seeds, geometric mean of {} materials, and slopes",
+        MATERIALS.len()
+    );
     for (name, spec) in samplers() {
         let errors = errors(&spec, &brdfs);
-        let mean =
-            |i: usize| (errors.iter().map(|e| e[i].rmse.ln()).sum::<f64>() / errors.len() as f64).exp();
-        let row: Vec<String> = (0..SAMPLES.len()).map(|i| format!("{:.4}", mean(i))).collect();
+        let mean = |i: usize| {
+            (errors.iter().map(|e| e[i].rmse.ln()).sum::<f64>() / errors.len() as f64).exp()
+        };
+        let row: Vec<String> = (0..SAMPLES.len())
+            .map(|i| format!("{:.4}", mean(i)))
+            .collect();
         let slopes: Vec<f64> = errors.iter().map(|e| slope(e)).collect();
         let each: Vec<String> = slopes.iter().map(|s| format!("{s:.2}")).collect();
         let mean_slope = slopes.iter().sum::<f64>() / slopes.len() as f64;
-        println!("{name:22} {}  slope {mean_slope:.2} ({})", row.join(" "), each.join(" "));
+        println!(
+            "{name:22} {}  slope {mean_slope:.2} ({})",
+            row.join(" "),
+            each.join(" ")
+        );
     }
 }

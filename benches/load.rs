@@ -15,8 +15,12 @@ fn benches(c: &mut Criterion) {
     let mut group = c.benchmark_group("load");
     group.sample_size(40);
     group.bench_function("warm file", |b| b.iter(|| load(black_box(&path)).unwrap()));
-    group.bench_function("warm file, mapped", |b| b.iter(|| load_mapped(black_box(&path)).unwrap()));
-    group.bench_function("embedded", |b| b.iter(|| decode_embedded(black_box("nickel")).unwrap()));
+    group.bench_function("warm file, mapped", |b| {
+        b.iter(|| load_mapped(black_box(&path)).unwrap())
+    });
+    group.bench_function("embedded", |b| {
+        b.iter(|| decode_embedded(black_box("nickel")).unwrap())
+    });
     group.finish();
 }
 

@@ -6,7 +6,9 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::measurement::WallTime;
-use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{
+    BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
+};
 use glam::{Vec2, Vec3};
 use merlkit::brdf::{BinIndex, Brdf, LookupRule, Measured};
 use merlkit::color::Rgb;
@@ -28,9 +30,15 @@ impl Pairs {
     fn anywhere() -> Self {
         let direction = |pair| {
             let u = move |i| PointSet::Random.point(1, i, pair).as_dvec2();
-            (0..PAIRS).map(|i| cosine_hemisphere(u(i)).as_vec3()).collect()
+            (0..PAIRS)
+                .map(|i| cosine_hemisphere(u(i)).as_vec3())
+                .collect()
         };
-        Self { place: "anywhere", wo: direction(0), wi: direction(1) }
+        Self {
+            place: "anywhere",
+            wo: direction(0),
+            wi: direction(1),
+        }
     }
 
     /// Half vectors within 3° of the normal, viewers up to 80°.
@@ -42,7 +50,11 @@ impl Pairs {
             (wo.as_vec3(), reflect_about(wo, h).as_vec3())
         };
         let (wo, wi) = (0..PAIRS).map(pair).unzip();
-        Self { place: "near the mirror", wo, wi }
+        Self {
+            place: "near the mirror",
+            wo,
+            wi,
+        }
     }
 
     /// As paths of a renderer ask: viewers nearly equal within each 64, lights drawn from a half-vector table.
@@ -51,12 +63,24 @@ impl Pairs {
         let pair = |i| {
             let pixel = PointSet::Random.point(3, i / 64, 0).as_dvec2();
             let u = PointSet::Random.point4(4, i, 0);
-            let wo =
-                spherical(pixel.x * 1.47 + f64::from(u[0]) * 0.01, pixel.y * TAU + f64::from(u[1]) * 0.01);
-            (wo.as_vec3(), table.sample(wo.as_vec3(), Vec2::new(u[2], u[3])).unwrap().wi)
+            let wo = spherical(
+                pixel.x * 1.47 + f64::from(u[0]) * 0.01,
+                pixel.y * TAU + f64::from(u[1]) * 0.01,
+            );
+            (
+                wo.as_vec3(),
+                table
+                    .sample(wo.as_vec3(), Vec2::new(u[2], u[3]))
+                    .unwrap()
+                    .wi,
+            )
         };
         let (wo, wi) = (0..PAIRS).map(pair).unzip();
-        Self { place: "drawn", wo, wi }
+        Self {
+            place: "drawn",
+            wo,
+            wi,
+        }
     }
 
     fn iter(&self) -> impl Iterator<Item = (Vec3, Vec3)> {
@@ -71,7 +95,11 @@ fn sum(brdf: &Measured, pairs: &Pairs) -> Rgb {
 /// Sum of the positions of all pairs' bins in the table.
 fn bins(table: &MerlTable, pairs: &Pairs) -> usize {
     let index = |b: BinIndex| table.index(b.theta_h, b.theta_d, b.phi_d);
-    pairs.iter().filter_map(|(wo, wi)| BinIndex::of(wo, wi, 180)).map(index).sum()
+    pairs
+        .iter()
+        .filter_map(|(wo, wi)| BinIndex::of(wo, wi, 180))
+        .map(index)
+        .sum()
 }
 
 fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &Measured, pairs: &Pairs) {
@@ -79,18 +107,30 @@ fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &Measured, pairs: &Pairs) {
     let mut out = vec![Rgb::ZERO; pairs.wi.len()];
     group.bench_function(id("one"), |b| b.iter(|| sum(brdf, black_box(pairs))));
 
-    let next = |z: f32, (wo, wi)| brdf.eval(wo + Vec3::splat(z), wi).x.min(1.0) * f32::MIN_POSITIVE * 0.0;
-    group.bench_function(id("chain"), |b| b.iter(|| black_box(pairs).iter().fold(0.0, next)));
+    let next =
+        |z: f32, (wo, wi)| brdf.eval(wo + Vec3::splat(z), wi).x.min(1.0) * f32::MIN_POSITIVE * 0.0;
+    group.bench_function(id("chain"), |b| {
+        b.iter(|| black_box(pairs).iter().fold(0.0, next))
+    });
 
     brdf.eval_pairs(&pairs.wo, &pairs.wi, &mut out);
-    assert!(pairs.iter().zip(&out).all(|((wo, wi), &f)| f == brdf.eval(wo, wi)));
+    assert!(
+        pairs
+            .iter()
+            .zip(&out)
+            .all(|((wo, wi), &f)| f == brdf.eval(wo, wi))
+    );
     group.bench_function(id("pairs"), |b| {
         b.iter(|| brdf.eval_pairs(black_box(&pairs.wo), &pairs.wi, &mut out))
     });
     for count in [16, 32, 64] {
         group.bench_function(id(&format!("pairs of {count}")), |b| {
             b.iter(|| {
-                let batches = pairs.wo.chunks(count).zip(pairs.wi.chunks(count)).zip(out.chunks_mut(count));
+                let batches = pairs
+                    .wo
+                    .chunks(count)
+                    .zip(pairs.wi.chunks(count))
+                    .zip(out.chunks_mut(count));
                 batches.for_each(|((wo, wi), out)| brdf.eval_pairs(black_box(wo), wi, out));
             })
         });
@@ -98,8 +138,16 @@ fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &Measured, pairs: &Pairs) {
 
     let wo = pairs.wo[7];
     brdf.eval_many(wo, &pairs.wi, &mut out);
-    assert!(pairs.wi.iter().zip(&out).all(|(&wi, &f)| f == brdf.eval(wo, wi)));
-    group.bench_function(id("many wi"), |b| b.iter(|| brdf.eval_many(black_box(wo), &pairs.wi, &mut out)));
+    assert!(
+        pairs
+            .wi
+            .iter()
+            .zip(&out)
+            .all(|(&wi, &f)| f == brdf.eval(wo, wi))
+    );
+    group.bench_function(id("many wi"), |b| {
+        b.iter(|| brdf.eval_many(black_box(wo), &pairs.wi, &mut out))
+    });
 }
 
 fn benches(c: &mut Criterion) {
@@ -107,7 +155,11 @@ fn benches(c: &mut Criterion) {
     let mut group = c.benchmark_group("lookup");
     group.throughput(Throughput::Elements(PAIRS));
     let floor = Measured::new(table.clone(), LookupRule::Floor);
-    for pairs in [Pairs::anywhere(), Pairs::near_the_mirror(), Pairs::drawn(&floor)] {
+    for pairs in [
+        Pairs::anywhere(),
+        Pairs::near_the_mirror(),
+        Pairs::drawn(&floor),
+    ] {
         let floor = sum(&floor, &pairs);
         group.bench_function(BenchmarkId::new("bins alone", pairs.place), |b| {
             b.iter(|| bins(&table, black_box(&pairs)))

@@ -13,7 +13,13 @@ use merlkit::render::{
 };
 use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
 
-const MATERIALS: [&str; 5] = ["nickel", "chrome", "blue-metallic-paint", "teflon", "red-plastic"];
+const MATERIALS: [&str; 5] = [
+    "nickel",
+    "chrome",
+    "blue-metallic-paint",
+    "teflon",
+    "red-plastic",
+];
 /// Pixels a side.
 const SIDE: usize = 128;
 const SAMPLES: [u64; 3] = [16, 40, 64];
@@ -29,10 +35,26 @@ struct Spread {
 }
 
 const SPREADS: [Spread; 4] = [
-    Spread { name: "random", points: PointSet::Random, adaptive: false },
-    Spread { name: "sobol", points: PointSet::Sobol, adaptive: false },
-    Spread { name: "lattice", points: PointSet::Lattice, adaptive: false },
-    Spread { name: "adaptive", points: PointSet::Lattice, adaptive: true },
+    Spread {
+        name: "random",
+        points: PointSet::Random,
+        adaptive: false,
+    },
+    Spread {
+        name: "sobol",
+        points: PointSet::Sobol,
+        adaptive: false,
+    },
+    Spread {
+        name: "lattice",
+        points: PointSet::Lattice,
+        adaptive: false,
+    },
+    Spread {
+        name: "adaptive",
+        points: PointSet::Lattice,
+        adaptive: true,
+    },
 ];
 
 struct Picture {
@@ -43,20 +65,32 @@ struct Picture {
 impl Picture {
     fn of(material: &str) -> Self {
         let lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
-        let spec = SceneSpec { lights, ..SceneSpec::row(&[material.to_owned()], 1.0) };
+        let spec = SceneSpec {
+            lights,
+            ..SceneSpec::row(&[material.to_owned()], 1.0)
+        };
         let plan = EffectPlan::of(&spec);
         let surface = |_, _| {
             let table = Arc::new(decode_embedded(material).expect("an embedded material"));
             let brdf = Arc::new(Measured::new(table, LookupRule::Linear));
             let sampler = HalfVectorTable::build(&*brdf, HalfVectorSettings::default())?;
-            Ok(Surface { brdf, sampler: Some(Arc::new(sampler) as Arc<dyn DirectionSampler>) })
+            Ok(Surface {
+                brdf,
+                sampler: Some(Arc::new(sampler) as Arc<dyn DirectionSampler>),
+            })
         };
         let scene = Scene::build(&spec, &plan, surface).expect("a scene");
         Self { plan, scene }
     }
 
     fn film(&self, spread: Spread, samples: u64, seed: u64) -> Film {
-        let settings = Settings { width: SIDE, height: SIDE, samples, seed, points: spread.points };
+        let settings = Settings {
+            width: SIDE,
+            height: SIDE,
+            samples,
+            seed,
+            points: spread.points,
+        };
         let film = match spread.adaptive {
             true => render_allocated(&self.scene, &self.plan, &settings, &|_| {}),
             false => render(&self.scene, &self.plan, &settings, &|_| {}),
@@ -67,20 +101,28 @@ impl Picture {
     /// relMSE over all pixels from the spread of seeds, and seconds a picture.
     fn measure(&self, spread: Spread, samples: u64) -> (f64, f64) {
         let start = Instant::now();
-        let films: Vec<Film> = (0..SEEDS).map(|seed| self.film(spread, samples, seed)).collect();
+        let films: Vec<Film> = (0..SEEDS)
+            .map(|seed| self.film(spread, samples, seed))
+            .collect();
         let seconds = start.elapsed().as_secs_f64() / SEEDS as f64;
         let n = SEEDS as f64;
         let moments: Vec<(f64, f64)> = (0..SIDE * SIDE)
             .map(|i| {
-                let values: Vec<f64> =
-                    films.iter().map(|f| f.mean(i % SIDE, i / SIDE).element_sum() / 3.0).collect();
+                let values: Vec<f64> = films
+                    .iter()
+                    .map(|f| f.mean(i % SIDE, i / SIDE).element_sum() / 3.0)
+                    .collect();
                 let mean = values.iter().sum::<f64>() / n;
-                (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0))
+                (
+                    mean,
+                    values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0),
+                )
             })
             .collect();
         let pixels = moments.len() as f64;
         let level = moments.iter().map(|m| m.0).sum::<f64>() / pixels;
-        let error = |&(mean, variance): &(f64, f64)| variance / (mean * mean + 0.01 * level * level);
+        let error =
+            |&(mean, variance): &(f64, f64)| variance / (mean * mean + 0.01 * level * level);
         (moments.iter().map(error).sum::<f64>() / pixels, seconds)
     }
 }

@@ -14,11 +14,18 @@ use merlkit::light::{Light, SkySampling, studio};
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Effect, EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Surface, render,
+    Effect, EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Surface,
+    render,
 };
 use merlkit::sampler::Cosine;
 
-const SETTINGS: Settings = Settings { width: 96, height: 64, samples: 8, seed: 1, points: PointSet::Sobol };
+const SETTINGS: Settings = Settings {
+    width: 96,
+    height: 64,
+    samples: 8,
+    seed: 1,
+    points: PointSet::Sobol,
+};
 
 fn row(count: usize) -> SceneSpec {
     let names: Vec<String> = (0..count).map(|i| i.to_string()).collect();
@@ -27,14 +34,26 @@ fn row(count: usize) -> SceneSpec {
 
 fn scenes() -> [(&'static str, SceneSpec); 5] {
     let sky = LightSpec::Environment(EnvironmentSource::Studio);
-    let lit = |spec: SceneSpec, light: LightSpec| SceneSpec { lights: vec![light], ..spec };
-    let floor = |spec: SceneSpec| SceneSpec { floor: Some(0.35), ..spec };
+    let lit = |spec: SceneSpec, light: LightSpec| SceneSpec {
+        lights: vec![light],
+        ..spec
+    };
+    let floor = |spec: SceneSpec| SceneSpec {
+        floor: Some(0.35),
+        ..spec
+    };
     [
         ("one sphere, point", lit(row(1), row(1).row_point())),
         ("one sphere, area", lit(row(1), row(1).row_area())),
         ("one sphere, environment", lit(row(1), sky.clone())),
-        ("three spheres and floor, directional", lit(floor(row(3)), row(3).row_directional())),
-        ("three spheres and floor, environment", lit(floor(row(3)), sky)),
+        (
+            "three spheres and floor, directional",
+            lit(floor(row(3)), row(3).row_directional()),
+        ),
+        (
+            "three spheres and floor, environment",
+            lit(floor(row(3)), sky),
+        ),
     ]
 }
 
@@ -51,14 +70,20 @@ fn variants(spec: &SceneSpec) -> Vec<(String, EffectPlan)> {
 
 fn mean(film: &Film) -> f64 {
     let (width, height) = (film.width(), film.height());
-    (0..width * height).map(|i| film.mean(i % width, i / width).y).sum::<f64>() / (width * height) as f64
+    (0..width * height)
+        .map(|i| film.mean(i % width, i / width).y)
+        .sum::<f64>()
+        / (width * height) as f64
 }
 
 fn effects(c: &mut Criterion) {
     let table = Arc::new(decode_embedded("blue-metallic-paint").expect("an embedded material"));
     let surface = |_, _| {
         let brdf = Arc::new(Measured::new(table.clone(), LookupRule::Floor));
-        Ok(Surface { brdf, sampler: Some(Arc::new(Cosine)) })
+        Ok(Surface {
+            brdf,
+            sampler: Some(Arc::new(Cosine)),
+        })
     };
     for (name, spec) in scenes() {
         let mut group = c.benchmark_group(name);
@@ -73,7 +98,10 @@ fn effects(c: &mut Criterion) {
             let picture = || render(&scene, &plan, &SETTINGS, &|_| {}).expect("a picture");
             let value = mean(&picture());
             let planned = *expected.get_or_insert(value);
-            assert!((value / planned - 1.0).abs() < 0.02, "{name}, {variant}: {value}, planned {planned}");
+            assert!(
+                (value / planned - 1.0).abs() < 0.02,
+                "{name}, {variant}: {value}, planned {planned}"
+            );
             group.bench_function(variant, |b| b.iter(|| black_box(picture())));
         }
         group.finish();
@@ -84,9 +112,10 @@ fn effects(c: &mut Criterion) {
 fn preparation(c: &mut Criterion) {
     let mut group = c.benchmark_group("built-in environment");
     group.sample_size(10);
-    for (name, sampling) in
-        [("without tables", SkySampling::Uniform), ("with tables", SkySampling::Importance)]
-    {
+    for (name, sampling) in [
+        ("without tables", SkySampling::Uniform),
+        ("with tables", SkySampling::Importance),
+    ] {
         let build = || studio(sampling).expect("a sky");
         assert_eq!(build().table_bytes() > 0, name == "with tables");
         group.bench_function(name, |b| b.iter(|| black_box(build())));
@@ -107,10 +136,15 @@ fn directions(c: &mut Criterion) {
     sky.sample_many(&from, &u, &mut sampled);
     sky.seen_many(&from, &wi, &reach, &mut seen);
     for (sampled, seen) in sampled.iter().zip(&seen) {
-        assert_eq!(sampled.map(|s| (s.radiance, s.pdf)), seen.map(|s| (s.radiance, s.pdf)));
+        assert_eq!(
+            sampled.map(|s| (s.radiance, s.pdf)),
+            seen.map(|s| (s.radiance, s.pdf))
+        );
     }
     let mut group = c.benchmark_group("a direction to the built-in environment");
-    group.throughput(Throughput::Elements(COUNT as u64)).measurement_time(Duration::from_secs(1));
+    group
+        .throughput(Throughput::Elements(COUNT as u64))
+        .measurement_time(Duration::from_secs(1));
     group.bench_function("sample", |b| {
         b.iter(|| {
             for (s, &u) in sampled.iter_mut().zip(&u) {
@@ -121,7 +155,11 @@ fn directions(c: &mut Criterion) {
     });
     group.bench_function("sample_many", |b| {
         b.iter(|| {
-            for ((s, u), from) in sampled.chunks_mut(64).zip(u.chunks(64)).zip(from.chunks(64)) {
+            for ((s, u), from) in sampled
+                .chunks_mut(64)
+                .zip(u.chunks(64))
+                .zip(from.chunks(64))
+            {
                 black_box(sky).sample_many(from, u, s);
             }
             black_box(sampled[COUNT - 1])

@@ -13,22 +13,44 @@ use merlkit::measure::convergence::{Incident, LitPoint, Runs, Technique};
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface, render,
-    render_to_error,
+    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
+    render, render_to_error,
 };
 use merlkit::sampler::{Cosine, DirectionSampler, HalfVectorSettings, HalfVectorTable};
 
 const MATERIALS: [&str; 3] = ["nickel", "teflon", "chrome"];
 const N: u64 = 64;
-const SETTINGS: Settings = Settings { width: 64, height: 64, samples: N, seed: 1, points: PointSet::Sobol };
+const SETTINGS: Settings = Settings {
+    width: 64,
+    height: 64,
+    samples: N,
+    seed: 1,
+    points: PointSet::Sobol,
+};
 
 const WAYS: [(&str, Technique, Strategy); 6] = [
     ("light", Technique::Light, Strategy::Light),
     ("brdf", Technique::Brdf, Strategy::Brdf),
-    ("mis, power", Technique::Mis(Heuristic::Power), Strategy::Mis(Heuristic::Power)),
-    ("mis, balance", Technique::Mis(Heuristic::Balance), Strategy::Mis(Heuristic::Balance)),
-    ("ris, 4 candidates", Technique::Ris(4), Strategy::Ris { candidates: 4 }),
-    ("ris, 16 candidates", Technique::Ris(16), Strategy::Ris { candidates: 16 }),
+    (
+        "mis, power",
+        Technique::Mis(Heuristic::Power),
+        Strategy::Mis(Heuristic::Power),
+    ),
+    (
+        "mis, balance",
+        Technique::Mis(Heuristic::Balance),
+        Strategy::Mis(Heuristic::Balance),
+    ),
+    (
+        "ris, 4 candidates",
+        Technique::Ris(4),
+        Strategy::Ris { candidates: 4 },
+    ),
+    (
+        "ris, 16 candidates",
+        Technique::Ris(16),
+        Strategy::Ris { candidates: 16 },
+    ),
 ];
 
 /// A material and its samplers, by name.
@@ -41,20 +63,39 @@ impl Material {
     fn load(name: &str) -> Self {
         let table = decode_embedded(name).expect("an embedded material");
         let brdf = Arc::new(Measured::new(Arc::new(table), LookupRule::Floor));
-        let table = HalfVectorTable::build(&*brdf, HalfVectorSettings::default()).expect("a sampler");
-        Self { brdf, samplers: [("half-vector", Arc::new(table)), ("cosine", Arc::new(Cosine))] }
+        let table =
+            HalfVectorTable::build(&*brdf, HalfVectorSettings::default()).expect("a sampler");
+        Self {
+            brdf,
+            samplers: [
+                ("half-vector", Arc::new(table)),
+                ("cosine", Arc::new(Cosine)),
+            ],
+        }
     }
 }
 
 /// Relative RMSE of a point's estimates over 400 seeds, the root mean square of three angles of view.
 fn point_error(material: &Material, sampler: usize, technique: Technique) -> f64 {
     let sky = studio(SkySampling::Importance).expect("a sky");
-    let runs = Runs { points: PointSet::Sobol, seeds: 400, first_seed: 1 };
+    let runs = Runs {
+        points: PointSet::Sobol,
+        seeds: 400,
+        first_seed: 1,
+    };
     let square = |degrees: f64| {
         let wo = spherical(degrees.to_radians(), 0.8).as_vec3();
         let light = Incident::Environment(&sky);
-        let point = LitPoint { brdf: &*material.brdf, importance: Importance::Mean, light, wo };
-        let (sampler, reference) = (&*material.samplers[sampler].1, point.reference(POINTS_PER_BIN));
+        let point = LitPoint {
+            brdf: &*material.brdf,
+            importance: Importance::Mean,
+            light,
+            wo,
+        };
+        let (sampler, reference) = (
+            &*material.samplers[sampler].1,
+            point.reference(POINTS_PER_BIN),
+        );
         let errors = point.errors_by(technique, sampler, reference, &[N as usize], runs);
         errors.expect("errors")[0].rmse.powi(2)
     };
@@ -63,33 +104,57 @@ fn point_error(material: &Material, sampler: usize, technique: Technique) -> f64
 
 fn scene(material: &Material, sampler: usize, strategy: Strategy) -> (Scene, EffectPlan) {
     let lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
-    let spec = SceneSpec { lights, strategy, ..SceneSpec::row(&["sphere".into()], 1.0) };
+    let spec = SceneSpec {
+        lights,
+        strategy,
+        ..SceneSpec::row(&["sphere".into()], 1.0)
+    };
     let plan = EffectPlan::of(&spec);
     let sampler = Some(material.samplers[sampler].1.clone());
-    let surface = |_, _| Ok(Surface { brdf: material.brdf.clone(), sampler: sampler.clone() });
+    let surface = |_, _| {
+        Ok(Surface {
+            brdf: material.brdf.clone(),
+            sampler: sampler.clone(),
+        })
+    };
     (Scene::build(&spec, &plan, surface).expect("a scene"), plan)
 }
 
 fn truth(material: &Material) -> Film {
     let (scene, plan) = scene(material, 0, Strategy::default());
-    let settings = Settings { samples: 1 << 13, seed: 99, ..SETTINGS };
+    let settings = Settings {
+        samples: 1 << 13,
+        seed: 99,
+        ..SETTINGS
+    };
     render(&scene, &plan, &settings, &|_| {}).expect("a picture")
 }
 
 /// Relative RMSE of the middle half of the picture, where the sphere is, and seconds to render it.
-fn picture_error(material: &Material, sampler: usize, strategy: Strategy, truth: &Film) -> (f64, f64) {
+fn picture_error(
+    material: &Material,
+    sampler: usize,
+    strategy: Strategy,
+    truth: &Film,
+) -> (f64, f64) {
     let (scene, plan) = scene(material, sampler, strategy);
     let start = Instant::now();
     let film = render(&scene, &plan, &SETTINGS, &|_| {}).expect("a picture");
     let seconds = start.elapsed().as_secs_f64();
     let (mut mean, mut square) = (DVec3::ZERO, DVec3::ZERO);
     let middle = SETTINGS.width / 4..3 * SETTINGS.width / 4;
-    for (x, y) in middle.clone().flat_map(|y| middle.clone().map(move |x| (x, y))) {
+    for (x, y) in middle
+        .clone()
+        .flat_map(|y| middle.clone().map(move |x| (x, y)))
+    {
         mean += truth.mean(x, y);
         square += (film.mean(x, y) - truth.mean(x, y)).powf(2.0);
     }
     let values = 3.0 * (middle.len() * middle.len()) as f64;
-    ((square.element_sum() * values).sqrt() / mean.element_sum(), seconds)
+    (
+        (square.element_sum() * values).sqrt() / mean.element_sum(),
+        seconds,
+    )
 }
 
 fn equal_samples(materials: &[Material], truths: &[Film]) {
@@ -99,10 +164,18 @@ fn equal_samples(materials: &[Material], truths: &[Film]) {
             let cells = materials.iter().zip(truths).map(|(material, truth)| {
                 let (error, seconds) = picture_error(material, sampler, strategy, truth);
                 let point = point_error(material, sampler, technique);
-                format!("{:.2} %, {:.2} % ({seconds:.2} s)", 100.0 * point, 100.0 * error)
+                format!(
+                    "{:.2} %, {:.2} % ({seconds:.2} s)",
+                    100.0 * point,
+                    100.0 * error
+                )
             });
             let cells: Vec<String> = cells.collect();
-            println!("| {} | {name} | {} |", materials[0].samplers[sampler].0, cells.join(" | "));
+            println!(
+                "| {} | {name} | {} |",
+                materials[0].samplers[sampler].0,
+                cells.join(" | ")
+            );
         }
     }
 }
@@ -113,15 +186,29 @@ fn target_errors(materials: &[Material], truths: &[Film]) {
         let cells = materials.iter().zip(truths).map(|(material, truth)| {
             let (scene, plan) = scene(material, 0, Strategy::default());
             let start = Instant::now();
-            let settings = Settings { samples: 1 << 13, ..SETTINGS };
-            let refined = render_to_error(&scene, &plan, &settings, target, &|_| {}).expect("a picture");
+            let settings = Settings {
+                samples: 1 << 13,
+                ..SETTINGS
+            };
+            let refined =
+                render_to_error(&scene, &plan, &settings, target, &|_| {}).expect("a picture");
             let seconds = start.elapsed().as_secs_f64();
-            let error = refined.error_against(truth).expect("a reference of this size");
+            let error = refined
+                .error_against(truth)
+                .expect("a reference of this size");
             assert!(error < 1.2 * target, "{error} for {target}");
             let paths = refined.traced as f64 / (SETTINGS.width * SETTINGS.height) as f64;
-            format!("{:.2} %, {:.2} %, {paths:.0}, {seconds:.2} s", 100.0 * refined.error(), 100.0 * error)
+            format!(
+                "{:.2} %, {:.2} %, {paths:.0}, {seconds:.2} s",
+                100.0 * refined.error(),
+                100.0 * error
+            )
         });
-        println!("| {} % | {} |", 100.0 * target, cells.collect::<Vec<_>>().join(" | "));
+        println!(
+            "| {} % | {} |",
+            100.0 * target,
+            cells.collect::<Vec<_>>().join(" | ")
+        );
     }
 }
 

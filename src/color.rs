@@ -18,5 +18,9 @@ pub fn mean(c: Rgb) -> f32 {
 /// A mean of channels ≥ 0; where the sum of the largest f32 overflowed, the largest channel stands for the mean.
 #[inline]
 fn finite(mean: f32, c: Rgb) -> f32 {
-    if mean < f32::INFINITY { mean } else { c.max_element() }
+    if mean < f32::INFINITY {
+        mean
+    } else {
+        c.max_element()
+    }
 }

@@ -57,12 +57,19 @@ pub enum Error {
 impl Error {
     /// An [`Error::Io`] at `path`.
     pub fn io(path: &Path, action: &'static str, source: io::Error) -> Self {
-        Self::Io { path: path.to_owned(), action, source }
+        Self::Io {
+            path: path.to_owned(),
+            action,
+            source,
+        }
     }
 
     /// An [`Error::Argument`].
     pub fn argument(what: impl Into<String>, fix: impl Into<String>) -> Self {
-        Self::Argument { what: what.into(), fix: fix.into() }
+        Self::Argument {
+            what: what.into(),
+            fix: fix.into(),
+        }
     }
 
     /// An [`Error::Invalid`] at byte `offset` of `path`.

@@ -46,7 +46,11 @@ impl PointSet {
             return Vec2::from_array(lattice_pair(count, seed, index, pair));
         }
         let p = self.point4_of(count, seed, index, set);
-        if second { Vec2::new(p[2], p[3]) } else { Vec2::new(p[0], p[1]) }
+        if second {
+            Vec2::new(p[2], p[3])
+        } else {
+            Vec2::new(p[0], p[1])
+        }
     }
 
     /// Point `index` of `count` ≥ 1, of the set of four dimensions `set`, in [0, 1)⁴. The number matters to lattices alone:
@@ -58,7 +62,8 @@ impl PointSet {
     pub fn point4_of(self, count: u64, seed: u64, index: u64, set: u32) -> [f32; 4] {
         match self {
             Self::Lattice => {
-                let [a, b] = [0, 1].map(|pair| lattice_pair(count, seed, index, 2 * u64::from(set) + pair));
+                let [a, b] =
+                    [0, 1].map(|pair| lattice_pair(count, seed, index, 2 * u64::from(set) + pair));
                 [a[0], a[1], b[0], b[1]]
             }
             Self::Random => {
@@ -69,8 +74,10 @@ impl PointSet {
                 let scramble = mix(seed ^ mix(index / SOBOL_BLOCK)) as u32;
                 let i = (index % SOBOL_BLOCK) as u32;
                 // Dimension sets past the table's end start again under another scramble.
-                let (set, extra) =
-                    (set % sobol_burley::NUM_DIMENSION_SETS_4D, set / sobol_burley::NUM_DIMENSION_SETS_4D);
+                let (set, extra) = (
+                    set % sobol_burley::NUM_DIMENSION_SETS_4D,
+                    set / sobol_burley::NUM_DIMENSION_SETS_4D,
+                );
                 sobol_burley::sample_4d(i, set, scramble ^ extra.wrapping_mul(0x9e37_79b9))
             }
         }
@@ -81,14 +88,30 @@ impl PointSet {
 #[inline]
 fn lattice_pair(count: u64, seed: u64, index: u64, pair: u64) -> [f32; 2] {
     let block = count.clamp(1, LATTICE_BLOCK);
-    let (turn, within) = if index < block { (0, index) } else { (index / block, index % block) };
+    let (turn, within) = if index < block {
+        (0, index)
+    } else {
+        (index / block, index % block)
+    };
     // The last block of many holds what is left.
-    let size = if index < count { block.min(count - (index - within)) } else { block };
+    let size = if index < count {
+        block.min(count - (index - within))
+    } else {
+        block
+    };
     let key = mix(seed ^ mix(pair ^ mix(turn)));
     let (size, within) = (size as u32, within as u32);
     // All others being shuffled against each other, the first may stay as it is, where all of it is taken.
     let is_first = pair == 0 && count <= LATTICE_BLOCK;
-    lattice(size, if is_first { within } else { place(size, within, key) }, key)
+    lattice(
+        size,
+        if is_first {
+            within
+        } else {
+            place(size, within, key)
+        },
+        key,
+    )
 }
 
 /// Point `i` of a lattice of `count`, shifted by `key`.
@@ -97,7 +120,8 @@ fn lattice(count: u32, i: u32, key: u64) -> [f32; 2] {
     let shift = (key & 0xff_ffff) as f32 * (1.0 / (1u32 << 24) as f32);
     let x = (f64::from(i) + f64::from(shift)) / f64::from(count);
     // In units of 2⁻³², where what is past 1 is lost by itself.
-    let y = f64::from(i.wrapping_mul(GOLDEN).wrapping_add((key >> 32) as u32)) * (1.0 / (1u64 << 32) as f64);
+    let y = f64::from(i.wrapping_mul(GOLDEN).wrapping_add((key >> 32) as u32))
+        * (1.0 / (1u64 << 32) as f64);
     // Rounding to f32 must not reach 1.
     [x, y].map(|v| (v as f32).min(1f32.next_down()))
 }
@@ -204,12 +228,21 @@ mod tests {
                 let mut sorted = places.clone();
                 sorted.sort_unstable();
                 assert_eq!(sorted, (0..count).collect::<Vec<_>>());
-                places.iter().enumerate().for_each(|(i, &p)| landed[i * count as usize + p as usize] += 1);
+                places
+                    .iter()
+                    .enumerate()
+                    .for_each(|(i, &p)| landed[i * count as usize + p as usize] += 1);
             }
             let expected = KEYS as f64 / f64::from(count);
-            let chi2: f64 = landed.iter().map(|&l| (f64::from(l) - expected).powi(2) / expected).sum();
+            let chi2: f64 = landed
+                .iter()
+                .map(|&l| (f64::from(l) - expected).powi(2) / expected)
+                .sum();
             let freedom = f64::from(count.saturating_sub(1)).powi(2);
-            assert!(chi2 <= freedom + 4.0 * (2.0 * freedom).sqrt(), "{count}: {chi2} of {freedom}");
+            assert!(
+                chi2 <= freedom + 4.0 * (2.0 * freedom).sqrt(),
+                "{count}: {chi2} of {freedom}"
+            );
         }
     }
 
@@ -228,11 +261,21 @@ mod tests {
                 };
                 let all: Vec<f64> = (0..4000).map(share).collect();
                 let n = all.len() as f64;
-                (all.iter().sum::<f64>() / n, all.iter().map(|e| e * e).sum::<f64>() / n)
+                (
+                    all.iter().sum::<f64>() / n,
+                    all.iter().map(|e| e * e).sum::<f64>() / n,
+                )
             };
-            let ((mean, lattice), (_, sobol)) = (errors(PointSet::Lattice), errors(PointSet::Sobol));
-            assert!(mean.abs() < 4.0 * (lattice / 4000.0).sqrt(), "{count}: {mean}");
-            assert!(count == 1 || lattice < 0.5 * sobol, "{count}: {lattice} {sobol}");
+            let ((mean, lattice), (_, sobol)) =
+                (errors(PointSet::Lattice), errors(PointSet::Sobol));
+            assert!(
+                mean.abs() < 4.0 * (lattice / 4000.0).sqrt(),
+                "{count}: {mean}"
+            );
+            assert!(
+                count == 1 || lattice < 0.5 * sobol,
+                "{count}: {lattice} {sobol}"
+            );
         }
     }
 
@@ -240,7 +283,8 @@ mod tests {
     fn many_points_are_several_lattices_of_which_the_last_is_whole() {
         const COUNT: u64 = 100_000;
         for second in [false, true] {
-            let points = (0..COUNT).map(|i| PointSet::Lattice.pair_of(COUNT, 3, i, 0, second).as_dvec2());
+            let points =
+                (0..COUNT).map(|i| PointSet::Lattice.pair_of(COUNT, 3, i, 0, second).as_dvec2());
             let mean = points.sum::<glam::DVec2>() / COUNT as f64;
             assert!(mean.abs_diff_eq(glam::DVec2::splat(0.5), 1e-4), "{mean}");
         }
@@ -252,6 +296,9 @@ mod tests {
     fn sobol_goes_past_its_table() {
         let far = PointSet::Sobol.point(1, (1 << 32) + 5, 900);
         assert!((0.0..1.0).contains(&far.x));
-        assert_ne!(PointSet::Sobol.point(1, 0, 0), PointSet::Sobol.point(1, SOBOL_BLOCK, 0));
+        assert_ne!(
+            PointSet::Sobol.point(1, 0, 0),
+            PointSet::Sobol.point(1, SOBOL_BLOCK, 0)
+        );
     }
 }

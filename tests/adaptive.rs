@@ -7,13 +7,16 @@ use merlkit::brdf::{LookupRule, Measured};
 use merlkit::merl::decode_embedded;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Refined, Scene, SceneSpec, Settings, Strategy, Surface,
-    render, render_allocated, render_to_error,
+    EffectPlan, EnvironmentSource, Film, LightSpec, Refined, Scene, SceneSpec, Settings, Strategy,
+    Surface, render, render_allocated, render_to_error,
 };
 use merlkit::sampler::{Cosine, DirectionSampler, HalfVectorSettings, HalfVectorTable};
 
 fn measured(name: &str) -> Arc<Measured> {
-    Arc::new(Measured::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor))
+    Arc::new(Measured::new(
+        Arc::new(decode_embedded(name).unwrap()),
+        LookupRule::Floor,
+    ))
 }
 
 /// A sphere under the studio.
@@ -37,27 +40,56 @@ impl Picture {
         side: usize,
     ) -> Self {
         let lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
-        let spec = SceneSpec { lights, strategy, ..SceneSpec::row(&["sphere".into()], 1.0) };
+        let spec = SceneSpec {
+            lights,
+            strategy,
+            ..SceneSpec::row(&["sphere".into()], 1.0)
+        };
         let plan = EffectPlan::of(&spec);
-        let surface = |_, _| Ok(Surface { brdf: brdf.clone(), sampler: Some(sampler.clone()) });
+        let surface = |_, _| {
+            Ok(Surface {
+                brdf: brdf.clone(),
+                sampler: Some(sampler.clone()),
+            })
+        };
         let scene = Scene::build(&spec, &plan, surface).unwrap();
-        let settings =
-            Settings { width: side, height: side, samples: 1 << 14, seed: 1, points: PointSet::Sobol };
-        Self { scene, plan, settings }
+        let settings = Settings {
+            width: side,
+            height: side,
+            samples: 1 << 14,
+            seed: 1,
+            points: PointSet::Sobol,
+        };
+        Self {
+            scene,
+            plan,
+            settings,
+        }
     }
 
     fn reference(&self, samples: u64) -> Film {
-        let settings = Settings { samples, seed: 77, ..self.settings };
+        let settings = Settings {
+            samples,
+            seed: 77,
+            ..self.settings
+        };
         render(&self.scene, &self.plan, &settings, &|_| {}).unwrap()
     }
 
     fn allocated(&self, samples: u64, seed: u64) -> Film {
-        let settings = Settings { samples, seed, ..self.settings };
+        let settings = Settings {
+            samples,
+            seed,
+            ..self.settings
+        };
         render_allocated(&self.scene, &self.plan, &settings, &|_| {}).unwrap()
     }
 
     fn refined(&self, error: f64, seed: u64) -> Refined {
-        let settings = Settings { seed, ..self.settings };
+        let settings = Settings {
+            seed,
+            ..self.settings
+        };
         render_to_error(&self.scene, &self.plan, &settings, error, &|_| {}).unwrap()
     }
 }
@@ -74,16 +106,31 @@ fn assert_honest(name: &str) {
     let truth = picture.reference(4096);
     for target in [0.05, 0.02] {
         let films: Vec<Refined> = (1..=4).map(|seed| picture.refined(target, seed)).collect();
-        let errors: Vec<f64> = films.iter().map(|f| f.error_against(&truth).unwrap()).collect();
+        let errors: Vec<f64> = films
+            .iter()
+            .map(|f| f.error_against(&truth).unwrap())
+            .collect();
         assert!(films.iter().all(|f| f.tiles.iter().all(|t| t.reached)));
-        assert!(errors.iter().all(|&e| e <= 1.2 * target), "{name} at {target}: {errors:?}");
+        assert!(
+            errors.iter().all(|&e| e <= 1.2 * target),
+            "{name} at {target}: {errors:?}"
+        );
         let claimed = root_mean_square(films.iter().map(Refined::error));
         let ratio = root_mean_square(errors.iter().copied()) / claimed;
-        assert!((0.8..1.2).contains(&ratio), "{name} at {target}: true over estimated {ratio}");
-        let tiles: Vec<Vec<f64>> = films.iter().map(|f| f.tile_errors_against(&truth).unwrap()).collect();
+        assert!(
+            (0.8..1.2).contains(&ratio),
+            "{name} at {target}: true over estimated {ratio}"
+        );
+        let tiles: Vec<Vec<f64>> = films
+            .iter()
+            .map(|f| f.tile_errors_against(&truth).unwrap())
+            .collect();
         for tile in 0..tiles[0].len() {
             let error = root_mean_square(tiles.iter().map(|t| t[tile]));
-            assert!(error <= 1.2 * target, "{name} at {target}, tile {tile}: {error}");
+            assert!(
+                error <= 1.2 * target,
+                "{name} at {target}, tile {tile}: {error}"
+            );
         }
     }
 }
@@ -107,22 +154,32 @@ fn chrome_is_as_exact_as_it_says() {
 /// have been, would change the mean.
 fn assert_unbiased(points: PointSet, pictures: u64, image: impl Fn(&Picture, u64) -> Film) {
     const SIDE: usize = 3;
-    let mean =
-        |film: &Film| -> f64 { (0..SIDE * SIDE).map(|i| film.mean(i % SIDE, i / SIDE).element_sum()).sum() };
+    let mean = |film: &Film| -> f64 {
+        (0..SIDE * SIDE)
+            .map(|i| film.mean(i % SIDE, i / SIDE).element_sum())
+            .sum()
+    };
     let truth = mean(&Picture::of("nickel", Strategy::default(), SIDE).reference(1 << 15));
     let mut picture = Picture::with(measured("nickel"), Arc::new(Cosine), Strategy::Brdf, SIDE);
     picture.settings.points = points;
-    let means: Vec<f64> = (1..=pictures).map(|seed| mean(&image(&picture, seed)) / truth).collect();
+    let means: Vec<f64> = (1..=pictures)
+        .map(|seed| mean(&image(&picture, seed)) / truth)
+        .collect();
     let n = means.len() as f64;
     let average = means.iter().sum::<f64>() / n;
     let error = (means.iter().map(|m| (m - average).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
     assert!(error < 0.02, "{average} ± {error} says nothing");
-    assert!((average - 1.0).abs() < 3.5 * error, "{average} ± {error} of the true mean");
+    assert!(
+        (average - 1.0).abs() < 3.5 * error,
+        "{average} ± {error} of the true mean"
+    );
 }
 
 #[test]
 fn stopping_leaves_the_mean_as_it_is() {
-    assert_unbiased(PointSet::Random, 2000, |picture, seed| picture.refined(0.5, seed).film);
+    assert_unbiased(PointSet::Random, 2000, |picture, seed| {
+        picture.refined(0.5, seed).film
+    });
 }
 
 #[test]
@@ -136,11 +193,16 @@ fn sharing_paths_out_leaves_the_mean_as_it_is() {
 fn relative_error(film: &Film, truth: &Film) -> f64 {
     let pixels = |film: &Film| -> Vec<f64> {
         let (w, h) = (film.width(), film.height());
-        (0..w * h).map(|i| film.mean(i % w, i / w).element_sum()).collect()
+        (0..w * h)
+            .map(|i| film.mean(i % w, i / w).element_sum())
+            .collect()
     };
     let (film, truth) = (pixels(film), pixels(truth));
     let dark = 0.1 * truth.iter().sum::<f64>() / truth.len() as f64;
-    let errors = film.iter().zip(&truth).map(|(f, t)| (f - t).powi(2) / (t * t + dark * dark));
+    let errors = film
+        .iter()
+        .zip(&truth)
+        .map(|(f, t)| (f - t).powi(2) / (t * t + dark * dark));
     errors.sum::<f64>() / film.len() as f64
 }
 
@@ -150,10 +212,19 @@ fn shared_out_paths_leave_less_error() {
         let mut picture = Picture::of(name, Strategy::default(), 64);
         picture.settings.points = PointSet::Lattice;
         let truth = picture.reference(4096);
-        let even =
-            render(&picture.scene, &picture.plan, &Settings { samples: 32, ..picture.settings }, &|_| {});
-        let (even, shared) =
-            (relative_error(&even.unwrap(), &truth), relative_error(&picture.allocated(32, 1), &truth));
+        let even = render(
+            &picture.scene,
+            &picture.plan,
+            &Settings {
+                samples: 32,
+                ..picture.settings
+            },
+            &|_| {},
+        );
+        let (even, shared) = (
+            relative_error(&even.unwrap(), &truth),
+            relative_error(&picture.allocated(32, 1), &truth),
+        );
         println!("{name}: {shared:.2e} of {even:.2e}");
         assert!(shared < 0.75 * even, "{name}: {shared} and {even}");
     }
@@ -163,13 +234,19 @@ fn shared_out_paths_leave_less_error() {
 fn shared_out_paths_are_the_same_for_any_number_of_threads_and_leave_nothing_out() {
     let picture = Picture::of("nickel", Strategy::default(), 40);
     let films = [1, 2, 3].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         pool.install(|| picture.allocated(16, 1))
     });
     assert!(films[0] == films[1] && films[0] == films[2]);
     assert_ne!(films[0], picture.allocated(16, 2));
     assert!((0..1600).all(|i| films[0].mean(i % 40, i / 40).min_element() > 0.0));
-    let few = Settings { samples: 15, ..picture.settings };
+    let few = Settings {
+        samples: 15,
+        ..picture.settings
+    };
     assert!(render_allocated(&picture.scene, &picture.plan, &few, &|_| {}).is_err());
 }
 
@@ -183,7 +260,10 @@ fn a_picture_of_one_pixel_is_shared_out() {
 fn any_number_of_threads_gives_the_same_picture() {
     let picture = Picture::of("nickel", Strategy::default(), 40);
     let films = [1, 2, 3].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         pool.install(|| picture.refined(0.1, 1))
     });
     assert!(films[0] == films[1] && films[0] == films[2]);
@@ -199,7 +279,14 @@ fn the_largest_number_of_paths_is_kept_and_told_of() {
     let count = |n| {
         done.fetch_add(n, std::sync::atomic::Ordering::Relaxed);
     };
-    let refined = render_to_error(&picture.scene, &picture.plan, &picture.settings, 1e-4, &count).unwrap();
+    let refined = render_to_error(
+        &picture.scene,
+        &picture.plan,
+        &picture.settings,
+        1e-4,
+        &count,
+    )
+    .unwrap();
     assert_eq!(done.into_inner(), 24 * 24);
     assert!(refined.error() > 1e-4 && refined.tiles.iter().all(|t| !t.reached));
     // 64 is the last of 16, 32, 64, …; pixels without an object have 16.
@@ -217,8 +304,20 @@ fn wrong_targets_are_refused() {
     for error in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(refused(error, &picture.settings), "{error}");
     }
-    assert!(refused(0.1, &Settings { samples: 15, ..picture.settings }));
-    assert!(refused(0.1, &Settings { width: 0, ..picture.settings }));
+    assert!(refused(
+        0.1,
+        &Settings {
+            samples: 15,
+            ..picture.settings
+        }
+    ));
+    assert!(refused(
+        0.1,
+        &Settings {
+            width: 0,
+            ..picture.settings
+        }
+    ));
     let other = Picture::of("nickel", Strategy::default(), 5).reference(1);
     assert!(picture.refined(0.5, 1).error_against(&other).is_err());
 }

@@ -27,8 +27,15 @@ const SYMMETRIES: [Symmetry; 3] = [Symmetry::Quarter, Symmetry::Half, Symmetry::
 
 /// Metals that have no more symmetry than their file says.
 fn metal(symmetry: Symmetry) -> Brushed {
-    let turned = if symmetry == Symmetry::Quarter { 0.0 } else { 0.5 };
-    Brushed { turned, ..Brushed::STRONG }
+    let turned = if symmetry == Symmetry::Quarter {
+        0.0
+    } else {
+        0.5
+    };
+    Brushed {
+        turned,
+        ..Brushed::STRONG
+    }
 }
 
 fn file(symmetry: Symmetry) -> Rgl {
@@ -36,8 +43,14 @@ fn file(symmetry: Symmetry) -> Rgl {
 }
 
 fn settings(azimuths: usize, size: &str) -> ByAzimuthSettings {
-    let preset = HalfVectorSettings::PRESETS.iter().find(|p| p.0 == size).unwrap();
-    ByAzimuthSettings { azimuths, ..ByAzimuthSettings::of(preset.1) }
+    let preset = HalfVectorSettings::PRESETS
+        .iter()
+        .find(|p| p.0 == size)
+        .unwrap();
+    ByAzimuthSettings {
+        azimuths,
+        ..ByAzimuthSettings::of(preset.1)
+    }
 }
 
 /// The seven checks of `merlkit check`, on the azimuths of tables, between them and at the seams of symmetries.
@@ -46,16 +59,27 @@ fn every_check_passes_for_every_symmetry() {
     let on_tables = [0.25, 0.5, 1.0].map(|share| spherical(0.9, -PI + share * FRAC_PI_2).as_vec3());
     let others = directions().into_iter().step_by(3);
     let wos: Vec<Vec3> = on_tables.into_iter().chain(others).collect();
-    let settings_of = CheckSettings { draws: 20_000, calls: 4, ..CheckSettings::default() };
+    let settings_of = CheckSettings {
+        draws: 20_000,
+        calls: 4,
+        ..CheckSettings::default()
+    };
     for symmetry in SYMMETRIES {
         let rgl = file(symmetry);
         assert_eq!(Brdf::symmetry(&rgl), symmetry);
-        let few = if symmetry == Symmetry::Half { &[2, 5][..] } else { &[5] };
+        let few = if symmetry == Symmetry::Half {
+            &[2, 5][..]
+        } else {
+            &[5]
+        };
         for settings in few.iter().map(|&azimuths| settings(azimuths, "16KB")) {
             let sampler = ByAzimuth::build(&rgl, settings).unwrap();
             let report = check_sampler(&sampler, &rgl, &wos, &settings_of);
             let failures: Vec<_> = report.failures().collect();
-            assert!(failures.is_empty(), "{symmetry:?} {settings:?}: {failures:?}");
+            assert!(
+                failures.is_empty(),
+                "{symmetry:?} {settings:?}: {failures:?}"
+            );
         }
     }
 }
@@ -67,7 +91,10 @@ fn a_wrong_density_is_rejected() {
     impl DirectionSampler for Astray {
         fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
             let wi = self.0.sample(wo, u)?.wi;
-            Some(DirectionSample { wi, pdf: self.pdf(wo, wi) })
+            Some(DirectionSample {
+                wi,
+                pdf: self.pdf(wo, wi),
+            })
         }
         fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
             let turn = Quat::from_rotation_z(0.05);
@@ -81,7 +108,10 @@ fn a_wrong_density_is_rejected() {
     let astray = Astray(ByAzimuth::build(&rgl, settings(4, "16KB")).unwrap());
     let wos = [spherical(0.6, -1.0).as_vec3()];
     let report = check_sampler(&astray, &rgl, &wos, &CheckSettings::default());
-    assert!(report.failures().any(|o| o.check == Check::ChiSquare), "{report:?}");
+    assert!(
+        report.failures().any(|o| o.check == Check::ChiSquare),
+        "{report:?}"
+    );
 }
 
 /// Mean over directions of the relative standard deviation of a weight, and the largest.
@@ -95,33 +125,60 @@ fn spreads(sampler: &dyn DirectionSampler, brdf: &dyn Brdf, azimuths: &[f64]) ->
             all.push(spread.relstd);
         }
     }
-    (all.iter().sum::<f64>() / all.len() as f64, all.into_iter().fold(0.0, f64::max))
+    (
+        all.iter().sum::<f64>() / all.len() as f64,
+        all.into_iter().fold(0.0, f64::max),
+    )
 }
 
 #[test]
 fn tables_follow_a_brushed_metal() {
-    let rgl = Rgl::new(bsdf_of(&metal(Symmetry::Half), Symmetry::Half, Resolution::FINE));
+    let rgl = Rgl::new(bsdf_of(
+        &metal(Symmetry::Half),
+        Symmetry::Half,
+        Resolution::FINE,
+    ));
     let sampler = ByAzimuth::build(&rgl, ByAzimuthSettings::default()).unwrap();
     let azimuths = [-3.0, -1.4, 0.4];
     let of = |s: &dyn DirectionSampler| spreads(s, &rgl, &azimuths);
     let (cosine, own, tables) = (of(&Cosine), of(&rgl), of(&sampler));
-    println!("cosine {cosine:.3?}, file {own:.3?}, half-vector {tables:.3?}, {} bytes", sampler.bytes());
-    assert!(tables.0 < 0.2 && tables.1 < 0.5 && tables.0 < 0.05 * cosine.0, "{cosine:?} {tables:?}");
-    assert!(own.0 < tables.0, "the file, of ten times the bytes, draws as it evaluates: {own:?}");
+    println!(
+        "cosine {cosine:.3?}, file {own:.3?}, half-vector {tables:.3?}, {} bytes",
+        sampler.bytes()
+    );
+    assert!(
+        tables.0 < 0.2 && tables.1 < 0.5 && tables.0 < 0.05 * cosine.0,
+        "{cosine:?} {tables:?}"
+    );
+    assert!(
+        own.0 < tables.0,
+        "the file, of ten times the bytes, draws as it evaluates: {own:?}"
+    );
 }
 
 /// What a file repeats is drawn and weighted alike, to the bit.
 #[test]
 fn symmetries_are_kept() {
-    let mirrors = [Vec3::new(-1.0, -1.0, 1.0), Vec3::new(-1.0, 1.0, 1.0), Vec3::new(1.0, -1.0, 1.0)];
-    for (symmetry, mirrors) in [(Symmetry::Half, &mirrors[..1]), (Symmetry::Quarter, &mirrors[..])] {
+    let mirrors = [
+        Vec3::new(-1.0, -1.0, 1.0),
+        Vec3::new(-1.0, 1.0, 1.0),
+        Vec3::new(1.0, -1.0, 1.0),
+    ];
+    for (symmetry, mirrors) in [
+        (Symmetry::Half, &mirrors[..1]),
+        (Symmetry::Quarter, &mirrors[..]),
+    ] {
         let sampler = ByAzimuth::build(&file(symmetry), settings(3, "8KB")).unwrap();
         let mut random = Stream::new(5);
         for (wo, wi) in support::pairs(500, 3) {
             let u = Vec2::new(random.next_f32(), random.next_f32());
             let draw = sampler.sample(wo, u).unwrap();
             for &m in mirrors {
-                assert_eq!(sampler.pdf(wo, wi), sampler.pdf(m * wo, m * wi), "{wo} {wi} {m}");
+                assert_eq!(
+                    sampler.pdf(wo, wi),
+                    sampler.pdf(m * wo, m * wi),
+                    "{wo} {wi} {m}"
+                );
                 let other = sampler.sample(m * wo, u).unwrap();
                 assert_eq!((draw.wi, draw.pdf), (m * other.wi, other.pdf));
             }
@@ -138,7 +195,10 @@ fn densities_are_continuous_over_the_azimuth() {
     for knot in [-PI, -0.75 * PI, -0.25 * PI, 0.0, FRAC_PI_2, PI] {
         let mut jumps = 0;
         for _ in 0..500 {
-            let (theta, u) = (0.2 + random.next_f64(), Vec2::new(random.next_f32(), random.next_f32()));
+            let (theta, u) = (
+                0.2 + random.next_f64(),
+                Vec2::new(random.next_f32(), random.next_f32()),
+            );
             let at = |offset: f64| spherical(theta, knot + offset).as_vec3();
             let wi = sampler.sample(at(0.0), u).unwrap().wi;
             let [a, b] = [-1e-5, 1e-5].map(|o| sampler.pdf(at(o), wi));
@@ -154,18 +214,34 @@ fn odd_input_gives_nothing_and_extreme_input_something() {
     let sampler = ByAzimuth::build(&file(Symmetry::Whole), settings(2, "2KB")).unwrap();
     for w in [Vec3::NAN, Vec3::ZERO, -Vec3::Z, Vec3::X, Vec3::INFINITY] {
         assert_eq!(sampler.sample(w, Vec2::splat(0.5)), None);
-        assert_eq!((sampler.pdf(w, Vec3::Z), sampler.pdf(Vec3::Z, w)), (0.0, 0.0));
+        assert_eq!(
+            (sampler.pdf(w, Vec3::Z), sampler.pdf(Vec3::Z, w)),
+            (0.0, 0.0)
+        );
         assert_eq!(sampler.sample_batch(w, &[Vec2::ZERO; 3]), vec![None; 3]);
     }
     let last = 1f32.next_down();
     let tiny = [1e-20, 1e-13, 1e-7].map(|x| Vec3::new(-x, x, 1.0));
-    for wo in directions().into_iter().chain(tiny).chain([Vec3::Z * 7.0, Vec3::new(1.0, 0.0, 1e-9)]) {
-        let corners = [(0.0, 0.0), (last, 0.0), (0.0, last), (last, last), (0.5, 0.5)];
+    for wo in directions()
+        .into_iter()
+        .chain(tiny)
+        .chain([Vec3::Z * 7.0, Vec3::new(1.0, 0.0, 1e-9)])
+    {
+        let corners = [
+            (0.0, 0.0),
+            (last, 0.0),
+            (0.0, last),
+            (last, last),
+            (0.5, 0.5),
+        ];
         let corners = corners.map(|(x, y)| Vec2::new(x, y));
         for (u, drawn) in corners.iter().zip(sampler.sample_batch(wo, &corners)) {
             let draw = sampler.sample(wo, *u).unwrap();
             assert_eq!(drawn, Some(draw));
-            assert!(draw.wi.is_normalized() && draw.wi.z > 0.0, "{wo} {u}: {draw:?}");
+            assert!(
+                draw.wi.is_normalized() && draw.wi.z > 0.0,
+                "{wo} {u}: {draw:?}"
+            );
             assert!(draw.pdf > 0.0 && draw.pdf.is_finite(), "{wo} {u}: {draw:?}");
             assert_eq!(sampler.pdf(wo, draw.wi), draw.pdf, "{wo} {u}");
         }
@@ -177,14 +253,22 @@ fn odd_input_gives_nothing_and_extreme_input_something() {
 fn ugly_files_keep_every_check() {
     let mut ugly = bsdf_of(&metal(Symmetry::Half), Symmetry::Half, Resolution::COARSE);
     let slice = ugly.luminance.shape[1] * ugly.luminance.shape[2].pow(2);
-    let Colour::Rgb(rgb) = &mut ugly.colour else { panic!() };
+    let Colour::Rgb(rgb) = &mut ugly.colour else {
+        panic!()
+    };
     rgb.values[3 * slice..9 * slice].fill(0.0);
     let mut random = Stream::new(3);
-    rgb.values[12 * slice..].iter_mut().for_each(|v| *v *= random.next_f32().powi(8) * 50.0);
+    rgb.values[12 * slice..]
+        .iter_mut()
+        .for_each(|v| *v *= random.next_f32().powi(8) * 50.0);
     let mut black = ugly.clone();
     black.colour = Colour::Rgb(Tensor::filled(&[5, 6, 3, 16, 16], 0.0));
     let wos: Vec<Vec3> = directions().into_iter().step_by(2).collect();
-    let checks = CheckSettings { draws: 5000, calls: 2, ..CheckSettings::default() };
+    let checks = CheckSettings {
+        draws: 5000,
+        calls: 2,
+        ..CheckSettings::default()
+    };
     for rgl in [ugly, black].map(Rgl::new) {
         let sampler = ByAzimuth::build(&rgl, settings(3, "4KB")).unwrap();
         let report = check_sampler(&sampler, &rgl, &wos, &checks);
@@ -196,11 +280,22 @@ fn ugly_files_keep_every_check() {
 fn any_number_of_threads_builds_the_same() {
     let rgl = file(Symmetry::Half);
     let draws = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         let sampler = pool.install(|| ByAzimuth::build(&rgl, settings(5, "8KB")).unwrap());
         let mut random = Stream::new(1);
-        let draw = |wo| sampler.sample(wo, Vec2::new(random.next_f32(), random.next_f32())).unwrap();
-        directions().into_iter().map(draw).map(|d| (d.wi, d.pdf)).collect::<Vec<_>>()
+        let draw = |wo| {
+            sampler
+                .sample(wo, Vec2::new(random.next_f32(), random.next_f32()))
+                .unwrap()
+        };
+        directions()
+            .into_iter()
+            .map(draw)
+            .map(|d| (d.wi, d.pdf))
+            .collect::<Vec<_>>()
     };
     assert_eq!(draws(1), draws(3));
 }
@@ -209,13 +304,27 @@ fn any_number_of_threads_builds_the_same() {
 #[test]
 fn tables_come_back_from_a_file() {
     let folder = tempfile::tempdir().unwrap();
-    let (bsdf, path) = (folder.path().join("brushed.bsdf"), folder.path().join("tables"));
+    let (bsdf, path) = (
+        folder.path().join("brushed.bsdf"),
+        folder.path().join("tables"),
+    );
     let symmetry = Symmetry::Quarter;
-    bsdf_of(&metal(symmetry), symmetry, Resolution::COARSE).write(&bsdf, Overwrite::Refuse).unwrap();
+    bsdf_of(&metal(symmetry), symmetry, Resolution::COARSE)
+        .write(&bsdf, Overwrite::Refuse)
+        .unwrap();
     let material = Material::resolve(bsdf.to_str().unwrap()).unwrap();
     let brdf = MaterialBrdf::new(material.content().unwrap(), LookupRule::Floor);
-    let sampler = SamplerSpec::ByAzimuth(settings(3, "2KB")).build_for(&brdf).unwrap();
-    save(&sampler, &material, LookupRule::Floor, &path, Overwrite::Refuse).unwrap();
+    let sampler = SamplerSpec::ByAzimuth(settings(3, "2KB"))
+        .build_for(&brdf)
+        .unwrap();
+    save(
+        &sampler,
+        &material,
+        LookupRule::Floor,
+        &path,
+        Overwrite::Refuse,
+    )
+    .unwrap();
     let (loaded, _) = SamplerFile::open(&path).unwrap().load(None).unwrap();
     assert_eq!(loaded.spec(), sampler.spec());
     for (i, wo) in directions().into_iter().enumerate() {
@@ -229,16 +338,36 @@ fn tables_come_back_from_a_file() {
         (r#"tables\":3"#, b'2', "6 values in tensor"),
     ] {
         let mut bytes = std::fs::read(&path).unwrap();
-        let at = bytes.windows(setting.len()).position(|w| w == setting.as_bytes()).unwrap();
+        let at = bytes
+            .windows(setting.len())
+            .position(|w| w == setting.as_bytes())
+            .unwrap();
         bytes[at + setting.len() - 1] = to;
         let loaded = SamplerFile::from_bytes(bytes, &path).and_then(|f| f.load(None));
         let text = loaded.unwrap_err().to_string();
         assert!(text.contains(says), "{says}: {text}");
     }
     let own = SamplerSpec::File.build_for(&brdf).unwrap();
-    assert!(save(&own, &material, LookupRule::Floor, &path, Overwrite::Replace).is_err());
-    let table = Arc::new(Measured::new(Arc::new(decode_embedded("nickel").unwrap()), LookupRule::Floor));
-    assert!(SamplerFile::open(&path).unwrap().into_sampler(&table).is_err());
+    assert!(
+        save(
+            &own,
+            &material,
+            LookupRule::Floor,
+            &path,
+            Overwrite::Replace
+        )
+        .is_err()
+    );
+    let table = Arc::new(Measured::new(
+        Arc::new(decode_embedded("nickel").unwrap()),
+        LookupRule::Floor,
+    ));
+    assert!(
+        SamplerFile::open(&path)
+            .unwrap()
+            .into_sampler(&table)
+            .is_err()
+    );
 }
 
 #[test]
@@ -261,17 +390,31 @@ fn what_does_not_fit_is_refused() {
         }
     }
     let refused = |e: Error| matches!(e, Error::Argument { .. });
-    assert!(refused(ByAzimuth::build(&Grey, settings(4, "2KB")).unwrap_err()));
+    assert!(refused(
+        ByAzimuth::build(&Grey, settings(4, "2KB")).unwrap_err()
+    ));
     let rgl = file(Symmetry::Half);
     for azimuths in [0, 1, 257] {
-        assert!(refused(ByAzimuth::build(&rgl, settings(azimuths, "2KB")).unwrap_err()));
+        assert!(refused(
+            ByAzimuth::build(&rgl, settings(azimuths, "2KB")).unwrap_err()
+        ));
     }
-    let no_rows = HalfVectorSettings { rows: 0, ..HalfVectorSettings::default() };
-    assert!(refused(ByAzimuth::build(&rgl, ByAzimuthSettings::of(no_rows)).unwrap_err()));
+    let no_rows = HalfVectorSettings {
+        rows: 0,
+        ..HalfVectorSettings::default()
+    };
+    assert!(refused(
+        ByAzimuth::build(&rgl, ByAzimuthSettings::of(no_rows)).unwrap_err()
+    ));
     let brdf = MaterialBrdf::new(Content::File(Box::new(rgl)), LookupRule::Floor);
-    let message =
-        SamplerSpec::CascadeCdf(CascadeCdfSettings::default()).build_for(&brdf).unwrap_err().to_string();
-    assert!(message.contains("cascade-cdf") && message.contains("half-vector"), "{message}");
+    let message = SamplerSpec::CascadeCdf(CascadeCdfSettings::default())
+        .build_for(&brdf)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("cascade-cdf") && message.contains("half-vector"),
+        "{message}"
+    );
     let (_, preset) = HalfVectorSettings::PRESETS[0];
     let built = SamplerSpec::HalfVector(preset).build_for(&brdf).unwrap();
     assert_eq!(built.spec().label(), "half-vector 2KB at 8 azimuths");

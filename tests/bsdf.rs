@@ -36,14 +36,18 @@ fn general(azimuths: usize, jacobian: bool) -> BsdfFile {
     let mut random = Stream::new(3);
     let mut tensor = |shape: &[usize]| Tensor {
         shape: shape.to_vec(),
-        values: (0..shape.iter().product()).map(|_| 0.1 + random.next_f32()).collect(),
+        values: (0..shape.iter().product())
+            .map(|_| 0.1 + random.next_f32())
+            .collect(),
     };
     let (p, t) = (azimuths, 4);
     BsdfFile {
         description: "noise".into(),
         theta_i: vec![0.0, 0.4, 0.9, 1.5],
         // Half a turn where there are more than two.
-        phi_i: (0..p).map(|k| -std::f32::consts::PI * (1.0 - k as f32 / (p.max(2) - 1) as f32)).collect(),
+        phi_i: (0..p)
+            .map(|k| -std::f32::consts::PI * (1.0 - k as f32 / (p.max(2) - 1) as f32))
+            .collect(),
         jacobian,
         ndf: tensor(&[5, 6]),
         sigma: tensor(&[3, 4]),
@@ -73,14 +77,21 @@ fn read(bytes: &[u8]) -> Result<BsdfFile, Error> {
 #[test]
 fn files_come_back_to_the_bit() {
     let direct = exported(&embedded("nickel", LookupRule::Linear), preset("0.4MB"));
-    for file in [direct.to_spectral(), direct, general(1, true), general(5, false)] {
+    for file in [
+        direct.to_spectral(),
+        direct,
+        general(1, true),
+        general(5, false),
+    ] {
         assert_eq!(read(&bytes_of(&file)).unwrap(), file);
     }
 }
 
 /// Where an error is said to be, and the whole message.
 fn refused(bytes: &[u8]) -> (u64, String) {
-    let Err(error) = read(bytes) else { panic!("was read") };
+    let Err(error) = read(bytes) else {
+        panic!("was read")
+    };
     let text = error.to_string();
     assert!(text.starts_with("some.bsdf: at byte "), "{text}");
     match error {
@@ -93,7 +104,10 @@ fn refused(bytes: &[u8]) -> (u64, String) {
 fn entry(bytes: &[u8], name: &str) -> usize {
     let mut wanted = (name.len() as u16).to_le_bytes().to_vec();
     wanted.extend_from_slice(name.as_bytes());
-    bytes.windows(wanted.len()).position(|w| w == wanted).unwrap()
+    bytes
+        .windows(wanted.len())
+        .position(|w| w == wanted)
+        .unwrap()
 }
 
 /// The file with a field's bytes replaced, `at` counted behind its name: 0 axes, 2 type, 3 offset, 11 shape.
@@ -118,20 +132,57 @@ fn containers_that_lie_are_refused_where_they_do() {
     let good = bytes_of(&general(1, true));
     let at = |name: &str| entry(&good, name) as u64;
     let cases: [(Vec<u8>, u64, &str); 13] = [
-        (b"not a tensor file, but long enough".to_vec(), 0, "tensor_file"),
-        ([&good[..12], &[2, 0], &good[14..]].concat(), 12, "version 2.0"),
+        (
+            b"not a tensor file, but long enough".to_vec(),
+            0,
+            "tensor_file",
+        ),
+        (
+            [&good[..12], &[2, 0], &good[14..]].concat(),
+            12,
+            "version 2.0",
+        ),
         ([&good[..14], &[255; 4], &good[18..]].concat(), u64::MAX, ""),
         (with(&good, "vndf", 2, &[0]), u64::MAX, "type 0"),
         (with(&good, "vndf", 2, &[12]), u64::MAX, "type 12"),
-        (with(&good, "vndf", 2, &[6]), at("vndf"), "elements of type 10"),
-        (with(&good, "vndf", 3, &u64::MAX.to_le_bytes()), at("vndf"), "data within"),
-        (with(&good, "vndf", 3, &(good.len() as u64 - 8).to_le_bytes()), at("vndf"), "data within"),
-        (with(&good, "vndf", 3, &0u64.to_le_bytes()), at("vndf"), "data from byte"),
-        (with(&good, "vndf", 11, &(1u64 << 62).to_le_bytes()), at("vndf"), "data within"),
-        (with(&good, "vndf", 11, &0u64.to_le_bytes()), at("vndf"), "values"),
+        (
+            with(&good, "vndf", 2, &[6]),
+            at("vndf"),
+            "elements of type 10",
+        ),
+        (
+            with(&good, "vndf", 3, &u64::MAX.to_le_bytes()),
+            at("vndf"),
+            "data within",
+        ),
+        (
+            with(&good, "vndf", 3, &(good.len() as u64 - 8).to_le_bytes()),
+            at("vndf"),
+            "data within",
+        ),
+        (
+            with(&good, "vndf", 3, &0u64.to_le_bytes()),
+            at("vndf"),
+            "data from byte",
+        ),
+        (
+            with(&good, "vndf", 11, &(1u64 << 62).to_le_bytes()),
+            at("vndf"),
+            "data within",
+        ),
+        (
+            with(&good, "vndf", 11, &0u64.to_le_bytes()),
+            at("vndf"),
+            "values",
+        ),
         (with(&good, "sigma", 0, &[1, 0]), u64::MAX, ""),
         (
-            [&good[..entry(&good, "sigma") + 2], &b"vndf_"[..], &good[entry(&good, "sigma") + 7..]].concat(),
+            [
+                &good[..entry(&good, "sigma") + 2],
+                &b"vndf_"[..],
+                &good[entry(&good, "sigma") + 7..],
+            ]
+            .concat(),
             18,
             "\"sigma\"",
         ),
@@ -141,11 +192,18 @@ fn containers_that_lie_are_refused_where_they_do() {
         assert!(offset == u64::MAX || found == offset, "{offset}: {text}");
         assert!(text.contains(says), "{says}: {text}");
     }
-    let twice =
-        [&good[..entry(&good, "sigma") + 2], &b"theta"[..], &good[entry(&good, "sigma") + 7..]].concat();
-    let twice =
-        [&twice[..entry(&twice, "theta_i") + 2], &b"phi_i__"[..], &twice[entry(&twice, "theta_i") + 9..]]
-            .concat();
+    let twice = [
+        &good[..entry(&good, "sigma") + 2],
+        &b"theta"[..],
+        &good[entry(&good, "sigma") + 7..],
+    ]
+    .concat();
+    let twice = [
+        &twice[..entry(&twice, "theta_i") + 2],
+        &b"phi_i__"[..],
+        &twice[entry(&twice, "theta_i") + 9..],
+    ]
+    .concat();
     refused(&twice);
     let same = with(&good, "ndf", 3, &offset_of(&good, "sigma"));
     assert!(refused(&same).1.contains("data from byte"));
@@ -174,7 +232,9 @@ fn a_field_that_is_there_twice_is_refused() {
 #[test]
 fn every_cut_is_refused() {
     let good = bytes_of(&general(1, true));
-    let ends = (0..500).chain((500..good.len()).step_by(97)).chain([good.len() - 1]);
+    let ends = (0..500)
+        .chain((500..good.len()).step_by(97))
+        .chain([good.len() - 1]);
     for end in ends {
         refused(&good[..end]);
     }
@@ -198,7 +258,10 @@ fn values_that_cannot_be_are_refused_where_they_stand() {
         let (at, bytes) = with_value(&good, name, index, value);
         assert!(read(&bytes).is_err(), "{name}: {value}");
         let (found, text) = refused(&bytes);
-        assert!(found == at as u64 && text.contains(says) && text.contains(name), "{at}: {text}");
+        assert!(
+            found == at as u64 && text.contains(says) && text.contains(name),
+            "{at}: {text}"
+        );
     }
     let mut file = general(2, true);
     file.luminance.values[36..72].fill(0.0);
@@ -259,20 +322,35 @@ fn six_megabytes_reproduce_the_table() {
         assert!((6e6..6.2e6).contains(&(bytes_of(&file).len() as f64)));
         let rgl = Rgl::new(file);
         let errors = value_errors(&rgl, &brdf);
-        assert!(errors.median < 0.001 && errors.percentile_95 < 0.02, "{name}: {errors:?}");
+        assert!(
+            errors.median < 0.001 && errors.percentile_95 < 0.02,
+            "{name}: {errors:?}"
+        );
         assert!(errors.albedo < 0.015, "{name}: {errors:?}");
         let draws = draw_quality(&rgl, &brdf);
-        assert!(draws.largest_relstd < 0.07 && draws.failed < 0.002, "{name}: {draws:?}");
+        assert!(
+            draws.largest_relstd < 0.07 && draws.failed < 0.002,
+            "{name}: {draws:?}"
+        );
     }
 }
 
 #[test]
 fn spectra_give_back_the_colours() {
-    let file = exported(&embedded("blue-metallic-paint", LookupRule::Linear), preset("0.4MB"));
+    let file = exported(
+        &embedded("blue-metallic-paint", LookupRule::Linear),
+        preset("0.4MB"),
+    );
     let spectral = file.to_spectral();
     let error = colour_error(&spectral, &file);
     assert!(error > 0.0 && error < 1e-5, "{error}");
-    let Colour::Spectral { wavelengths, spectra } = &spectral.colour else { panic!() };
+    let Colour::Spectral {
+        wavelengths,
+        spectra,
+    } = &spectral.colour
+    else {
+        panic!()
+    };
     assert_eq!(spectra.shape[2], wavelengths.len());
     assert_eq!(spectral.to_spectral(), spectral);
 }
@@ -292,13 +370,23 @@ fn draws_follow_the_density() {
     let direct = exported(&embedded("nickel", LookupRule::Linear), preset("1.5MB"));
     let files = [direct, general(1, true), general(5, true)];
     let angles = [0.0, 33.0, 71.0];
-    let test = ChiSquareTest { tests: files.len() * angles.len(), ..ChiSquareTest::default() };
-    for (file, name) in files.into_iter().zip(["direct", "isotropic", "anisotropic"]) {
+    let test = ChiSquareTest {
+        tests: files.len() * angles.len(),
+        ..ChiSquareTest::default()
+    };
+    for (file, name) in files
+        .into_iter()
+        .zip(["direct", "isotropic", "anisotropic"])
+    {
         let rgl = Rgl::new(file);
         for degrees in angles {
             let wo = spherical(f64::to_radians(degrees), 0.6).as_vec3();
             let found = test.run(&rgl, wo);
-            assert_eq!(found.verdict, Verdict::Pass, "{name}, {degrees}°: {found:?}");
+            assert_eq!(
+                found.verdict,
+                Verdict::Pass,
+                "{name}, {degrees}°: {found:?}"
+            );
         }
     }
 }
@@ -311,8 +399,12 @@ fn densities_of_stretched_files_integrate_to_what_is_drawn() {
         let wo = spherical(0.5, 2.2).as_vec3();
         let sum = Quadrature::new(wo, 987).integrate(|wi| f64::from(rgl.density(wo, wi)));
         let mut random = Stream::new(5);
-        let drawn =
-            (0..200_000).filter(|_| rgl.draw(wo, [random.next_f64(), random.next_f64()]).is_some()).count();
+        let drawn = (0..200_000)
+            .filter(|_| {
+                rgl.draw(wo, [random.next_f64(), random.next_f64()])
+                    .is_some()
+            })
+            .count();
         assert!((sum - drawn as f64 / 2e5).abs() < 0.005, "{sum} {drawn}");
         assert!(sum < 0.99);
     }
@@ -329,7 +421,10 @@ fn turns_that_a_file_leaves_out_change_nothing() {
         let turn = |w: Vec3| Vec3::new(-w.x, -w.y, w.z);
         assert_eq!(half.value_cos(wo, wi), half.value_cos(turn(wo), turn(wi)));
         let spun = |w: Vec3| glam::Quat::from_rotation_z(1.0) * w;
-        let (a, b) = (isotropic.value_cos(wo, wi), isotropic.value_cos(spun(wo), spun(wi)));
+        let (a, b) = (
+            isotropic.value_cos(wo, wi),
+            isotropic.value_cos(spun(wo), spun(wi)),
+        );
         differ += usize::from((a - b).abs().max_element() > 1e-3);
     }
     // At the pole and where azimuths begin anew the noise jumps.
@@ -340,7 +435,15 @@ fn turns_that_a_file_leaves_out_change_nothing() {
 fn hard_tables_can_be_written_and_drawn_from() {
     for case in HardCase::ALL {
         let brdf = Measured::new(Arc::new(case.table()), LookupRule::Floor);
-        let file = read(&bytes_of(&exported(&brdf, BsdfSize { name: "", angles: 3, side: 12 }))).unwrap();
+        let file = read(&bytes_of(&exported(
+            &brdf,
+            BsdfSize {
+                name: "",
+                angles: 3,
+                side: 12,
+            },
+        )))
+        .unwrap();
         check_values(&Rgl::new(file.to_spectral()), 50);
         check_values(&Rgl::new(file), 50);
     }
@@ -351,18 +454,39 @@ fn isotropic_files_are_materials() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("paint.bsdf");
     let brdf = embedded("blue-metallic-paint", LookupRule::Linear);
-    exported(&brdf, preset("3MB")).to_spectral().write(&path, Overwrite::Refuse).unwrap();
+    exported(&brdf, preset("3MB"))
+        .to_spectral()
+        .write(&path, Overwrite::Refuse)
+        .unwrap();
     let (edges, rgl) = import_bsdf(&path, BinPoint::Edge).unwrap();
     let errors = value_errors(&Measured::new(Arc::new(edges), LookupRule::Linear), &rgl);
-    assert!(errors.median < 0.002 && errors.percentile_95 < 0.02, "{errors:?}");
+    assert!(
+        errors.median < 0.002 && errors.percentile_95 < 0.02,
+        "{errors:?}"
+    );
     let centred = Measured::new(
-        Arc::new(Material::resolve(path.to_str().unwrap()).unwrap().load().unwrap()),
+        Arc::new(
+            Material::resolve(path.to_str().unwrap())
+                .unwrap()
+                .load()
+                .unwrap(),
+        ),
         LookupRule::Centred,
     );
     let errors = value_errors(&centred, &rgl);
-    assert!(errors.median < 0.002 && errors.percentile_95 < 0.02, "{errors:?}");
+    assert!(
+        errors.median < 0.002 && errors.percentile_95 < 0.02,
+        "{errors:?}"
+    );
     let path = folder.path().join("brushed.bsdf");
     general(5, true).write(&path, Overwrite::Refuse).unwrap();
-    let error = Material::resolve(path.to_str().unwrap()).unwrap().load().unwrap_err().to_string();
-    assert!(error.contains("anisotropic") && error.contains("5 azimuths"), "{error}");
+    let error = Material::resolve(path.to_str().unwrap())
+        .unwrap()
+        .load()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("anisotropic") && error.contains("5 azimuths"),
+        "{error}"
+    );
 }

@@ -16,8 +16,9 @@ fn embedded_materials_decode_to_the_golden_values() {
     let mut worst = 0.0f64;
     let mut tables = std::collections::BTreeMap::new();
     for row in support::golden("golden_decode.csv") {
-        let table: &MerlTable =
-            tables.entry(row[0].clone()).or_insert_with(|| decode_embedded(&row[0]).unwrap());
+        let table: &MerlTable = tables
+            .entry(row[0].clone())
+            .or_insert_with(|| decode_embedded(&row[0]).unwrap());
         let [h, d, p]: [usize; 3] = std::array::from_fn(|i| row[i + 1].parse().unwrap());
         for c in 0..3 {
             let expected: f64 = row[4 + c].parse().unwrap();
@@ -51,7 +52,13 @@ const BYTES_180: u64 = 34_992_012;
 /// The offset, what was expected and what was found.
 fn invalid(path: &Path) -> (u64, String, String) {
     match load(path).unwrap_err() {
-        Error::Invalid { path: named, offset, expected, found, fix } => {
+        Error::Invalid {
+            path: named,
+            offset,
+            expected,
+            found,
+            fix,
+        } => {
             assert_eq!(named, path);
             assert!(!fix.is_empty());
             (offset, expected, found)
@@ -71,7 +78,9 @@ fn each_number_of_a_file_lands_in_its_cell_and_channel() {
     file.into_inner().unwrap();
     let table = load(&path).unwrap();
     let scale = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
-    for (h, d, p) in (0..90).flat_map(|h| (0..90).flat_map(move |d| (0..180).map(move |p| (h, d, p)))) {
+    for (h, d, p) in
+        (0..90).flat_map(|h| (0..90).flat_map(move |d| (0..180).map(move |p| (h, d, p))))
+    {
         let number = (h * 90 + d) * 180 + p;
         for (c, rgb) in table.rgb(h, d, p).to_array().into_iter().enumerate() {
             let raw = number as f64 + c as f64 * f64::from(cells);
@@ -94,8 +103,13 @@ fn a_written_table_loads_to_the_same_bits() {
         assert_eq!(loaded.header(), table.header());
         assert_eq!(loaded.census(), table.census());
         assert!(loaded.cells() == table.cells(), "{bins}");
-        let refused = write(&table, &path, Overwrite::Refuse).unwrap_err().to_string();
-        assert!(refused.contains("exists") && refused.contains("--force"), "{refused}");
+        let refused = write(&table, &path, Overwrite::Refuse)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            refused.contains("exists") && refused.contains("--force"),
+            "{refused}"
+        );
         write(&table, &path, Overwrite::Replace).unwrap();
     }
 }
@@ -106,16 +120,26 @@ fn cut_off_files_say_where() {
         let (_folder, path) = hollow([90, 90, 180], length);
         let (offset, expected, found) = invalid(&path);
         assert_eq!(offset, length);
-        assert!(expected.contains("12-byte header") && found.contains(&length.to_string()), "{found}");
+        assert!(
+            expected.contains("12-byte header") && found.contains(&length.to_string()),
+            "{found}"
+        );
     }
     for length in [12, 13, BYTES_180 / 2, BYTES_180 - 1] {
         let (_folder, path) = hollow([90, 90, 180], length);
         let (offset, expected, found) = invalid(&path);
         assert_eq!(offset, length);
-        assert!(expected.contains("34992012") && found.contains(&length.to_string()), "{expected}");
+        assert!(
+            expected.contains("34992012") && found.contains(&length.to_string()),
+            "{expected}"
+        );
     }
     let (_folder, path) = hollow([90, 90, 360], BYTES_180);
-    assert_eq!(invalid(&path).0, BYTES_180, "a file of 360 is twice as long");
+    assert_eq!(
+        invalid(&path).0,
+        BYTES_180,
+        "a file of 360 is twice as long"
+    );
 }
 
 #[test]
@@ -146,11 +170,17 @@ fn other_dimensions_are_refused() {
 #[test]
 fn folders_and_missing_files_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
-    assert!(matches!(load(folder.path()), Err(Error::Unsupported { .. })));
+    assert!(matches!(
+        load(folder.path()),
+        Err(Error::Unsupported { .. })
+    ));
     let missing = folder.path().join("missing.binary");
     match load(&missing) {
         Err(Error::Io { path, source, .. }) => {
-            assert_eq!((path, source.kind()), (missing, std::io::ErrorKind::NotFound));
+            assert_eq!(
+                (path, source.kind()),
+                (missing, std::io::ErrorKind::NotFound)
+            );
         }
         other => panic!("{other:?}"),
     }
@@ -162,7 +192,8 @@ fn unusable_cells_are_counted_by_kind_and_marked() {
     let mut file = OpenOptions::new().write(true).open(&path).unwrap();
     let cells = 90 * 90 * 180;
     let mut put = |channel: u64, cell: u64, value: f64| {
-        file.seek(SeekFrom::Start(12 + 8 * (channel * cells + cell))).unwrap();
+        file.seek(SeekFrom::Start(12 + 8 * (channel * cells + cell)))
+            .unwrap();
         file.write_all(&value.to_le_bytes()).unwrap();
     };
     put(0, 0, f64::NAN);
@@ -176,10 +207,27 @@ fn unusable_cells_are_counted_by_kind_and_marked() {
     put(0, 7, -0.0); // zero is a value
     put(0, 8, 1e-300); // too small for f32: zero
     let table = load(&path).unwrap();
-    assert_eq!(table.census(), Census { nan: 2, infinite: 3, negative: 2 });
+    assert_eq!(
+        table.census(),
+        Census {
+            nan: 2,
+            infinite: 3,
+            negative: 2
+        }
+    );
     let valid: Vec<bool> = (0..10).map(|p| table.is_valid(0, 0, p)).collect();
-    assert_eq!(valid, [false, false, false, false, false, false, false, true, true, true]);
-    assert!(table.cells().iter().all(|c| c.is_finite() && c.min_element() >= 0.0));
+    assert_eq!(
+        valid,
+        [
+            false, false, false, false, false, false, false, true, true, true
+        ]
+    );
+    assert!(
+        table
+            .cells()
+            .iter()
+            .all(|c| c.is_finite() && c.min_element() >= 0.0)
+    );
 }
 
 #[test]

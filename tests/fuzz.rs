@@ -23,8 +23,8 @@ use merlkit::merl::Material;
 use merlkit::points::Stream;
 use merlkit::sampler::store::encode;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, FactoredSettings, Factors, HalfVectorSettings, LeafChoice,
-    LobeKind, LobeParameters, LobeSettings, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, FactoredSettings, Factors, HalfVectorSettings,
+    LeafChoice, LobeKind, LobeParameters, LobeSettings, SamplerSpec,
 };
 use rayon::prelude::*;
 use safetensors::{Dtype, SafeTensors};
@@ -87,7 +87,11 @@ fn peak_of<T>(work: impl FnOnce() -> T) -> (T, usize) {
 
 /// Memory that reading `input` bytes may take: `factor` for each, and a block of a picture.
 fn bound(input: usize, factor: usize) -> usize {
-    let block = if factor == EXR_FACTOR { 14 << 20 } else { 1 << 16 };
+    let block = if factor == EXR_FACTOR {
+        14 << 20
+    } else {
+        1 << 16
+    };
     block + factor * input
 }
 
@@ -97,8 +101,14 @@ const SAMPLER_FACTOR: usize = 64;
 const EXR_FACTOR: usize = 4 * 12 * 256;
 
 fn inputs() -> u64 {
-    let asked = std::env::var("MERLKIT_FUZZ").ok().and_then(|n| n.parse().ok());
-    asked.unwrap_or(if cfg!(debug_assertions) { 20_000 } else { 1_000_000 })
+    let asked = std::env::var("MERLKIT_FUZZ")
+        .ok()
+        .and_then(|n| n.parse().ok());
+    asked.unwrap_or(if cfg!(debug_assertions) {
+        20_000
+    } else {
+        1_000_000
+    })
 }
 
 /// Tries an even `share` of the inputs, made by `make`, on all threads; `read` says whether it accepted an input.
@@ -110,7 +120,9 @@ fn drive(
     read: impl Fn(&[u8]) -> bool + Sync,
 ) {
     let tries = inputs() / share;
-    let seed = name.bytes().fold(7u64, |h, b| h.wrapping_mul(31).wrapping_add(b.into()));
+    let seed = name
+        .bytes()
+        .fold(7u64, |h, b| h.wrapping_mul(31).wrapping_add(b.into()));
     let input = |i: u64| make(&mut Stream::new(merlkit::points::mix(seed ^ i)));
     let keep = |i: u64| {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}-{i}.bin"));
@@ -122,9 +134,16 @@ fn drive(
         let input = input(i);
         let (outcome, peak) = peak_of(|| catch_unwind(AssertUnwindSafe(|| read(&input))));
         if outcome.is_err() || peak > bound(input.len(), factor) {
-            return Err(format!("{}: panic {}, {peak} bytes", keep(i).display(), outcome.is_err()));
+            return Err(format!(
+                "{}: panic {}, {peak} bytes",
+                keep(i).display(),
+                outcome.is_err()
+            ));
         }
-        Ok((u64::from(outcome.unwrap_or_default()), peak as f64 / (input.len().max(1) as f64)))
+        Ok((
+            u64::from(outcome.unwrap_or_default()),
+            peak as f64 / (input.len().max(1) as f64),
+        ))
     };
     let merged = watch.guard(keep, || {
         (0..tries)
@@ -133,8 +152,14 @@ fn drive(
             .try_reduce(|| (0, 0.0), |a, b| Ok((a.0 + b.0, f64::max(a.1, b.1))))
     });
     let (accepted, ratio) = merged.unwrap_or_else(|failure| panic!("{failure}"));
-    println!("{name}: {accepted} of {} accepted, at most {ratio:.0} bytes a byte", tries);
-    assert!(accepted > 0, "{name}: mutations are too wild to reach what lies behind the first check");
+    println!(
+        "{name}: {accepted} of {} accepted, at most {ratio:.0} bytes a byte",
+        tries
+    );
+    assert!(
+        accepted > 0,
+        "{name}: mutations are too wild to reach what lies behind the first check"
+    );
     assert!(accepted < tries, "{name}: nothing was refused");
 }
 
@@ -143,8 +168,20 @@ fn below(random: &mut Stream, n: usize) -> usize {
     (random.next_u64() % n.max(1) as u64) as usize
 }
 
-const NASTY: [u64; 12] =
-    [0, 1, 2, 0x7f, 0x80, 0xff, 0x7fff, 0xffff, 0x7fff_ffff, 0xffff_ffff, 0x7ff8 << 48, u64::MAX];
+const NASTY: [u64; 12] = [
+    0,
+    1,
+    2,
+    0x7f,
+    0x80,
+    0xff,
+    0x7fff,
+    0xffff,
+    0x7fff_ffff,
+    0xffff_ffff,
+    0x7ff8 << 48,
+    u64::MAX,
+];
 
 /// One to four changes that know nothing of a structure.
 fn scramble(bytes: &mut Vec<u8>, random: &mut Stream) {
@@ -155,14 +192,25 @@ fn scramble(bytes: &mut Vec<u8>, random: &mut Stream) {
             1 => bytes.extend((0..1 + at % 9).map(|_| random.next_u64() as u8)),
             2 if !bytes.is_empty() => drop(bytes.remove(at)),
             3 => bytes.insert(at, random.next_u64() as u8),
-            4 | 5 => overwrite(bytes, at, 1 << below(random, 4), NASTY[below(random, NASTY.len())]),
+            4 | 5 => overwrite(
+                bytes,
+                at,
+                1 << below(random, 4),
+                NASTY[below(random, NASTY.len())],
+            ),
             6 => {
                 let from = below(random, bytes.len());
-                let piece: Vec<u8> = bytes[from..].iter().take(1 + below(random, 16)).copied().collect();
+                let piece: Vec<u8> = bytes[from..]
+                    .iter()
+                    .take(1 + below(random, 16))
+                    .copied()
+                    .collect();
                 bytes.splice(at..(at + piece.len()).min(bytes.len()), piece);
             }
             _ => {
-                let flipped = bytes.get(at).map_or(0, |b| u64::from(b ^ (1 << below(random, 8))));
+                let flipped = bytes
+                    .get(at)
+                    .map_or(0, |b| u64::from(b ^ (1 << below(random, 8))));
                 overwrite(bytes, at, 1, flipped);
             }
         }
@@ -170,7 +218,12 @@ fn scramble(bytes: &mut Vec<u8>, random: &mut Stream) {
 }
 
 fn overwrite(bytes: &mut [u8], at: usize, width: usize, value: u64) {
-    for (byte, new) in bytes.iter_mut().skip(at).take(width).zip(value.to_le_bytes()) {
+    for (byte, new) in bytes
+        .iter_mut()
+        .skip(at)
+        .take(width)
+        .zip(value.to_le_bytes())
+    {
         *byte = new;
     }
 }
@@ -180,14 +233,21 @@ fn merl_headers_and_planes() {
     let good: Vec<u8> = [
         &34_992_012u64.to_le_bytes()[..],
         &[90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0],
-        &(0..18u64).flat_map(|i| (i as f64 * 0.1).to_le_bytes()).collect::<Vec<_>>(),
+        &(0..18u64)
+            .flat_map(|i| (i as f64 * 0.1).to_le_bytes())
+            .collect::<Vec<_>>(),
     ]
     .concat();
     let make = |random: &mut Stream| {
         let mut bytes = good.clone();
         match below(random, 3) {
             0 => scramble(&mut bytes, random),
-            1 => overwrite(&mut bytes, 4 * below(random, 5), 4, random.next_u64() >> below(random, 60)),
+            1 => overwrite(
+                &mut bytes,
+                4 * below(random, 5),
+                4,
+                random.next_u64() >> below(random, 60),
+            ),
             _ => {
                 let at = 20 + 8 * below(random, 18);
                 overwrite(&mut bytes, at, 8, random.next_u64());
@@ -208,11 +268,18 @@ struct Parts {
 impl Parts {
     fn of(spec: SamplerSpec) -> Self {
         let material = Material::resolve("red-plastic").unwrap();
-        let bytes = encode(&spec.build(&exercise::brdf()).unwrap(), &material, LookupRule::Floor).unwrap();
+        let bytes = encode(
+            &spec.build(&exercise::brdf()).unwrap(),
+            &material,
+            LookupRule::Floor,
+        )
+        .unwrap();
         let (_, header) = SafeTensors::read_metadata(&bytes).unwrap();
         let file = SafeTensors::deserialize(&bytes).unwrap();
-        let mut tensors: Vec<_> =
-            file.iter().map(|(name, v)| (name.to_owned(), v.dtype(), v.data().to_vec())).collect();
+        let mut tensors: Vec<_> = file
+            .iter()
+            .map(|(name, v)| (name.to_owned(), v.dtype(), v.data().to_vec()))
+            .collect();
         tensors.sort_by(|a, b| a.0.cmp(&b.0));
         let record = serde_json::from_str(&header.metadata().as_ref().unwrap()["merlkit"]).unwrap();
         Self { tensors, record }
@@ -232,9 +299,15 @@ impl Parts {
         }
         let hex: String = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
         self.record["payload_sha256"] = hex.into();
-        let metadata = serde_json::to_string(&HashMap::from([("merlkit", self.record.to_string())])).unwrap();
+        let metadata =
+            serde_json::to_string(&HashMap::from([("merlkit", self.record.to_string())])).unwrap();
         let json = format!("{{\"__metadata__\":{metadata},{}}}", entries.join(","));
-        [&(json.len() as u64).to_le_bytes()[..], json.as_bytes(), &data].concat()
+        [
+            &(json.len() as u64).to_le_bytes()[..],
+            json.as_bytes(),
+            &data,
+        ]
+        .concat()
     }
 
     /// One change to a value, a length, a name or a setting.
@@ -245,7 +318,8 @@ impl Parts {
             1 => self.change_setting(random),
             2 => {
                 let (_, dtype, bytes) = &mut self.tensors[which];
-                let keep = below(random, bytes.len() * 8 / dtype.bitsize() + 1) * dtype.bitsize() / 8;
+                let keep =
+                    below(random, bytes.len() * 8 / dtype.bitsize() + 1) * dtype.bitsize() / 8;
                 bytes.truncate(keep);
             }
             3 => {
@@ -261,8 +335,11 @@ impl Parts {
         let width = dtype.bitsize() / 8;
         let count = (bytes.len() / width).max(1);
         let at = width * below(random, count);
-        let old =
-            bytes[at.min(bytes.len())..].iter().take(width).rev().fold(0, |v, &b| v << 8 | u64::from(b));
+        let old = bytes[at.min(bytes.len())..]
+            .iter()
+            .take(width)
+            .rev()
+            .fold(0, |v, &b| v << 8 | u64::from(b));
         let new = match below(random, 5) {
             0 => NASTY[below(random, NASTY.len())],
             1 => old.wrapping_add(1),
@@ -295,7 +372,10 @@ fn drive_sampler(name: &str, spec: SamplerSpec) {
     let share = 7;
     let (good, brdf) = (Parts::of(spec), exercise::brdf());
     let whole = good.clone().write();
-    assert!(exercise::sampler(&whole, &brdf), "{name}: what was not mutated is accepted");
+    assert!(
+        exercise::sampler(&whole, &brdf),
+        "{name}: what was not mutated is accepted"
+    );
     let make = |random: &mut Stream| {
         if below(random, 4) == 0 {
             let mut bytes = whole.clone();
@@ -310,11 +390,18 @@ fn drive_sampler(name: &str, spec: SamplerSpec) {
         }
         parts.write()
     };
-    drive(name, SAMPLER_FACTOR, share, make, |input| exercise::sampler(input, &brdf));
+    drive(name, SAMPLER_FACTOR, share, make, |input| {
+        exercise::sampler(input, &brdf)
+    });
 }
 
 fn small_disc(leaves: LeafChoice) -> SamplerSpec {
-    let settings = AdaptiveDiscSettings { tables: 2, depth: 2, leaves, ..Default::default() };
+    let settings = AdaptiveDiscSettings {
+        tables: 2,
+        depth: 2,
+        leaves,
+        ..Default::default()
+    };
     SamplerSpec::AdaptiveDisc(settings)
 }
 
@@ -330,33 +417,67 @@ fn sampler_files_of_warps() {
 
 #[test]
 fn sampler_files_of_curves() {
-    let small = CascadeCdfSettings { tables: 2, theta_h: 6, phi_h: 4, ..Default::default() };
+    let small = CascadeCdfSettings {
+        tables: 2,
+        theta_h: 6,
+        phi_h: 4,
+        ..Default::default()
+    };
     drive_sampler("sampler-curves", SamplerSpec::CascadeCdf(small));
-    let whole = CascadeCdfSettings { tolerance: None, ..small };
+    let whole = CascadeCdfSettings {
+        tolerance: None,
+        ..small
+    };
     drive_sampler("sampler-curves-whole", SamplerSpec::CascadeCdf(whole));
 }
 
 #[test]
 fn sampler_files_of_half_vectors() {
-    let small = HalfVectorSettings { tables: 2, rows: 4, segments: 2, ..HalfVectorSettings::PRESETS[0].1 };
+    let small = HalfVectorSettings {
+        tables: 2,
+        rows: 4,
+        segments: 2,
+        ..HalfVectorSettings::PRESETS[0].1
+    };
     drive_sampler("sampler-half-vector", SamplerSpec::HalfVector(small));
 }
 
 #[test]
 fn sampler_files_of_lobes_and_factors() {
-    let parameters = Some(LobeParameters { along: 0.2, across: 0.2, diffuse: 0.1 });
-    let lobe = LobeSettings { parameters, ..LobeSettings::fitted(LobeKind::Ward) };
+    let parameters = Some(LobeParameters {
+        along: 0.2,
+        across: 0.2,
+        diffuse: 0.1,
+    });
+    let lobe = LobeSettings {
+        parameters,
+        ..LobeSettings::fitted(LobeKind::Ward)
+    };
     drive_sampler("sampler-lobe", SamplerSpec::Lobe(lobe));
-    let factors = Some(Factors { outer: 2, inner: 1, theta: 4, phi: 3, half: true, floor: 0.01 });
-    let settings = FactoredSettings { tables: 2, factors, ..Default::default() };
+    let factors = Some(Factors {
+        outer: 2,
+        inner: 1,
+        theta: 4,
+        phi: 3,
+        half: true,
+        floor: 0.01,
+    });
+    let settings = FactoredSettings {
+        tables: 2,
+        factors,
+        ..Default::default()
+    };
     drive_sampler("sampler-factors", SamplerSpec::Factored(settings));
 }
 
 /// What `merlkit eval` reads.
 #[test]
 fn lines_of_directions() {
-    let good = "wo_x,wo_y,wo_z,wi_x,wi_y,wi_z\n0,0,1,0.6,-0.8,0\r\n\n 1e0, 0,-0 ,0.577,0.577,0.577\n";
-    let words = ["nan", "inf", "-", "1e400", "1e-400", ",", "\n", "\u{feff}", "\0", "1_0", "٣"];
+    let good =
+        "wo_x,wo_y,wo_z,wi_x,wi_y,wi_z\n0,0,1,0.6,-0.8,0\r\n\n 1e0, 0,-0 ,0.577,0.577,0.577\n";
+    let words = [
+        "nan", "inf", "-", "1e400", "1e-400", ",", "\n", "\u{feff}", "\0", "1_0", "٣",
+    ];
     let make = |random: &mut Stream| {
         let mut bytes = good.as_bytes().to_vec();
         match below(random, 3) {
@@ -379,11 +500,17 @@ fn lines_of_directions() {
 /// Our own file and one of each compression that the reader knows.
 fn pictures() -> Vec<Vec<u8>> {
     use exr::prelude::{Blocks, WritableImage};
-    use exr::prelude::{Compression, Encoding, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2};
+    use exr::prelude::{
+        Compression, Encoding, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2,
+    };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    write_exr(&path, &Image::from_fn(3, 2, |x, y| Rgb::splat((x + y) as f32)).unwrap(), Overwrite::Refuse)
-        .unwrap();
+    write_exr(
+        &path,
+        &Image::from_fn(3, 2, |x, y| Rgb::splat((x + y) as f32)).unwrap(),
+        Overwrite::Refuse,
+    )
+    .unwrap();
     let mut all = vec![std::fs::read(&path).unwrap()];
     for (compression, blocks) in [
         (Compression::Uncompressed, Blocks::ScanLines),
@@ -393,11 +520,19 @@ fn pictures() -> Vec<Vec<u8>> {
         (Compression::PXR24, Blocks::ScanLines),
         (Compression::B44, Blocks::ScanLines),
     ] {
-        let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+        let encoding = Encoding {
+            compression,
+            blocks,
+            line_order: LineOrder::Increasing,
+        };
         let channels = SpecificChannels::rgb(|Vec2(x, y)| (x as f32, y as f32, 0.5f32));
         let layer = Layer::new((4, 3), LayerAttributes::named("l"), encoding, channels);
         let mut bytes = std::io::Cursor::new(Vec::new());
-        exr::prelude::Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+        exr::prelude::Image::from_layer(layer)
+            .write()
+            .non_parallel()
+            .to_buffered(&mut bytes)
+            .unwrap();
         all.push(bytes.into_inner());
     }
     all
@@ -441,7 +576,11 @@ fn kept_crashes_are_refused() {
     let brdf = exercise::brdf();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/crashes");
     let files = |parser: &str| -> Vec<PathBuf> {
-        std::fs::read_dir(folder.join(parser)).into_iter().flatten().map(|e| e.unwrap().path()).collect()
+        std::fs::read_dir(folder.join(parser))
+            .into_iter()
+            .flatten()
+            .map(|e| e.unwrap().path())
+            .collect()
     };
     for path in files("merl") {
         exercise::merl(&std::fs::read(path).unwrap());
@@ -449,10 +588,19 @@ fn kept_crashes_are_refused() {
     for (parser, factor) in [("sampler", SAMPLER_FACTOR), ("exr", EXR_FACTOR)] {
         for path in files(parser) {
             let bytes = std::fs::read(&path).unwrap();
-            let read =
-                || if parser == "exr" { exercise::exr(&bytes) } else { exercise::sampler(&bytes, &brdf) };
+            let read = || {
+                if parser == "exr" {
+                    exercise::exr(&bytes)
+                } else {
+                    exercise::sampler(&bytes, &brdf)
+                }
+            };
             let (_, peak) = peak_of(read);
-            assert!(peak <= bound(bytes.len(), factor), "{}: {peak} bytes", path.display());
+            assert!(
+                peak <= bound(bytes.len(), factor),
+                "{}: {peak} bytes",
+                path.display()
+            );
         }
     }
 }

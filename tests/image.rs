@@ -8,11 +8,14 @@ use merlkit::image::{Image, read_exr, write_exr};
 fn exr_files_keep_every_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    let value = |x: usize, y: usize| Rgb::new(x as f32 * 1e-20, y as f32 * 1e20, 1.0 / (x + y + 1) as f32);
+    let value =
+        |x: usize, y: usize| Rgb::new(x as f32 * 1e-20, y as f32 * 1e20, 1.0 / (x + y + 1) as f32);
     let image = Image::from_fn(37, 19, value).unwrap();
     write_exr(&path, &image, Overwrite::Refuse).unwrap();
     assert_eq!(read_exr(&path).unwrap(), image);
-    let again = write_exr(&path, &image, Overwrite::Refuse).unwrap_err().to_string();
+    let again = write_exr(&path, &image, Overwrite::Refuse)
+        .unwrap_err()
+        .to_string();
     assert!(again.contains("--force"), "{again}");
     write_exr(&path, &image, Overwrite::Replace).unwrap();
 }
@@ -22,11 +25,23 @@ fn bad_exr_files_are_explained() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);
     let message = |name: &str| read_exr(&file(name)).unwrap_err().to_string();
-    assert!(message("missing.exr").contains("cannot open"), "{}", message("missing.exr"));
+    assert!(
+        message("missing.exr").contains("cannot open"),
+        "{}",
+        message("missing.exr")
+    );
     std::fs::write(file("text.exr"), "not a picture").unwrap();
-    assert!(message("text.exr").contains("expected an OpenEXR file"), "{}", message("text.exr"));
+    assert!(
+        message("text.exr").contains("expected an OpenEXR file"),
+        "{}",
+        message("text.exr")
+    );
     std::fs::write(file("empty.exr"), "").unwrap();
-    assert!(message("empty.exr").contains("expected an OpenEXR file"), "{}", message("empty.exr"));
+    assert!(
+        message("empty.exr").contains("expected an OpenEXR file"),
+        "{}",
+        message("empty.exr")
+    );
     let bad = |x: usize, y: usize| match (x, y) {
         (1, 2) => Rgb::new(0.0, -1.0, 0.0),
         (2, 2) => Rgb::splat(f32::NAN),
@@ -36,7 +51,10 @@ fn bad_exr_files_are_explained() {
     let image = Image::from_fn(8, 4, bad).unwrap();
     write_exr(&file("bad.exr"), &image, Overwrite::Refuse).unwrap();
     let text = message("bad.exr");
-    assert!(text.contains("1 pixels with a negative") && text.contains("2 with NaN"), "{text}");
+    assert!(
+        text.contains("1 pixels with a negative") && text.contains("2 with NaN"),
+        "{text}"
+    );
     assert!(text.contains("column 1, row 2"), "{text}");
     // Cut off anywhere, changed anywhere: an error or a picture, never a panic.
     let good = Image::from_fn(16, 16, |x, y| Rgb::splat((x * y) as f32)).unwrap();
@@ -57,13 +75,19 @@ fn bad_exr_files_are_explained() {
 #[test]
 fn one_channel_exr_files_are_not_supported() {
     use exr::prelude::{
-        AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage,
+        AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+        WritableImage,
     };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("grey.exr");
     let grey = AnyChannel::new("Y", FlatSamples::F32(vec![0.5; 4]));
     let channels = AnyChannels::sort([grey].into_iter().collect());
-    let layer = Layer::new((2, 2), LayerAttributes::named("grey"), Encoding::UNCOMPRESSED, channels);
+    let layer = Layer::new(
+        (2, 2),
+        LayerAttributes::named("grey"),
+        Encoding::UNCOMPRESSED,
+        channels,
+    );
     Image::from_layer(layer).write().to_file(&path).unwrap();
     let message = read_exr(&path).unwrap_err().to_string();
     assert!(message.contains("channels R, G and B"), "{message}");

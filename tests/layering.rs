@@ -13,20 +13,36 @@ const TABLE: &[(&str, &[&str])] = &[
     ("bsdf", &["geom", "color", "error", "files"]),
     ("merl", &["geom", "color", "error", "files", "bsdf"]),
     ("brdf", &["geom", "color", "merl", "bsdf"]),
-    ("sampler", &["geom", "color", "dist", "brdf", "error", "files", "points", "merl", "bsdf"]),
+    (
+        "sampler",
+        &[
+            "geom", "color", "dist", "brdf", "error", "files", "points", "merl", "bsdf",
+        ],
+    ),
     ("export", &["brdf", "error", "files", "merl", "sampler"]),
     ("light", &["geom", "color", "dist", "error", "points"]),
     ("image", &["color", "error", "files"]),
     ("plot", &["color", "error", "image"]),
-    ("render", &["geom", "color", "dist", "brdf", "error", "files", "points", "sampler", "light", "image"]),
+    (
+        "render",
+        &[
+            "geom", "color", "dist", "brdf", "error", "files", "points", "sampler", "light",
+            "image",
+        ],
+    ),
     (
         "measure",
         &[
-            "geom", "color", "dist", "brdf", "error", "files", "points", "sampler", "light", "image",
-            "render", "merl", "bsdf",
+            "geom", "color", "dist", "brdf", "error", "files", "points", "sampler", "light",
+            "image", "render", "merl", "bsdf",
         ],
     ),
-    ("report", &["measure", "error", "files", "plot", "brdf", "sampler", "merl", "image"]),
+    (
+        "report",
+        &[
+            "measure", "error", "files", "plot", "brdf", "sampler", "merl", "image",
+        ],
+    ),
 ];
 
 #[test]
@@ -45,12 +61,19 @@ fn modules_import_only_what_lies_below_them() {
         for import in imports(&std::fs::read_to_string(&file).unwrap()) {
             seen.insert((module.clone(), import.clone()));
             let inside = import == module || allowed.contains(&import.as_str());
-            assert!(inside, "{}: {module} must not import {import}", file.display());
+            assert!(
+                inside,
+                "{}: {module} must not import {import}",
+                file.display()
+            );
         }
     }
     // The reader of imports works: these are certain.
     for (module, import) in [("merl", "files"), ("brdf", "merl"), ("report", "measure")] {
-        assert!(seen.contains(&(module.into(), import.into())), "{module} → {import} was not seen");
+        assert!(
+            seen.contains(&(module.into(), import.into())),
+            "{module} → {import} was not seen"
+        );
     }
 }
 
@@ -65,7 +88,11 @@ fn imports_are_read_in_every_spelling() {
 /// Modules that a file names after `crate::`, comments and its tests aside. `Error` and `Result` are module `error`'s.
 fn imports(text: &str) -> BTreeSet<String> {
     let text = text.split("#[cfg(test)]").next().unwrap();
-    let code: String = text.lines().map(|l| l.split("//").next().unwrap()).collect::<Vec<_>>().join("\n");
+    let code: String = text
+        .lines()
+        .map(|l| l.split("//").next().unwrap())
+        .collect::<Vec<_>>()
+        .join("\n");
     let mut out = BTreeSet::new();
     for after in code.split("crate::").skip(1) {
         let names = match after.strip_prefix('{') {
@@ -102,12 +129,23 @@ fn top_level(group: &str) -> Vec<String> {
 }
 
 fn first_word(text: &str) -> String {
-    text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+    text.chars()
+        .take_while(|c| c.is_alphanumeric() || *c == '_')
+        .collect()
 }
 
 fn module_of(file: &Path, root: &Path) -> String {
-    let first = file.strip_prefix(root).unwrap().components().next().unwrap();
-    first.as_os_str().to_string_lossy().trim_end_matches(".rs").to_owned()
+    let first = file
+        .strip_prefix(root)
+        .unwrap()
+        .components()
+        .next()
+        .unwrap();
+    first
+        .as_os_str()
+        .to_string_lossy()
+        .trim_end_matches(".rs")
+        .to_owned()
 }
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -26,11 +26,19 @@ fn golden_directions_give_golden_angles_and_bins() {
         let phi = angles.phi_d.rem_euclid(std::f64::consts::PI);
         assert!((phi - v[8]).abs() < 1e-7, "{angles:?} {v:?}");
         let bins = BinIndex::of(wo.as_vec3(), wi.as_vec3(), 180).unwrap();
-        let expected = BinIndex { theta_h: v[9] as usize, theta_d: v[10] as usize, phi_d: v[11] as usize };
+        let expected = BinIndex {
+            theta_h: v[9] as usize,
+            theta_d: v[10] as usize,
+            phi_d: v[11] as usize,
+        };
         other_bins += usize::from(bins != expected);
     }
     // The directions of the file are rounded to f32 on the way in; only pairs within that of an edge may move.
-    assert!(other_bins <= 2, "{other_bins} of {} pairs in another bin", rows.len());
+    assert!(
+        other_bins <= 2,
+        "{other_bins} of {} pairs in another bin",
+        rows.len()
+    );
 }
 
 #[test]
@@ -41,7 +49,10 @@ fn bins_without_trigonometry_equal_bins_by_trigonometry() {
         for bins in [180, 360] {
             let (fast, slow) = (BinIndex::of(wo, wi, bins), naive::bins(wo, wi, bins));
             if fast != slow {
-                assert!(naive::near_an_edge(wo, wi, 1e-9), "{wo} {wi}: {fast:?} {slow:?}");
+                assert!(
+                    naive::near_an_edge(wo, wi, 1e-9),
+                    "{wo} {wi}: {fast:?} {slow:?}"
+                );
                 differ += 1;
             }
         }
@@ -52,10 +63,15 @@ fn bins_without_trigonometry_equal_bins_by_trigonometry() {
 #[test]
 fn of_two_million_random_pairs_none_is_in_another_bin_than_by_trigonometry() {
     let mut random = Stream::new(41);
-    let mut direction = || cosine_hemisphere(DVec2::new(random.next_f64(), random.next_f64())).as_vec3();
+    let mut direction =
+        || cosine_hemisphere(DVec2::new(random.next_f64(), random.next_f64())).as_vec3();
     for _ in 0..2_000_000 {
         let (wo, wi) = (direction(), direction());
-        assert_eq!(BinIndex::of(wo, wi, 360), naive::bins(wo, wi, 360), "{wo} {wi}");
+        assert_eq!(
+            BinIndex::of(wo, wi, 360),
+            naive::bins(wo, wi, 360),
+            "{wo} {wi}"
+        );
     }
 }
 
@@ -79,7 +95,10 @@ fn difficult_pairs() -> (Vec<Vec3>, Vec<Vec3>) {
     ];
     let mut pairs: Vec<_> = support::pairs(20_000, 29).collect();
     let mirrored = |w: Vec3| Vec3::new(-w.x, -w.y, w.z);
-    let exact: Vec<_> = pairs[..500].iter().flat_map(|&(wo, _)| [(wo, mirrored(wo)), (wo, wo)]).collect();
+    let exact: Vec<_> = pairs[..500]
+        .iter()
+        .flat_map(|&(wo, _)| [(wo, mirrored(wo)), (wo, wo)])
+        .collect();
     pairs.extend(exact);
     for a in special {
         pairs.extend(special.iter().map(|&b| (a, b)));
@@ -102,7 +121,10 @@ fn many_evaluations_at_once_are_single_ones_to_the_bit() {
             }
             for &wo in wo.iter().rev().step_by(700) {
                 brdf.eval_many(wo, &wi, &mut out);
-                assert!(wi.iter().zip(&out).all(|(&wi, &f)| f == brdf.eval(wo, wi)), "{rule:?} {wo}");
+                assert!(
+                    wi.iter().zip(&out).all(|(&wi, &f)| f == brdf.eval(wo, wi)),
+                    "{rule:?} {wo}"
+                );
             }
         }
     }
@@ -114,17 +136,35 @@ fn batches_of_any_length_fill_as_many_as_the_shortest_slice_holds() {
     let table = Arc::new(noise_table(180, 0, 3));
     for rule in LookupRule::ALL {
         let brdf = Measured::new(table.clone(), rule);
-        for (given, wanted) in [(0, 3), (1, 1), (3, 0), (7, 200), (63, 63), (64, 65), (129, 128), (200, 131)]
-        {
+        for (given, wanted) in [
+            (0, 3),
+            (1, 1),
+            (3, 0),
+            (7, 200),
+            (63, 63),
+            (64, 65),
+            (129, 128),
+            (200, 131),
+        ] {
             let expected = |k: usize, wo: Vec3| {
-                if k < given.min(wanted) { brdf.eval(wo, wi[k]) } else { Rgb::NEG_ONE }
+                if k < given.min(wanted) {
+                    brdf.eval(wo, wi[k])
+                } else {
+                    Rgb::NEG_ONE
+                }
             };
             let mut out = vec![Rgb::NEG_ONE; wanted];
             brdf.eval_pairs(&wo, &wi[..given], &mut out);
-            assert!((0..wanted).all(|k| out[k] == expected(k, wo[k])), "{rule:?} {given} {wanted}");
+            assert!(
+                (0..wanted).all(|k| out[k] == expected(k, wo[k])),
+                "{rule:?} {given} {wanted}"
+            );
             out.fill(Rgb::NEG_ONE);
             brdf.eval_many(wo[5], &wi[..given], &mut out);
-            assert!((0..wanted).all(|k| out[k] == expected(k, wo[5])), "{rule:?} {given} {wanted}");
+            assert!(
+                (0..wanted).all(|k| out[k] == expected(k, wo[5])),
+                "{rule:?} {given} {wanted}"
+            );
         }
     }
 }
@@ -142,7 +182,10 @@ fn every_rule_equals_its_definition() {
                 let fast = brdf.eval(wo, wi).as_dvec3();
                 let (slow, weight) = naive::eval(&table, rule, wo, wi);
                 // Values are at most 4; shares are f32, and what remains of them is divided by the valid ones' sum.
-                assert!(fast.abs_diff_eq(slow, 4e-6 / weight.max(1e-9)), "{rule:?} {wo} {wi}: {fast} {slow}");
+                assert!(
+                    fast.abs_diff_eq(slow, 4e-6 / weight.max(1e-9)),
+                    "{rule:?} {wo} {wi}: {fast} {slow}"
+                );
             }
         }
     }
@@ -154,7 +197,13 @@ fn a_constant_table_is_constant_between_its_samples() {
     for bins in [180, 360] {
         // Holes change nothing as long as one neighbour is left.
         let holes = move |h: usize, d: usize, p: usize| (h + d + p).is_multiple_of(2);
-        let value = move |h, d, p| if holes(h, d, p) { [-1.0; 3] } else { [0.25, 0.5, 3.0] };
+        let value = move |h, d, p| {
+            if holes(h, d, p) {
+                [-1.0; 3]
+            } else {
+                [0.25, 0.5, 3.0]
+            }
+        };
         let full = MerlTable::from_fn(Header { phi_d_bins: bins }, |_, _, _| [0.25, 0.5, 3.0]);
         let holed = MerlTable::from_fn(Header { phi_d_bins: bins }, value);
         for (table, rules) in [(full, &LookupRule::ALL[..]), (holed, &LookupRule::ALL[1..])] {
@@ -163,7 +212,10 @@ fn a_constant_table_is_constant_between_its_samples() {
                 let brdf = Measured::new(table.clone(), rule);
                 for (wo, wi) in support::pairs(40_000, 5).filter(|(o, i)| o.z > 0.0 && i.z > 0.0) {
                     let f = brdf.eval(wo, wi);
-                    assert!(f.abs_diff_eq(constant, 1e-6), "{rule:?} {bins} {wo} {wi}: {f}");
+                    assert!(
+                        f.abs_diff_eq(constant, 1e-6),
+                        "{rule:?} {bins} {wo} {wi}: {f}"
+                    );
                 }
             }
         }
@@ -172,9 +224,14 @@ fn a_constant_table_is_constant_between_its_samples() {
 
 #[test]
 fn a_table_of_holes_is_black() {
-    let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| [f64::NAN; 3]));
+    let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| {
+        [f64::NAN; 3]
+    }));
     for rule in LookupRule::ALL {
-        assert_eq!(Measured::new(table.clone(), rule).eval(Vec3::Z, Vec3::Z), Rgb::ZERO);
+        assert_eq!(
+            Measured::new(table.clone(), rule).eval(Vec3::Z, Vec3::Z),
+            Rgb::ZERO
+        );
     }
 }
 
@@ -207,10 +264,15 @@ fn tables_of_180_are_reciprocal() {
     let table = Arc::new(noise_table(180, 4, 9));
     for rule in LookupRule::ALL {
         let brdf = Measured::new(table.clone(), rule);
-        for (wo, wi) in support::pairs(100_000, 23).filter(|&(o, i)| !naive::near_an_edge(o, i, 1e-6)) {
+        for (wo, wi) in
+            support::pairs(100_000, 23).filter(|&(o, i)| !naive::near_an_edge(o, i, 1e-6))
+        {
             let (there, back) = (brdf.eval(wo, wi), brdf.eval(wi, wo));
             let slack = if rule == LookupRule::Floor { 0.0 } else { 1e-5 };
-            assert!(there.abs_diff_eq(back, slack), "{rule:?} {wo} {wi}: {there} {back}");
+            assert!(
+                there.abs_diff_eq(back, slack),
+                "{rule:?} {wo} {wi}: {there} {back}"
+            );
         }
     }
 }
@@ -228,8 +290,14 @@ fn tables_of_360_tell_phi_d_from_its_opposite() {
                 continue;
             }
             let expected = if phi_d > 0.0 { 1.0 } else { 2.0 };
-            assert!((brdf.eval(wo, wi).x - expected).abs() < 1e-6, "{rule:?} {wo} {wi}");
-            assert!((brdf.eval(wi, wo).x - (3.0 - expected)).abs() < 1e-6, "{rule:?} {wo} {wi}");
+            assert!(
+                (brdf.eval(wo, wi).x - expected).abs() < 1e-6,
+                "{rule:?} {wo} {wi}"
+            );
+            assert!(
+                (brdf.eval(wi, wo).x - (3.0 - expected)).abs() < 1e-6,
+                "{rule:?} {wo} {wi}"
+            );
         }
     }
 }
@@ -238,7 +306,13 @@ fn tables_of_360_tell_phi_d_from_its_opposite() {
 fn pairs_in_one_plane_with_the_normal_have_the_bins_of_arctangents() {
     for k in 0..360 {
         let (a, b) = (f64::from(k) * 0.247, f64::from(k) * 0.5 - 90.0);
-        let flat = |t: f64| Vec3::new(t.to_radians().sin() as f32, 0.0, t.to_radians().cos() as f32);
+        let flat = |t: f64| {
+            Vec3::new(
+                t.to_radians().sin() as f32,
+                0.0,
+                t.to_radians().cos() as f32,
+            )
+        };
         let (wo, wi) = (flat(a), flat(b));
         for bins in [180, 360] {
             let (fast, slow) = (BinIndex::of(wo, wi, bins), naive::bins(wo, wi, bins));
@@ -252,6 +326,9 @@ fn pairs_in_one_plane_with_the_normal_have_the_bins_of_arctangents() {
         let wi = Vec3::new(0.6 * azimuth.cos(), 0.6 * azimuth.sin(), 0.8);
         let wo = Vec3::new(-wi.x, -wi.y, wi.z);
         let bins = BinIndex::of(wo, wi, 360).unwrap();
-        assert_eq!((bins.theta_h, bins.phi_d), (0, azimuth.to_degrees() as usize));
+        assert_eq!(
+            (bins.theta_h, bins.phi_d),
+            (0, azimuth.to_degrees() as usize)
+        );
     }
 }

@@ -32,7 +32,11 @@ fn peak(folder: &Path, arguments: &[&str]) -> u64 {
         let kilobytes = text
             .lines()
             .find_map(|l| l.strip_prefix("VmHWM:"))
-            .and_then(|l| l.trim().strip_suffix(" kB").and_then(|n| n.parse::<u64>().ok()));
+            .and_then(|l| {
+                l.trim()
+                    .strip_suffix(" kB")
+                    .and_then(|n| n.parse::<u64>().ok())
+            });
         peak = peak.max(kilobytes.unwrap_or_default() << 10);
         if let Some(status) = child.try_wait().unwrap() {
             assert!(status.success(), "{arguments:?}");
@@ -50,7 +54,10 @@ fn peak(folder: &Path, arguments: &[&str]) -> u64 {
 fn a_loaded_material_takes_its_table() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| peak(folder.path(), arguments);
-    assert!(run(&["decode", "nickel", "-o", "."]) > TABLE, "the measure sees a table");
+    assert!(
+        run(&["decode", "nickel", "-o", "."]) > TABLE,
+        "the measure sees a table"
+    );
     let loaded = run(&["info", "nickel.binary"]);
     assert!(loaded > TABLE && loaded < TABLE + PROGRAM, "{loaded}");
 }
@@ -59,7 +66,12 @@ fn a_loaded_material_takes_its_table() {
 fn built_samplers_stay_small() {
     let folder = tempfile::tempdir().unwrap();
     for sampler in ["adaptive-disc", "cascade-cdf"] {
-        assert!(peak(folder.path(), &["build", "nickel", "--sampler", sampler, "-o", sampler]) < 160 * MB);
+        assert!(
+            peak(
+                folder.path(),
+                &["build", "nickel", "--sampler", sampler, "-o", sampler]
+            ) < 160 * MB
+        );
     }
 }
 
@@ -67,12 +79,37 @@ fn built_samplers_stay_small() {
 #[test]
 fn a_report_of_many_materials_takes_no_more_than_one_of_few() {
     let folder = tempfile::tempdir().unwrap();
-    let names =
-        ["nickel", "red-plastic", "pvc", "teflon", "beige-fabric", "chrome", "aluminium", "alum-bronze"];
-    let options = ["--draws", "100", "--sampler", "cosine", "--sampler", "cascade-cdf", "--tables", "2"];
-    let report = |count: usize| peak(folder.path(), &[&["report"], &names[..count], &options[..]].concat());
+    let names = [
+        "nickel",
+        "red-plastic",
+        "pvc",
+        "teflon",
+        "beige-fabric",
+        "chrome",
+        "aluminium",
+        "alum-bronze",
+    ];
+    let options = [
+        "--draws",
+        "100",
+        "--sampler",
+        "cosine",
+        "--sampler",
+        "cascade-cdf",
+        "--tables",
+        "2",
+    ];
+    let report = |count: usize| {
+        peak(
+            folder.path(),
+            &[&["report"], &names[..count], &options[..]].concat(),
+        )
+    };
     let (few, many) = (report(2), report(8));
-    assert!(many < few + TABLE, "{few} bytes for 2 materials, {many} for 8");
+    assert!(
+        many < few + TABLE,
+        "{few} bytes for 2 materials, {many} for 8"
+    );
     assert!(many < 300_000_000, "{many}");
 }
 
@@ -80,15 +117,29 @@ fn a_report_of_many_materials_takes_no_more_than_one_of_few() {
 fn a_render_holds_one_table_a_material() {
     let folder = tempfile::tempdir().unwrap();
     let render = |materials: &[&str]| {
-        let options = ["--light", "point", "--size", "240x80", "--spp", "64", "--force"];
-        peak(folder.path(), &[&["render"], materials, &options[..]].concat())
+        let options = [
+            "--light", "point", "--size", "240x80", "--spp", "64", "--force",
+        ];
+        peak(
+            folder.path(),
+            &[&["render"], materials, &options[..]].concat(),
+        )
     };
     let one = render(&["nickel"]);
     let same = render(&["nickel", "nickel", "nickel"]);
     let three = render(&["nickel", "red-plastic", "pvc"]);
-    assert!(same < one + TABLE / 2, "{one} bytes for one ball, {same} for three of one material");
-    assert!(three > one + 3 * TABLE / 2, "{one} bytes for one material, {three} for three");
+    assert!(
+        same < one + TABLE / 2,
+        "{one} bytes for one ball, {same} for three of one material"
+    );
+    assert!(
+        three > one + 3 * TABLE / 2,
+        "{one} bytes for one material, {three} for three"
+    );
     // An embedded material's colours stand beside its table while it is decoded.
     let decoding = TABLE / 4 * 3;
-    assert!(three < 3 * TABLE + decoding + PROGRAM, "{three} bytes for three materials");
+    assert!(
+        three < 3 * TABLE + decoding + PROGRAM,
+        "{three} bytes for three materials"
+    );
 }

@@ -7,9 +7,10 @@ use merlkit::brdf::LookupRule;
 use merlkit::dist::Heuristic;
 use merlkit::image::encode_png;
 use merlkit::measure::compare::{
-    Comparison, ComparisonPlan, Competitor, Curve, ErrorPoint, Knob, MaterialCharts, MaterialComparison,
-    PICTURE_SAMPLES, PictureComparison, PictureErrors, PicturePlan, PictureReference, PictureResult,
-    PointPlan, Reference, SCHEMA, SceneKind, Setting, SettingsComparison, verdict,
+    Comparison, ComparisonPlan, Competitor, Curve, ErrorPoint, Knob, MaterialCharts,
+    MaterialComparison, PICTURE_SAMPLES, PictureComparison, PictureErrors, PicturePlan,
+    PictureReference, PictureResult, PointPlan, Reference, SCHEMA, SceneKind, Setting,
+    SettingsComparison, verdict,
 };
 use merlkit::measure::convergence::Technique;
 use merlkit::measure::cost::Seconds;
@@ -26,7 +27,12 @@ fn curve(competitor: Competitor, label: &str, ns_per_sample: f64, scale: f64) ->
     let errors = |scale: f64| {
         let at = |samples: usize| {
             let rmse = scale / (samples as f64).sqrt();
-            ErrorPoint { samples, rmse, low: rmse * 0.9, high: rmse * 1.1 }
+            ErrorPoint {
+                samples,
+                rmse,
+                low: rmse * 0.9,
+                high: rmse * 1.1,
+            }
         };
         [1, 4, 16, 64, 256, 1024].map(at).to_vec()
     };
@@ -45,7 +51,10 @@ fn curve(competitor: Competitor, label: &str, ns_per_sample: f64, scale: f64) ->
 
 /// All kinds of samplers; the half-vector table's samples take `ns`.
 fn material(name: &str, ns: f64) -> MaterialComparison {
-    let light = Competitor { spec: HALF_VECTOR(), technique: Technique::Mis(Heuristic::Power) };
+    let light = Competitor {
+        spec: HALF_VECTOR(),
+        technique: Technique::Mis(Heuristic::Power),
+    };
     let curves = vec![
         curve(Competitor::brdf(SamplerSpec::Cosine), "cosine", 100.0, 3.0),
         curve(Competitor::brdf(HALF_VECTOR()), "half-vector 64KB", ns, 1.0),
@@ -63,9 +72,18 @@ fn material(name: &str, ns: f64) -> MaterialComparison {
         ),
         curve(light, "MIS (power) of light and half-vector", 200.0, 0.5),
     ];
-    let references = vec![Reference { theta_o_deg: 45.0, radiance: 0.5, error: 1e-5 }];
+    let references = vec![Reference {
+        theta_o_deg: 45.0,
+        radiance: 0.5,
+        error: 1e-5,
+    }];
     let verdict = verdict(name, &curves);
-    MaterialComparison { material: name.into(), references, curves, verdict }
+    MaterialComparison {
+        material: name.into(),
+        references,
+        curves,
+        verdict,
+    }
 }
 
 fn picture(scene: SceneKind, material: &str) -> PictureComparison {
@@ -74,28 +92,60 @@ fn picture(scene: SceneKind, material: &str) -> PictureComparison {
         competitor: Competitor::brdf(spec),
         label: spec.label(),
         samples,
-        seconds: Seconds { wall: 0.5, cpu: 1.0 },
+        seconds: Seconds {
+            wall: 0.5,
+            cpu: 1.0,
+        },
         build_seconds: 0.1,
-        errors: PictureErrors { mean_relative: error / (samples as f64).sqrt(), rel_mse: 0.01 },
-        png: if samples == PICTURE_SAMPLES { png(100) } else { Vec::new() },
-        difference: if samples == PICTURE_SAMPLES { png(200) } else { Vec::new() },
+        errors: PictureErrors {
+            mean_relative: error / (samples as f64).sqrt(),
+            rel_mse: 0.01,
+        },
+        png: if samples == PICTURE_SAMPLES {
+            png(100)
+        } else {
+            Vec::new()
+        },
+        difference: if samples == PICTURE_SAMPLES {
+            png(200)
+        } else {
+            Vec::new()
+        },
     };
     let specs = [
         (SamplerSpec::Cosine, 3.0),
         (HALF_VECTOR(), 0.5),
-        (SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()), 0.75),
+        (
+            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()),
+            0.75,
+        ),
         (SamplerSpec::Factored(FactoredSettings::default()), 1.0),
     ];
-    let results = [PICTURE_SAMPLES, 100].iter().flat_map(|&n| specs.map(|s| result(s, n))).collect();
-    let reference =
-        PictureReference { label: "many".into(), samples: 1000, relative_error: 0.01, png: png(90) };
-    PictureComparison { scene, material: material.into(), reference, results }
+    let results = [PICTURE_SAMPLES, 100]
+        .iter()
+        .flat_map(|&n| specs.map(|s| result(s, n)))
+        .collect();
+    let reference = PictureReference {
+        label: "many".into(),
+        samples: 1000,
+        relative_error: 0.01,
+        png: png(90),
+    };
+    PictureComparison {
+        scene,
+        material: material.into(),
+        reference,
+        results,
+    }
 }
 
 fn settings(material: &str) -> SettingsComparison {
     let setting = |tables: usize| {
-        let spec =
-            SamplerSpec::CascadeCdf(CascadeCdfSettings { tolerance: None, tables, ..Default::default() });
+        let spec = SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            tolerance: None,
+            tables,
+            ..Default::default()
+        });
         Setting {
             knob: Knob {
                 name: "tables".into(),
@@ -110,7 +160,10 @@ fn settings(material: &str) -> SettingsComparison {
             rmse: 0.1 / tables as f64,
         }
     };
-    SettingsComparison { material: material.into(), settings: [8, 16].map(setting).to_vec() }
+    SettingsComparison {
+        material: material.into(),
+        settings: [8, 16].map(setting).to_vec(),
+    }
 }
 
 fn empty() -> Comparison {
@@ -143,7 +196,9 @@ fn full() -> Comparison {
     };
     Comparison {
         materials: vec![material("nickel", 100.0), material("teflon", 5000.0)],
-        pictures: [SceneKind::Environment, SceneKind::Glossy].map(|s| picture(s, "nickel")).to_vec(),
+        pictures: [SceneKind::Environment, SceneKind::Glossy]
+            .map(|s| picture(s, "nickel"))
+            .to_vec(),
         settings: vec![settings("nickel")],
         charts: vec![charts("nickel"), charts("teflon")],
         ..empty()
@@ -152,23 +207,50 @@ fn full() -> Comparison {
 
 /// Parses the page and holds what every one must.
 fn check(page: &str) {
-    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let options = roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..Default::default()
+    };
     let document = roxmltree::Document::parse_with_options(page, options).unwrap();
     let root = document.root_element();
-    assert_eq!((root.tag_name().name(), root.attribute("lang")), ("html", Some("en")));
-    assert!(!page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "").contains("http"));
+    assert_eq!(
+        (root.tag_name().name(), root.attribute("lang")),
+        ("html", Some("en"))
+    );
+    assert!(
+        !page
+            .replace("xmlns=\"http://www.w3.org/2000/svg\"", "")
+            .contains("http")
+    );
     assert!(!page.contains("NaN") && !page.contains("inf%"));
-    let count = |name: &str| root.descendants().filter(|n| n.tag_name().name() == name).count();
-    assert_eq!((count("script"), count("h1"), count("link"), count("iframe")), (0, 1, 0, 0));
+    let count = |name: &str| {
+        root.descendants()
+            .filter(|n| n.tag_name().name() == name)
+            .count()
+    };
+    assert_eq!(
+        (count("script"), count("h1"), count("link"), count("iframe")),
+        (0, 1, 0, 0)
+    );
     assert_eq!(count("table"), count("caption"));
-    let ids: Vec<_> = root.descendants().filter_map(|n| n.attribute("id")).collect();
+    let ids: Vec<_> = root
+        .descendants()
+        .filter_map(|n| n.attribute("id"))
+        .collect();
     for node in root.descendants().filter(|n| n.is_element()) {
         let (name, attribute) = (node.tag_name().name(), |a| node.attribute(a));
-        assert!(node.attributes().all(|a| !a.name().starts_with("on")), "{name}");
+        assert!(
+            node.attributes().all(|a| !a.name().starts_with("on")),
+            "{name}"
+        );
         match name {
             "img" => {
                 assert!(!attribute("alt").unwrap().is_empty());
-                assert!(attribute("src").unwrap().starts_with("data:image/png;base64,"));
+                assert!(
+                    attribute("src")
+                        .unwrap()
+                        .starts_with("data:image/png;base64,")
+                );
             }
             "th" => assert!(["row", "col", "colgroup"].contains(&attribute("scope").unwrap())),
             "a" => assert!(ids.contains(&attribute("href").unwrap().trim_start_matches('#'))),
@@ -186,7 +268,16 @@ fn a_page_holds_everything_and_every_verdict() {
     for material in &comparison.materials {
         assert!(page.contains(&material.verdict.as_ref().unwrap().sentence));
     }
-    for part in ["verdicts", "needs", "point", "settings", "pictures", "shapes", "thesis", "definitions"] {
+    for part in [
+        "verdicts",
+        "needs",
+        "point",
+        "settings",
+        "pictures",
+        "shapes",
+        "thesis",
+        "definitions",
+    ] {
         assert!(page.contains(&format!("<section id=\"{part}\">")), "{part}");
     }
     // The reference, and by scene four pictures with their differences.
@@ -229,7 +320,11 @@ fn names_cannot_break_the_markup() {
 fn a_half_vector_table_that_loses_is_named() {
     let loses = |name: &str| format!("On {name} the half-vector table is not the quickest");
     let page = comparison_page(&full());
-    assert!(page.contains(&loses("teflon")) && !page.contains(&loses("nickel")), "{:.3000}", page);
+    assert!(
+        page.contains(&loses("teflon")) && !page.contains(&loses("nickel")),
+        "{:.3000}",
+        page
+    );
 }
 
 #[test]
@@ -242,7 +337,10 @@ fn numbers_that_are_not_are_no_obstacle() {
     comparison.settings[0].settings[0].rmse = 0.0;
     comparison.pictures[0].results.clear();
     let page = comparison_page(&comparison);
-    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let options = roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..Default::default()
+    };
     roxmltree::Document::parse_with_options(&page, options).unwrap();
 }
 
@@ -251,22 +349,43 @@ fn the_thesis_stands_beside_ours_as_ratios() {
     let comparison = full();
     let tables = beside_thesis(&comparison);
     let of = |number: &str| {
-        &tables.iter().find(|t| t.title.contains(number)).unwrap_or_else(|| panic!("{number}")).sheet
+        &tables
+            .iter()
+            .find(|t| t.title.contains(number))
+            .unwrap_or_else(|| panic!("{number}"))
+            .sheet
     };
     // Nickel's adaptive disc: 846.15 KB and 71.36 s against 4096 bytes and 0.05 s.
-    let row = of("6.23").rows.iter().find(|r| r[1] == "adaptive disc").unwrap();
-    assert_eq!((row[0].as_str(), row[5].as_str(), row[8].as_str()), ("nickel", "212", "1427"));
+    let row = of("6.23")
+        .rows
+        .iter()
+        .find(|r| r[1] == "adaptive disc")
+        .unwrap();
+    assert_eq!(
+        (row[0].as_str(), row[5].as_str(), row[8].as_str()),
+        ("nickel", "212", "1427")
+    );
     // 1023.62 KB and 567.49 s.
     assert_eq!(of("5.10").rows[0][5], "256");
     // 12.31 s of the disc against 2.25 million samples of 300 ns.
-    let row = of("6.24").rows.iter().find(|r| r[1] == "adaptive disc").unwrap();
+    let row = of("6.24")
+        .rows
+        .iter()
+        .find(|r| r[1] == "adaptive disc")
+        .unwrap();
     assert_eq!(row[5], "18.24");
     assert!(!of("5.9").rows.is_empty());
     // At 25 samples: 50.27, 51.42, 52.17, 64.41 and 101.85 %; ours half-vector, disc, factored, cosine.
     let ranking = of("6.14");
     let last = ranking.heading.len() - 1;
-    assert!(ranking.rows[0][last].starts_with("adaptive disc < lobe on the hemisphere < lobe on the sphere"));
-    assert_eq!(ranking.rows[1][last], "half-vector < adaptive disc < factored < cosine");
+    assert!(
+        ranking.rows[0][last]
+            .starts_with("adaptive disc < lobe on the hemisphere < lobe on the sphere")
+    );
+    assert_eq!(
+        ranking.rows[1][last],
+        "half-vector < adaptive disc < factored < cosine"
+    );
     assert_eq!(ranking.rows[1][2], "6.00 (60.0 %)");
     // 25 and 100 samples, the thesis and nickel.
     assert_eq!((ranking.rows.len(), of("6.22").rows.len()), (4, 4));
@@ -283,7 +402,10 @@ fn the_document_is_the_comparison_and_the_thesis() {
     write_json(&mut json, "compare", &ComparisonDocument::new(&comparison)).unwrap();
     let document: serde_json::Value = serde_json::from_slice(&json).unwrap();
     let results = &document["results"];
-    assert_eq!(results["thesis"].as_array().unwrap().len(), beside_thesis(&comparison).len());
+    assert_eq!(
+        results["thesis"].as_array().unwrap().len(),
+        beside_thesis(&comparison).len()
+    );
     let again: Comparison = serde_json::from_value(results.clone()).unwrap();
     // JSON may move the last digit of a number.
     assert!(comparison_page(&again) == comparison_page(&comparison));
@@ -302,25 +424,45 @@ fn chromium() -> Option<PathBuf> {
 
 fn browse(chromium: &Path, folder: &Path, arguments: &[String], page: &Path) {
     let output = Command::new(chromium)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars"])
-        .arg(format!("--user-data-dir={}", folder.join("profile").display()))
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-dev-shm-usage",
+            "--hide-scrollbars",
+        ])
+        .arg(format!(
+            "--user-data-dir={}",
+            folder.join("profile").display()
+        ))
         .args(arguments)
         .arg(format!("file://{}", page.display()))
         .output()
         .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
 }
 
 /// 8-bit RGB of a PNG and its width.
 fn pixels(path: &Path) -> (usize, Vec<[u8; 3]>) {
-    let mut decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
+    let mut decoder =
+        png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut bytes).unwrap();
     let channels = info.color_type.samples();
     assert!(channels >= 3);
-    (info.width as usize, bytes.chunks_exact(channels).map(|p| [p[0], p[1], p[2]]).collect())
+    (
+        info.width as usize,
+        bytes
+            .chunks_exact(channels)
+            .map(|p| [p[0], p[1], p[2]])
+            .collect(),
+    )
 }
 
 #[test]
@@ -332,17 +474,33 @@ fn a_browser_shows_and_prints_it() {
     let folder = tempfile::tempdir().unwrap();
     let [page, shot, print] = ["page.html", "page.png", "page.pdf"].map(|n| folder.path().join(n));
     std::fs::write(&page, comparison_page(&full())).unwrap();
-    let screen = ["--window-size=1280,4000".to_owned(), format!("--screenshot={}", shot.display())];
+    let screen = [
+        "--window-size=1280,4000".to_owned(),
+        format!("--screenshot={}", shot.display()),
+    ];
     browse(&chromium, folder.path(), &screen, &page);
     let (width, pixels) = pixels(&shot);
     assert_eq!(width, 1280);
     let dark = pixels.iter().filter(|p| p.iter().all(|&c| c < 96)).count();
-    let coloured = pixels.iter().filter(|p| p.iter().max().unwrap() - p.iter().min().unwrap() > 80).count();
+    let coloured = pixels
+        .iter()
+        .filter(|p| p.iter().max().unwrap() - p.iter().min().unwrap() > 80)
+        .count();
     // Text and curves, on a page that stays white for the most part.
-    assert!(dark > 10_000 && coloured > 2_000, "{dark} dark and {coloured} coloured pixels");
+    assert!(
+        dark > 10_000 && coloured > 2_000,
+        "{dark} dark and {coloured} coloured pixels"
+    );
     assert!(pixels.iter().filter(|p| **p == [255; 3]).count() > pixels.len() / 2);
-    let sheet = ["--no-pdf-header-footer".to_owned(), format!("--print-to-pdf={}", print.display())];
+    let sheet = [
+        "--no-pdf-header-footer".to_owned(),
+        format!("--print-to-pdf={}", print.display()),
+    ];
     browse(&chromium, folder.path(), &sheet, &page);
     let pdf = std::fs::read(&print).unwrap();
-    assert!(pdf.starts_with(b"%PDF-") && pdf.len() > 20_000, "{} bytes", pdf.len());
+    assert!(
+        pdf.starts_with(b"%PDF-") && pdf.len() > 20_000,
+        "{} bytes",
+        pdf.len()
+    );
 }

@@ -25,11 +25,17 @@ fn lambert() -> Measured {
 }
 
 fn settings(calls: usize) -> CheckSettings {
-    CheckSettings { calls, ..CheckSettings::default() }
+    CheckSettings {
+        calls,
+        ..CheckSettings::default()
+    }
 }
 
 fn directions(angles: &[f64]) -> Vec<Vec3> {
-    angles.iter().map(|a| spherical(a.to_radians(), 0.8).as_vec3()).collect()
+    angles
+        .iter()
+        .map(|a| spherical(a.to_radians(), 0.8).as_vec3())
+        .collect()
 }
 
 fn failed(report: &CheckReport, check: Check) -> usize {
@@ -46,7 +52,11 @@ struct Lobe {
 
 impl Lobe {
     fn right(exponent: f64) -> Self {
-        Self { drawn: exponent, claimed: exponent, scale: 1.0 }
+        Self {
+            drawn: exponent,
+            claimed: exponent,
+            scale: 1.0,
+        }
     }
 }
 
@@ -60,7 +70,11 @@ impl DirectionSampler for Lobe {
         } else {
             let x = 2.0 - 2.0 * f64::from(u.x);
             let theta = x.powf(1.0 / (self.drawn + 1.0)).acos();
-            reflect_about(wo.as_dvec3().normalize(), spherical(theta, TAU * f64::from(u.y))).as_vec3()
+            reflect_about(
+                wo.as_dvec3().normalize(),
+                spherical(theta, TAU * f64::from(u.y)),
+            )
+            .as_vec3()
         };
         let pdf = self.pdf(wo, wi);
         (pdf > 0.0).then_some(DirectionSample { wi, pdf })
@@ -71,7 +85,9 @@ impl DirectionSampler for Lobe {
             return 0.0;
         }
         let (o, i) = (wo.as_dvec3().normalize(), wi.as_dvec3().normalize());
-        let Some(h) = half_vector(o, i) else { return 0.0 };
+        let Some(h) = half_vector(o, i) else {
+            return 0.0;
+        };
         let tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
         let cos_n = (-0.5 * self.claimed * tan2.ln_1p()).exp();
         let lobe = (self.claimed + 1.0) / TAU * cos_n / (4.0 * o.dot(h));
@@ -97,21 +113,32 @@ impl Steps {
     fn new(rows: usize, columns: usize, seed: u64) -> Self {
         let mut stream = Stream::new(seed);
         // Uneven by up to e⁴, and falling with θh.
-        let weights =
-            (0..rows * columns).map(|i| (4.0 * stream.next_f64() - 0.1 * (i / columns) as f64).exp());
+        let weights = (0..rows * columns)
+            .map(|i| (4.0 * stream.next_f64() - 0.1 * (i / columns) as f64).exp());
         let mut cumulative = vec![0.0];
         for weight in weights {
             cumulative.push(cumulative[cumulative.len() - 1] + weight);
         }
         let total = cumulative[cumulative.len() - 1];
         cumulative.iter_mut().for_each(|c| *c /= total);
-        Self { rows, columns, cumulative }
+        Self {
+            rows,
+            columns,
+            cumulative,
+        }
     }
 
     /// The largest θh, and the largest azimuth of h at one θh, that reflect above the horizon.
     fn limits(theta_o: f64, theta_h: f64) -> (f64, f64) {
-        let (far, near) = ((2.0 * theta_h + theta_o).cos(), (2.0 * theta_h - theta_o).cos());
-        let phi_max = if far >= 0.0 { PI } else { 2.0 * near.max(1e-16).sqrt().atan2((-far).sqrt()) };
+        let (far, near) = (
+            (2.0 * theta_h + theta_o).cos(),
+            (2.0 * theta_h - theta_o).cos(),
+        );
+        let phi_max = if far >= 0.0 {
+            PI
+        } else {
+            2.0 * near.max(1e-16).sqrt().atan2((-far).sqrt())
+        };
         (0.5 * (FRAC_PI_2 + theta_o), phi_max)
     }
 }
@@ -123,10 +150,19 @@ impl DirectionSampler for Steps {
         }
         let (theta_o, phi_o) = to_spherical(wo.as_dvec3());
         let x = f64::from(u.x);
-        let cell = self.cumulative.partition_point(|&c| c <= x).clamp(1, self.rows * self.columns) - 1;
-        let rest = (x - self.cumulative[cell]) / (self.cumulative[cell + 1] - self.cumulative[cell]);
+        let cell = self
+            .cumulative
+            .partition_point(|&c| c <= x)
+            .clamp(1, self.rows * self.columns)
+            - 1;
+        let rest =
+            (x - self.cumulative[cell]) / (self.cumulative[cell + 1] - self.cumulative[cell]);
         let (row, within) = ((cell / self.columns) as f64, f64::from(u.y));
-        let a = if row == 0.0 { within.powf(0.25) } else { row + within } / self.rows as f64;
+        let a = if row == 0.0 {
+            within.powf(0.25)
+        } else {
+            row + within
+        } / self.rows as f64;
         let b = 2.0 * ((cell % self.columns) as f64 + rest) / self.columns as f64 - 1.0;
         let theta_h = a * a * Self::limits(theta_o, 0.1).0;
         let h = spherical(theta_h, phi_o + b * Self::limits(theta_o, theta_h).1);
@@ -145,15 +181,23 @@ impl DirectionSampler for Steps {
         let theta_h = theta_h.max(1e-12);
         let (theta_max, phi_max) = Self::limits(theta_o, theta_h);
         let azimuth = (phi_h - phi_o + 3.0 * PI).rem_euclid(TAU) - PI;
-        let (a, b) = ((theta_h / theta_max).sqrt(), 0.5 + 0.5 * (azimuth / phi_max));
+        let (a, b) = (
+            (theta_h / theta_max).sqrt(),
+            0.5 + 0.5 * (azimuth / phi_max),
+        );
         let row = ((a * self.rows as f64) as usize).min(self.rows - 1);
         let column = ((b * self.columns as f64) as usize).min(self.columns - 1);
         let cell = row * self.columns + column;
         let mass = self.cumulative[cell + 1] - self.cumulative[cell];
         let per_square = mass * (self.rows * self.columns) as f64;
         // θh = a²·θmax, or (rows·a)⁴ uniform in the first row; the azimuth runs over 2·φmax.
-        let first_row = if row == 0 { 4.0 * (self.rows as f64 * a).powi(3) } else { 1.0 };
-        let per_half = per_square * first_row / (2.0 * a * theta_max * 2.0 * phi_max * theta_h.sin());
+        let first_row = if row == 0 {
+            4.0 * (self.rows as f64 * a).powi(3)
+        } else {
+            1.0
+        };
+        let per_half =
+            per_square * first_row / (2.0 * a * theta_max * 2.0 * phi_max * theta_h.sin());
         (per_half / (4.0 * wo.as_dvec3().dot(h))) as f32
     }
 
@@ -207,7 +251,12 @@ impl DirectionSampler for Faulty {
 
     fn sample_many(&self, wo: Vec3, count: usize, _seed: u64) -> Vec<Option<DirectionSample>> {
         let step = if matches!(self, Self::Many) { 0.9 } else { 1.0 };
-        let u = |i: usize| Vec2::new((i as f32 + 0.5) / count as f32, (i as f32 * 0.618_034).fract() * step);
+        let u = |i: usize| {
+            Vec2::new(
+                (i as f32 + 0.5) / count as f32,
+                (i as f32 * 0.618_034).fract() * step,
+            )
+        };
         (0..count).map(|i| self.sample(wo, u(i))).collect()
     }
 }
@@ -215,7 +264,11 @@ impl DirectionSampler for Faulty {
 fn assert_pass(sampler: &dyn DirectionSampler, brdf: &dyn Brdf) {
     let report = check_sampler(sampler, brdf, &check_directions(), &settings(8));
     assert_eq!(report.outcomes.len(), 13 * 7);
-    assert!(report.pass(), "{:#?}", report.failures().collect::<Vec<_>>());
+    assert!(
+        report.pass(),
+        "{:#?}",
+        report.failures().collect::<Vec<_>>()
+    );
 }
 
 #[test]
@@ -244,29 +297,55 @@ fn other_lookup_rules_pass_too() {
             &directions(&[14.5, 75.5]),
             &settings,
         );
-        assert!(report.pass(), "{:#?}", report.failures().collect::<Vec<_>>());
+        assert!(
+            report.pass(),
+            "{:#?}",
+            report.failures().collect::<Vec<_>>()
+        );
     }
 }
 
 #[test]
 fn a_pdf_five_per_cent_high_is_rejected() {
-    let wrong = Lobe { scale: 1.05, ..Lobe::right(50.0) };
+    let wrong = Lobe {
+        scale: 1.05,
+        ..Lobe::right(50.0)
+    };
     let wos = directions(&[0.0, 29.75, 60.0, 85.0]);
     let report = check_sampler(&wrong, &lambert(), &wos, &settings(1));
-    for check in [Check::ChiSquare, Check::PdfIntegral, Check::Bias, Check::Furnace] {
+    for check in [
+        Check::ChiSquare,
+        Check::PdfIntegral,
+        Check::Bias,
+        Check::Furnace,
+    ] {
         assert_eq!(failed(&report, check), wos.len(), "{check:?}: {report:#?}");
     }
-    let chi_square = report.failures().find(|o| o.check == Check::ChiSquare).unwrap();
+    let chi_square = report
+        .failures()
+        .find(|o| o.check == Check::ChiSquare)
+        .unwrap();
     assert!(chi_square.note.contains("worst cell"), "{chi_square:?}");
 }
 
 #[test]
 fn an_exponent_fifteen_per_cent_off_is_rejected() {
     for exponent in [50.0, 5e3, 1e6] {
-        let wrong = Lobe { claimed: 1.15 * exponent, ..Lobe::right(exponent) };
+        let wrong = Lobe {
+            claimed: 1.15 * exponent,
+            ..Lobe::right(exponent)
+        };
         for wo in directions(&[0.76, 45.0, 84.7]) {
-            let result = ChiSquareTest { tests: 1000, ..ChiSquareTest::default() }.run(&wrong, wo);
-            assert_eq!(result.verdict, Verdict::Unlikely, "{exponent} {wo}: {result:?}");
+            let result = ChiSquareTest {
+                tests: 1000,
+                ..ChiSquareTest::default()
+            }
+            .run(&wrong, wo);
+            assert_eq!(
+                result.verdict,
+                Verdict::Unlikely,
+                "{exponent} {wo}: {result:?}"
+            );
             assert!(result.worst.iter().all(|c| c.term > 0.0) && !result.worst.is_empty());
         }
     }
@@ -274,7 +353,12 @@ fn an_exponent_fifteen_per_cent_off_is_rejected() {
 
 #[test]
 fn an_honest_hole_fails_positivity_and_bias_but_not_chi_square() {
-    let report = check_sampler(&Faulty::Hole, &lambert(), &directions(&[0.0, 60.25]), &settings(1));
+    let report = check_sampler(
+        &Faulty::Hole,
+        &lambert(),
+        &directions(&[0.0, 60.25]),
+        &settings(1),
+    );
     assert_eq!(failed(&report, Check::Positivity), 2, "{report:#?}");
     assert_eq!(failed(&report, Check::Bias), 2, "{report:#?}");
     assert_eq!(failed(&report, Check::ChiSquare), 0, "{report:#?}");
@@ -283,7 +367,12 @@ fn an_honest_hole_fails_positivity_and_bias_but_not_chi_square() {
 
 #[test]
 fn a_hidden_hole_fails_chi_square_and_the_integral() {
-    let report = check_sampler(&Faulty::HiddenHole, &lambert(), &directions(&[0.0, 60.25]), &settings(1));
+    let report = check_sampler(
+        &Faulty::HiddenHole,
+        &lambert(),
+        &directions(&[0.0, 60.25]),
+        &settings(1),
+    );
     assert_eq!(failed(&report, Check::Positivity), 0, "{report:#?}");
     assert_eq!(failed(&report, Check::ChiSquare), 2, "{report:#?}");
     assert_eq!(failed(&report, Check::PdfIntegral), 2, "{report:#?}");
@@ -295,7 +384,10 @@ fn draws_that_are_no_directions_are_rejected() {
         let report = check_sampler(&wrong, &lambert(), &directions(&[30.0]), &settings(1));
         assert_eq!(failed(&report, Check::Validity), 1, "{report:#?}");
         assert_eq!(failed(&report, Check::ChiSquare), 1, "{report:#?}");
-        assert!(report.outcomes.iter().all(|o| !o.value.is_nan()), "{report:#?}");
+        assert!(
+            report.outcomes.iter().all(|o| !o.value.is_nan()),
+            "{report:#?}"
+        );
     }
 }
 
@@ -309,7 +401,12 @@ fn draws_where_the_pdf_is_zero_are_rejected() {
 
 #[test]
 fn a_returned_pdf_of_its_own_is_rejected() {
-    let report = check_sampler(&Faulty::Disagrees, &lambert(), &directions(&[30.0]), &settings(1));
+    let report = check_sampler(
+        &Faulty::Disagrees,
+        &lambert(),
+        &directions(&[30.0]),
+        &settings(1),
+    );
     assert_eq!(failed(&report, Check::Agreement), 1, "{report:#?}");
 }
 
@@ -331,7 +428,11 @@ fn p_values_of_right_samplers_are_uniform() {
     let samplers: [&dyn DirectionSampler; 2] = [&Cosine, &Lobe::right(3000.0)];
     let p: Vec<f64> = (0..60)
         .map(|seed| {
-            let test = ChiSquareTest { draws: 50_000, seed, ..ChiSquareTest::default() };
+            let test = ChiSquareTest {
+                draws: 50_000,
+                seed,
+                ..ChiSquareTest::default()
+            };
             test.run(samplers[seed as usize % 2], wo).p_value
         })
         .collect();
@@ -347,7 +448,10 @@ fn p_values_of_densities_with_jumps_are_uniform() {
     let p: Vec<f64> = (0..24)
         .map(|seed| {
             let wo = directions(&[0.76, 29.75, 60.25, 84.7])[seed as usize % 4];
-            let test = ChiSquareTest { seed, ..ChiSquareTest::default() };
+            let test = ChiSquareTest {
+                seed,
+                ..ChiSquareTest::default()
+            };
             test.run(&Steps::new(64, 32, seed), wo).p_value
         })
         .collect();
@@ -362,9 +466,17 @@ fn p_values_of_densities_with_jumps_are_uniform() {
 fn reports_do_not_depend_on_threads() {
     let brdf = measured("red-plastic", LookupRule::Floor);
     let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
         pool.install(|| {
-            check_sampler(&Lobe::right(100.0), &brdf, &directions(&[0.0, 45.0, 85.0]), &settings(1))
+            check_sampler(
+                &Lobe::right(100.0),
+                &brdf,
+                &directions(&[0.0, 45.0, 85.0]),
+                &settings(1),
+            )
         })
     };
     assert_eq!(run(1), run(3));
@@ -374,10 +486,14 @@ fn reports_do_not_depend_on_threads() {
 fn spread_sees_holes_and_failed_draws() {
     let wo = directions(&[75.5])[0];
     let quadrature = Quadrature::new(wo, POINTS_PER_BIN);
-    let spread =
-        |sampler: &dyn DirectionSampler| weight_spread(sampler, &lambert(), &quadrature, Importance::Mean);
+    let spread = |sampler: &dyn DirectionSampler| {
+        weight_spread(sampler, &lambert(), &quadrature, Importance::Mean)
+    };
     let hole = spread(&Faulty::Hole);
-    assert!(hole.holes > 0.015 && (hole.holes + hole.pdf_integral - 1.0).abs() < 1e-4, "{hole:?}");
+    assert!(
+        hole.holes > 0.015 && (hole.holes + hole.pdf_integral - 1.0).abs() < 1e-4,
+        "{hole:?}"
+    );
     // The weight is 1/2 or, for a failed draw, 0: a coin of probability q has E[w²]/E[w]² = 1/q.
     let expected = (1.0 / hole.pdf_integral - 1.0).sqrt();
     assert!((hole.relstd - expected).abs() < 2e-3, "{hole:?}");
@@ -389,6 +505,12 @@ fn spread_sees_holes_and_failed_draws() {
 fn an_invalid_direction_passes_as_nothing() {
     let report = check_sampler(&Cosine, &lambert(), &[-Vec3::Z], &settings(1));
     assert_eq!(failed(&report, Check::ChiSquare), 0, "{report:#?}");
-    assert!(report.outcomes.iter().all(|o| o.value.is_finite() && o.bound.is_finite()), "{report:#?}");
+    assert!(
+        report
+            .outcomes
+            .iter()
+            .all(|o| o.value.is_finite() && o.bound.is_finite()),
+        "{report:#?}"
+    );
     assert_eq!(lambert().eval(-Vec3::Z, Vec3::Z), Vec3::ZERO);
 }

@@ -21,9 +21,18 @@ use sha2::{Digest, Sha256};
 
 fn specs() -> [SamplerSpec; 9] {
     [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { tables: 7, ..Default::default() }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings { tables: 5, ..Default::default() }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings { tables: 3, ..CascadeCdfSettings::uniform() }),
+        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            tables: 7,
+            ..Default::default()
+        }),
+        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            tables: 5,
+            ..Default::default()
+        }),
+        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            tables: 3,
+            ..CascadeCdfSettings::uniform()
+        }),
         SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
             tables: 4,
             leaves: LeafChoice::Warp,
@@ -38,16 +47,37 @@ fn specs() -> [SamplerSpec; 9] {
 }
 
 fn factored() -> SamplerSpec {
-    let factors = Factors { outer: 3, inner: 2, theta: 40, phi: 12, half: true, floor: 0.01 };
-    SamplerSpec::Factored(FactoredSettings { tables: 5, factors: Some(factors), ..Default::default() })
+    let factors = Factors {
+        outer: 3,
+        inner: 2,
+        theta: 40,
+        phi: 12,
+        half: true,
+        floor: 0.01,
+    };
+    SamplerSpec::Factored(FactoredSettings {
+        tables: 5,
+        factors: Some(factors),
+        ..Default::default()
+    })
 }
 
 fn built(spec: SamplerSpec, folder: &Path) -> (Sampler, Arc<Measured>, std::path::PathBuf) {
     let material = Material::resolve("red-plastic").unwrap();
-    let brdf = Arc::new(Measured::new(Arc::new(material.load().unwrap()), LookupRule::Floor));
+    let brdf = Arc::new(Measured::new(
+        Arc::new(material.load().unwrap()),
+        LookupRule::Floor,
+    ));
     let sampler = spec.build(&brdf).unwrap();
     let path = folder.join("s.safetensors");
-    save(&sampler, &material, LookupRule::Floor, &path, Overwrite::Replace).unwrap();
+    save(
+        &sampler,
+        &material,
+        LookupRule::Floor,
+        &path,
+        Overwrite::Replace,
+    )
+    .unwrap();
     (sampler, brdf, path)
 }
 
@@ -112,10 +142,21 @@ fn another_material_or_lookup_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (_, brdf, path) = built(specs()[1], folder.path());
     let other = Material::resolve("nickel").unwrap();
-    let message = SamplerFile::open(&path).unwrap().load(Some(other)).unwrap_err().to_string();
-    assert!(message.contains("nickel") && message.contains("SHA-256"), "{message}");
+    let message = SamplerFile::open(&path)
+        .unwrap()
+        .load(Some(other))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("nickel") && message.contains("SHA-256"),
+        "{message}"
+    );
     let linear = Arc::new(Measured::new(brdf.table().clone(), LookupRule::Linear));
-    let message = SamplerFile::open(&path).unwrap().into_sampler(&linear).unwrap_err().to_string();
+    let message = SamplerFile::open(&path)
+        .unwrap()
+        .into_sampler(&linear)
+        .unwrap_err()
+        .to_string();
     assert!(message.contains("--lookup floor"), "{message}");
 }
 
@@ -130,7 +171,10 @@ impl Forged {
         let (_, header) = SafeTensors::read_metadata(bytes).unwrap();
         let file = SafeTensors::deserialize(bytes).unwrap();
         Self {
-            tensors: file.iter().map(|(n, v)| (n.to_owned(), (v.dtype(), v.data().to_vec()))).collect(),
+            tensors: file
+                .iter()
+                .map(|(n, v)| (n.to_owned(), (v.dtype(), v.data().to_vec())))
+                .collect(),
             record: serde_json::from_str(&header.metadata().as_ref().unwrap()["merlkit"]).unwrap(),
         }
     }
@@ -145,7 +189,10 @@ impl Forged {
         self.record["payload_sha256"] = hex.into();
         let metadata = HashMap::from([("merlkit".to_owned(), self.record.to_string())]);
         let views = self.tensors.iter().map(|(name, (dtype, bytes))| {
-            (name, TensorView::new(*dtype, vec![bytes.len() * 8 / dtype.bitsize()], bytes).unwrap())
+            (
+                name,
+                TensorView::new(*dtype, vec![bytes.len() * 8 / dtype.bitsize()], bytes).unwrap(),
+            )
         });
         safetensors::serialize(views, Some(metadata)).unwrap()
     }
@@ -193,7 +240,11 @@ fn assert_each_is_refused(spec: SamplerSpec, forgeries: &[Forgery]) {
         SamplerFile::open(&forged).and_then(|f| f.into_sampler(&brdf))
     };
     let untouched = load(Forged::read(&good).write()).unwrap();
-    assert_eq!(untouched.bytes(), fresh.bytes(), "taking apart and writing is no damage");
+    assert_eq!(
+        untouched.bytes(),
+        fresh.bytes(),
+        "taking apart and writing is no damage"
+    );
     for (what, change, word) in forgeries {
         let mut file = Forged::read(&good);
         change(&mut file);
@@ -201,8 +252,14 @@ fn assert_each_is_refused(spec: SamplerSpec, forgeries: &[Forgery]) {
             Ok(_) => panic!("{what}: accepted"),
             Err(error) => {
                 let message = error.to_string();
-                assert!(!message.contains("SHA-256"), "{what}: only the checksum was noticed: {message}");
-                assert!(message.contains(word) && !message.contains('\n'), "{what}: {message}");
+                assert!(
+                    !message.contains("SHA-256"),
+                    "{what}: only the checksum was noticed: {message}"
+                );
+                assert!(
+                    message.contains(word) && !message.contains('\n'),
+                    "{what}: {message}"
+                );
             }
         }
     }
@@ -210,27 +267,71 @@ fn assert_each_is_refused(spec: SamplerSpec, forgeries: &[Forgery]) {
 
 /// Faults that a file of any sampler can have.
 const COMMON: [Forgery; 5] = [
-    ("another version", |f| f.record["version"] = 1.into(), "layout version 2, found version 1"),
+    (
+        "another version",
+        |f| f.record["version"] = 1.into(),
+        "layout version 2, found version 1",
+    ),
     (
         "no version",
         |f| drop(f.record.as_object_mut().unwrap().remove("version")),
         "metadata of a merlkit sampler",
     ),
-    ("an unknown sampler", |f| f.settings("sampler", "magic".into()), "metadata of a merlkit sampler"),
-    ("a sampler without tables", |f| f.record["spec"] = serde_json::json!({"sampler": "cosine"}), "cosine"),
-    ("a floor above 1", |f| f.settings("floor", 1.5.into()), "floor is 1.5"),
+    (
+        "an unknown sampler",
+        |f| f.settings("sampler", "magic".into()),
+        "metadata of a merlkit sampler",
+    ),
+    (
+        "a sampler without tables",
+        |f| f.record["spec"] = serde_json::json!({"sampler": "cosine"}),
+        "cosine",
+    ),
+    (
+        "a floor above 1",
+        |f| f.settings("floor", 1.5.into()),
+        "floor is 1.5",
+    ),
 ];
 
 #[test]
 fn forged_trees_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
-        ("NaN for a bound", |f| f.set_f32("leaf.bound", 2, f32::NAN), "leaf 2 of tree 0"),
-        ("infinity for a bound", |f| f.set_f32("leaf.bound", 0, f32::INFINITY), "leaf 0 of tree 0"),
-        ("a bound of 0", |f| f.set_f32("leaf.bound", 1, 0.0), "leaf 1 of tree 0"),
-        ("a bound below 0", |f| f.set_f32("leaf.bound", 1, -1.0), "leaf 1 of tree 0"),
-        ("a leaf too deep", |f| f.set_u32("leaf.code", 3, 15 << 28), "leaf 3 of tree 0"),
-        ("a leaf beside the disc's square", |f| f.set_u32("leaf.code", 3, 1 << 28 | 2), "leaf 3 of tree 0"),
-        ("probabilities that fall", |f| f.set_u32("leaf.upper", 5, 0), "probabilities of tree 0"),
+        (
+            "NaN for a bound",
+            |f| f.set_f32("leaf.bound", 2, f32::NAN),
+            "leaf 2 of tree 0",
+        ),
+        (
+            "infinity for a bound",
+            |f| f.set_f32("leaf.bound", 0, f32::INFINITY),
+            "leaf 0 of tree 0",
+        ),
+        (
+            "a bound of 0",
+            |f| f.set_f32("leaf.bound", 1, 0.0),
+            "leaf 1 of tree 0",
+        ),
+        (
+            "a bound below 0",
+            |f| f.set_f32("leaf.bound", 1, -1.0),
+            "leaf 1 of tree 0",
+        ),
+        (
+            "a leaf too deep",
+            |f| f.set_u32("leaf.code", 3, 15 << 28),
+            "leaf 3 of tree 0",
+        ),
+        (
+            "a leaf beside the disc's square",
+            |f| f.set_u32("leaf.code", 3, 1 << 28 | 2),
+            "leaf 3 of tree 0",
+        ),
+        (
+            "probabilities that fall",
+            |f| f.set_u32("leaf.upper", 5, 0),
+            "probabilities of tree 0",
+        ),
         (
             "probabilities below 1",
             |f| {
@@ -239,13 +340,41 @@ fn forged_trees_are_refused() {
             },
             "sum to 1",
         ),
-        ("starts past the end", |f| f.set_u32("tree.start", 6, u32::MAX), "starts that partition"),
-        ("starts that fall", |f| f.set_u32("tree.start", 3, 1), "starts that partition"),
-        ("a first start other than 0", |f| f.set_u32("tree.start", 0, 1), "starts that partition"),
-        ("a tree without leaves", |f| f.set_u32("tree.start", 1, 0), "0 leaves"),
-        ("NaN for an integral", |f| f.set_f32("tree.integral", 4, f32::NAN), "tree 4"),
-        ("an integral below 0", |f| f.set_f32("tree.integral", 4, -0.5), "tree 4"),
-        ("a dark tree with leaves", |f| f.set_f32("tree.integral", 4, 0.0), "tree 4"),
+        (
+            "starts past the end",
+            |f| f.set_u32("tree.start", 6, u32::MAX),
+            "starts that partition",
+        ),
+        (
+            "starts that fall",
+            |f| f.set_u32("tree.start", 3, 1),
+            "starts that partition",
+        ),
+        (
+            "a first start other than 0",
+            |f| f.set_u32("tree.start", 0, 1),
+            "starts that partition",
+        ),
+        (
+            "a tree without leaves",
+            |f| f.set_u32("tree.start", 1, 0),
+            "0 leaves",
+        ),
+        (
+            "NaN for an integral",
+            |f| f.set_f32("tree.integral", 4, f32::NAN),
+            "tree 4",
+        ),
+        (
+            "an integral below 0",
+            |f| f.set_f32("tree.integral", 4, -0.5),
+            "tree 4",
+        ),
+        (
+            "a dark tree with leaves",
+            |f| f.set_f32("tree.integral", 4, 0.0),
+            "tree 4",
+        ),
         ("a short tensor", |f| f.cut("leaf.bound", 4), "equal length"),
         (
             "a missing tree",
@@ -255,9 +384,21 @@ fn forged_trees_are_refused() {
             },
             "7 trees",
         ),
-        ("another number of trees", |f| f.settings("tables", 8.into()), "8 trees"),
-        ("no trees at all", |f| f.settings("tables", 0.into()), "0 trees"),
-        ("more trees than can be counted", |f| f.settings("tables", u64::MAX.into()), "trees"),
+        (
+            "another number of trees",
+            |f| f.settings("tables", 8.into()),
+            "8 trees",
+        ),
+        (
+            "no trees at all",
+            |f| f.settings("tables", 0.into()),
+            "0 trees",
+        ),
+        (
+            "more trees than can be counted",
+            |f| f.settings("tables", u64::MAX.into()),
+            "trees",
+        ),
         (
             "a missing tensor",
             |f| {
@@ -265,8 +406,16 @@ fn forged_trees_are_refused() {
             },
             "a tensor \"leaf.code\", found none",
         ),
-        ("another type", |f| f.tensors.get_mut("leaf.code").unwrap().0 = Dtype::I32, "U32, found I32"),
-        ("a depth past its domain", |f| f.settings("depth", 99.into()), "depth is 99"),
+        (
+            "another type",
+            |f| f.tensors.get_mut("leaf.code").unwrap().0 = Dtype::I32,
+            "U32, found I32",
+        ),
+        (
+            "a depth past its domain",
+            |f| f.settings("depth", 99.into()),
+            "depth is 99",
+        ),
     ];
     forgeries.extend(COMMON);
     assert_each_is_refused(specs()[0], &forgeries);
@@ -275,15 +424,47 @@ fn forged_trees_are_refused() {
 #[test]
 fn forged_warps_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
-        ("a child before its parent", |f| f.set_u32("node.first", 3, 3), "node 3 of tree 0"),
-        ("a child in another tree", |f| f.set_u32("node.first", 0, u32::MAX), "node 0 of tree 0"),
-        ("five children", |f| f.set_u16("node.inner", 1, 31), "node 1 of tree 0"),
-        ("starts that fall", |f| f.set_u32("tree.start", 2, 0), "starts that partition"),
-        ("starts past the end", |f| f.set_u32("tree.start", 4, u32::MAX), "starts that partition"),
+        (
+            "a child before its parent",
+            |f| f.set_u32("node.first", 3, 3),
+            "node 3 of tree 0",
+        ),
+        (
+            "a child in another tree",
+            |f| f.set_u32("node.first", 0, u32::MAX),
+            "node 0 of tree 0",
+        ),
+        (
+            "five children",
+            |f| f.set_u16("node.inner", 1, 31),
+            "node 1 of tree 0",
+        ),
+        (
+            "starts that fall",
+            |f| f.set_u32("tree.start", 2, 0),
+            "starts that partition",
+        ),
+        (
+            "starts past the end",
+            |f| f.set_u32("tree.start", 4, u32::MAX),
+            "starts that partition",
+        ),
         ("a missing tree", |f| f.cut("tree.start", 4), "4 trees"),
-        ("more trees than can be counted", |f| f.settings("tables", u64::MAX.into()), "trees"),
-        ("a missing split", |f| f.cut("node.split", 2), "three splits"),
-        ("another kind of tree", |f| f.settings("leaves", "envelope".into()), "a tensor \"leaf.upper\""),
+        (
+            "more trees than can be counted",
+            |f| f.settings("tables", u64::MAX.into()),
+            "trees",
+        ),
+        (
+            "a missing split",
+            |f| f.cut("node.split", 2),
+            "three splits",
+        ),
+        (
+            "another kind of tree",
+            |f| f.settings("leaves", "envelope".into()),
+            "a tensor \"leaf.upper\"",
+        ),
     ];
     forgeries.extend(COMMON);
     assert_each_is_refused(specs()[3], &forgeries);
@@ -292,18 +473,27 @@ fn forged_warps_are_refused() {
 #[test]
 fn forged_curves_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
-        ("a CDF that falls", |f| f.set_u16("marginal.cdf", 2, 0), "marginal curves"),
+        (
+            "a CDF that falls",
+            |f| f.set_u16("marginal.cdf", 2, 0),
+            "marginal curves",
+        ),
         (
             "a conditional that falls",
             |f| {
-                let mut knots = |c| f.u32("conditional.start", c + 1) - f.u32("conditional.start", c);
+                let mut knots =
+                    |c| f.u32("conditional.start", c + 1) - f.u32("conditional.start", c);
                 let curve = (0..).find(|&c| knots(c) > 3).unwrap();
                 let start = f.u32("conditional.start", curve) as usize;
                 f.set_u16("conditional.cdf", start + 1, u16::MAX);
             },
             "conditional curves",
         ),
-        ("a CDF that starts above 0", |f| f.set_u16("marginal.cdf", 0, 1), "curve 0"),
+        (
+            "a CDF that starts above 0",
+            |f| f.set_u16("marginal.cdf", 0, 1),
+            "curve 0",
+        ),
         (
             "a CDF that ends below 1",
             |f| {
@@ -312,7 +502,11 @@ fn forged_curves_are_refused() {
             },
             "curve 0",
         ),
-        ("starts past the end", |f| f.set_u32("marginal.start", 1, u32::MAX), "starts"),
+        (
+            "starts past the end",
+            |f| f.set_u32("marginal.start", 1, u32::MAX),
+            "starts",
+        ),
         (
             "starts that fall",
             |f| {
@@ -321,8 +515,16 @@ fn forged_curves_are_refused() {
             },
             "starts",
         ),
-        ("a first start other than 0", |f| f.set_u32("marginal.start", 0, 1), "starts"),
-        ("an empty curve", |f| f.set_u32("marginal.start", 1, 0), "curve 0"),
+        (
+            "a first start other than 0",
+            |f| f.set_u32("marginal.start", 0, 1),
+            "starts",
+        ),
+        (
+            "an empty curve",
+            |f| f.set_u32("marginal.start", 1, 0),
+            "curve 0",
+        ),
         (
             "a knot past the grid",
             |f| {
@@ -331,13 +533,22 @@ fn forged_curves_are_refused() {
             },
             "curve 0",
         ),
-        ("knots that fall", |f| f.set_u16("marginal.position", 1, 0), "curve 0"),
-        ("fewer knots than values", |f| f.cut("conditional.position", 2), "positions"),
+        (
+            "knots that fall",
+            |f| f.set_u16("marginal.position", 1, 0),
+            "curve 0",
+        ),
+        (
+            "fewer knots than values",
+            |f| f.cut("conditional.position", 2),
+            "positions",
+        ),
         (
             "a missing conditional",
             |f| {
                 let knots = f.bytes("conditional.start").len() / 4;
-                let last = f.u32("conditional.start", knots - 1) - f.u32("conditional.start", knots - 2);
+                let last =
+                    f.u32("conditional.start", knots - 1) - f.u32("conditional.start", knots - 2);
                 f.cut("conditional.start", 4);
                 f.cut("conditional.position", 2 * last as usize);
                 f.cut("conditional.cdf", 2 * last as usize);
@@ -354,10 +565,26 @@ fn forged_curves_are_refused() {
             },
             "piece 1 of marginal 0",
         ),
-        ("another number of tables", |f| f.settings("tables", 4.into()), "4 marginals"),
-        ("another grid", |f| f.settings("theta_h", 512.into()), "marginal curves over 512 cells"),
-        ("another grid of φh", |f| f.settings("phi_h", 256.into()), "conditional curves over 256 cells"),
-        ("a grid past its domain", |f| f.settings("phi_h", 100_000.into()), "100000 cells"),
+        (
+            "another number of tables",
+            |f| f.settings("tables", 4.into()),
+            "4 marginals",
+        ),
+        (
+            "another grid",
+            |f| f.settings("theta_h", 512.into()),
+            "marginal curves over 512 cells",
+        ),
+        (
+            "another grid of φh",
+            |f| f.settings("phi_h", 256.into()),
+            "conditional curves over 256 cells",
+        ),
+        (
+            "a grid past its domain",
+            |f| f.settings("phi_h", 100_000.into()),
+            "100000 cells",
+        ),
         (
             "a missing tensor",
             |f| {
@@ -387,8 +614,16 @@ fn forged_curves_with_every_knot_are_refused() {
             },
             "curve 0",
         ),
-        ("another grid", |f| f.settings("theta_h", 255.into()), "marginal curves over 255 cells"),
-        ("a tolerance that is negative", |f| f.settings("tolerance", (-1.0).into()), "tolerance"),
+        (
+            "another grid",
+            |f| f.settings("theta_h", 255.into()),
+            "marginal curves over 255 cells",
+        ),
+        (
+            "a tolerance that is negative",
+            |f| f.settings("tolerance", (-1.0).into()),
+            "tolerance",
+        ),
     ];
     assert_each_is_refused(specs()[2], &forgeries);
 }
@@ -396,30 +631,106 @@ fn forged_curves_with_every_knot_are_refused() {
 #[test]
 fn forged_half_vector_tables_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
-        ("a knot that is no normal", |f| f.set_f32("knot.cosine", 0, 0.99), "fall from 1"),
-        ("knots that rise", |f| f.set_f32("knot.cosine", 2, 0.9999), "fall from 1"),
-        ("NaN for a knot", |f| f.set_f32("knot.cosine", 1, f32::NAN), "fall from 1"),
-        ("a knot on the horizon", |f| f.set_f32("knot.cosine", 6, 0.0), "stay above 0"),
-        ("rows that do not begin at 0", |f| f.set_u16("row.edge", 0, 1), "from 0 to 79"),
-        ("rows past the end", |f| f.set_u16("row.edge", 22, 80), "from 0 to 79"),
-        ("edges that fall", |f| f.set_u16("row.edge", 2, 1), "from 0 to 79"),
-        ("an empty first row", |f| f.set_u16("row.cdf", 0, 0), "tensor \"row.cdf\""),
-        ("a probability below 1", |f| f.set_u16("row.cdf", 21, 65534), "tensor \"row.cdf\""),
-        ("probabilities that fall", |f| f.set_u16("row.cdf", 30, 1), "tensor \"row.cdf\""),
-        ("a slope that is too steep", |f| f.bytes("row.slope")[5] = 123, "row.slope"),
-        ("the steepest slope downwards", |f| f.bytes("row.slope")[5] = 128, "row.slope"),
-        ("a density of 0", |f| f.set_u16("row.density", 7, 0), "row.density"),
-        ("a density that is too large", |f| f.set_u16("row.density", 7, 65535), "row.density"),
-        ("a short tensor", |f| f.cut("row.slope", 1), "154 values in tensor \"row.slope\""),
-        ("a shorter one", |f| f.cut("row.density", 2), "values in tensor \"row.density\""),
+        (
+            "a knot that is no normal",
+            |f| f.set_f32("knot.cosine", 0, 0.99),
+            "fall from 1",
+        ),
+        (
+            "knots that rise",
+            |f| f.set_f32("knot.cosine", 2, 0.9999),
+            "fall from 1",
+        ),
+        (
+            "NaN for a knot",
+            |f| f.set_f32("knot.cosine", 1, f32::NAN),
+            "fall from 1",
+        ),
+        (
+            "a knot on the horizon",
+            |f| f.set_f32("knot.cosine", 6, 0.0),
+            "stay above 0",
+        ),
+        (
+            "rows that do not begin at 0",
+            |f| f.set_u16("row.edge", 0, 1),
+            "from 0 to 79",
+        ),
+        (
+            "rows past the end",
+            |f| f.set_u16("row.edge", 22, 80),
+            "from 0 to 79",
+        ),
+        (
+            "edges that fall",
+            |f| f.set_u16("row.edge", 2, 1),
+            "from 0 to 79",
+        ),
+        (
+            "an empty first row",
+            |f| f.set_u16("row.cdf", 0, 0),
+            "tensor \"row.cdf\"",
+        ),
+        (
+            "a probability below 1",
+            |f| f.set_u16("row.cdf", 21, 65534),
+            "tensor \"row.cdf\"",
+        ),
+        (
+            "probabilities that fall",
+            |f| f.set_u16("row.cdf", 30, 1),
+            "tensor \"row.cdf\"",
+        ),
+        (
+            "a slope that is too steep",
+            |f| f.bytes("row.slope")[5] = 123,
+            "row.slope",
+        ),
+        (
+            "the steepest slope downwards",
+            |f| f.bytes("row.slope")[5] = 128,
+            "row.slope",
+        ),
+        (
+            "a density of 0",
+            |f| f.set_u16("row.density", 7, 0),
+            "row.density",
+        ),
+        (
+            "a density that is too large",
+            |f| f.set_u16("row.density", 7, 65535),
+            "row.density",
+        ),
+        (
+            "a short tensor",
+            |f| f.cut("row.slope", 1),
+            "154 values in tensor \"row.slope\"",
+        ),
+        (
+            "a shorter one",
+            |f| f.cut("row.density", 2),
+            "values in tensor \"row.density\"",
+        ),
         (
             "another number of tables",
             |f| f.settings("tables", 8.into()),
             "8 values in tensor \"knot.cosine\"",
         ),
-        ("another number of rows", |f| f.settings("rows", 23.into()), "24 values in tensor \"row.edge\""),
-        ("no segments", |f| f.settings("segments", 0.into()), "0 segments"),
-        ("more segments than can be", |f| f.settings("segments", u64::MAX.into()), "segments"),
+        (
+            "another number of rows",
+            |f| f.settings("rows", 23.into()),
+            "24 values in tensor \"row.edge\"",
+        ),
+        (
+            "no segments",
+            |f| f.settings("segments", 0.into()),
+            "0 segments",
+        ),
+        (
+            "more segments than can be",
+            |f| f.settings("segments", u64::MAX.into()),
+            "segments",
+        ),
         (
             "a missing tensor",
             |f| {
@@ -427,20 +738,43 @@ fn forged_half_vector_tables_are_refused() {
             },
             "a tensor \"row.cdf\", found none",
         ),
-        ("another type", |f| f.tensors.get_mut("row.slope").unwrap().0 = Dtype::U8, "I8, found U8"),
+        (
+            "another type",
+            |f| f.tensors.get_mut("row.slope").unwrap().0 = Dtype::U8,
+            "I8, found U8",
+        ),
     ];
     forgeries.extend(COMMON.into_iter().filter(|f| f.0 != "a floor above 1"));
-    assert_each_is_refused(SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1), &forgeries);
+    assert_each_is_refused(
+        SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1),
+        &forgeries,
+    );
 }
 
 #[test]
 fn forged_lobes_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
-        ("another parameter", |f| f.set_f32("lobe.parameter", 0, 0.123), "parameters of the record"),
-        ("NaN for a parameter", |f| f.set_f32("lobe.parameter", 2, f32::NAN), "parameters of the record"),
+        (
+            "another parameter",
+            |f| f.set_f32("lobe.parameter", 0, 0.123),
+            "parameters of the record",
+        ),
+        (
+            "NaN for a parameter",
+            |f| f.set_f32("lobe.parameter", 2, f32::NAN),
+            "parameters of the record",
+        ),
         ("a short tensor", |f| f.cut("lobe.parameter", 4), "3 values"),
-        ("no parameters", |f| f.settings("parameters", serde_json::Value::Null), "parameters of the record"),
-        ("another lobe", |f| f.settings("kind", "magic".into()), "metadata of a merlkit sampler"),
+        (
+            "no parameters",
+            |f| f.settings("parameters", serde_json::Value::Null),
+            "parameters of the record",
+        ),
+        (
+            "another lobe",
+            |f| f.settings("kind", "magic".into()),
+            "metadata of a merlkit sampler",
+        ),
         (
             "parameters past their domain in both places",
             |f| {
@@ -459,7 +793,11 @@ fn forged_lobes_are_refused() {
             },
             "a tensor \"lobe.parameter\", found none",
         ),
-        ("another type", |f| f.tensors.get_mut("lobe.parameter").unwrap().0 = Dtype::U32, "F32, found U32"),
+        (
+            "another type",
+            |f| f.tensors.get_mut("lobe.parameter").unwrap().0 = Dtype::U32,
+            "F32, found U32",
+        ),
     ];
     forgeries.extend(COMMON.into_iter().filter(|f| f.0 != "a floor above 1"));
     assert_each_is_refused(specs()[6], &forgeries);
@@ -468,9 +806,21 @@ fn forged_lobes_are_refused() {
 #[test]
 fn forged_factors_are_refused() {
     let mut forgeries: Vec<Forgery> = vec![
-        ("NaN for a share", |f| f.set_f32("term.weight", 8, f32::NAN), "shares of table 1"),
-        ("a share below 0", |f| f.set_f32("term.weight", 8, -0.1), "shares of table 1"),
-        ("a share above 1", |f| f.set_f32("term.weight", 8, 1.5), "shares of table 1"),
+        (
+            "NaN for a share",
+            |f| f.set_f32("term.weight", 8, f32::NAN),
+            "shares of table 1",
+        ),
+        (
+            "a share below 0",
+            |f| f.set_f32("term.weight", 8, -0.1),
+            "shares of table 1",
+        ),
+        (
+            "a share above 1",
+            |f| f.set_f32("term.weight", 8, 1.5),
+            "shares of table 1",
+        ),
         (
             "shares above 1 together",
             |f| (6..12).for_each(|i| f.set_f32("term.weight", i, 0.3)),
@@ -484,17 +834,57 @@ fn forged_factors_are_refused() {
             },
             "terms that can be drawn",
         ),
-        ("a CDF that falls", |f| f.set_u16("phi.cdf", 3, 0), "phi curves"),
-        ("starts past the end", |f| f.set_u32("theta.start", 1, u32::MAX), "starts"),
-        ("a short tensor", |f| f.cut("term.weight", 4), "30 of 6 terms"),
-        ("another number of tables", |f| f.settings("tables", 6.into()), "36 of 6 terms"),
+        (
+            "a CDF that falls",
+            |f| f.set_u16("phi.cdf", 3, 0),
+            "phi curves",
+        ),
+        (
+            "starts past the end",
+            |f| f.set_u32("theta.start", 1, u32::MAX),
+            "starts",
+        ),
+        (
+            "a short tensor",
+            |f| f.cut("term.weight", 4),
+            "30 of 6 terms",
+        ),
+        (
+            "another number of tables",
+            |f| f.settings("tables", 6.into()),
+            "36 of 6 terms",
+        ),
         ("no tables", |f| f.settings("tables", 0.into()), "0 tables"),
-        ("more tables than can be", |f| f.settings("tables", u64::MAX.into()), "tables"),
-        ("no factors", |f| f.settings("factors", serde_json::Value::Null), "factors of a factored sampler"),
-        ("other cells", |f| f.record["spec"]["factors"]["theta"] = 41.into(), "theta curves over 41"),
-        ("another J", |f| f.record["spec"]["factors"]["outer"] = 4.into(), "of 8 terms"),
-        ("no J", |f| f.record["spec"]["factors"]["outer"] = 0.into(), "J is 0"),
-        ("a floor past 1", |f| f.record["spec"]["factors"]["floor"] = 1.5.into(), "floor is 1.5"),
+        (
+            "more tables than can be",
+            |f| f.settings("tables", u64::MAX.into()),
+            "tables",
+        ),
+        (
+            "no factors",
+            |f| f.settings("factors", serde_json::Value::Null),
+            "factors of a factored sampler",
+        ),
+        (
+            "other cells",
+            |f| f.record["spec"]["factors"]["theta"] = 41.into(),
+            "theta curves over 41",
+        ),
+        (
+            "another J",
+            |f| f.record["spec"]["factors"]["outer"] = 4.into(),
+            "of 8 terms",
+        ),
+        (
+            "no J",
+            |f| f.record["spec"]["factors"]["outer"] = 0.into(),
+            "J is 0",
+        ),
+        (
+            "a floor past 1",
+            |f| f.record["spec"]["factors"]["floor"] = 1.5.into(),
+            "floor is 1.5",
+        ),
         (
             "a missing tensor",
             |f| {
@@ -509,7 +899,12 @@ fn forged_factors_are_refused() {
 
 /// A file of the given header, JSON, and bytes of tensors.
 fn with_header(json: &str, data: &[u8]) -> Vec<u8> {
-    [&(json.len() as u64).to_le_bytes()[..], json.as_bytes(), data].concat()
+    [
+        &(json.len() as u64).to_le_bytes()[..],
+        json.as_bytes(),
+        data,
+    ]
+    .concat()
 }
 
 fn refusal(bytes: Vec<u8>) -> (u64, String) {
@@ -528,7 +923,9 @@ fn headers_that_lie_are_refused_with_their_place() {
     assert_eq!(refusal(with_header("{}", b"trailing")).0, 10);
     // The sum of what the tensors claim and of what stands before them passes 2⁶⁴.
     let part = (1u64 << 61) - 1;
-    let mut tensors: Vec<String> = (0..8).map(|k| tensor(&format!("t{k}"), part, k * part)).collect();
+    let mut tensors: Vec<String> = (0..8)
+        .map(|k| tensor(&format!("t{k}"), part, k * part))
+        .collect();
     tensors.push(tensor("u", 7, 8 * part));
     let (_, found) = refusal(with_header(&format!("{{{}}}", tensors.join(",")), b"few"));
     assert!(found.contains("3 bytes of tensors"), "{found}");
@@ -549,9 +946,14 @@ fn a_bad_value_is_told_with_tensor_and_byte() {
     let marker = f32::from_bits(0xffc1_2345);
     file.set_f32("leaf.bound", 2, marker);
     let bytes = file.write();
-    let at = bytes.windows(4).position(|w| w == marker.to_le_bytes()).unwrap() as u64;
+    let at = bytes
+        .windows(4)
+        .position(|w| w == marker.to_le_bytes())
+        .unwrap() as u64;
     match SamplerFile::from_bytes(bytes, &path).and_then(|f| f.into_sampler(&brdf)) {
-        Err(merlkit::Error::Invalid { offset, expected, .. }) => {
+        Err(merlkit::Error::Invalid {
+            offset, expected, ..
+        }) => {
             assert_eq!(offset, at);
             assert!(expected.contains("in tensor \"leaf.bound\""), "{expected}");
         }

@@ -33,8 +33,10 @@ fn while_shrinking(path: &Path, rounds: usize, work: impl Fn() -> Result<(), Err
         });
         for _ in 0..rounds {
             if let Err(error) = work() {
-                let known =
-                    matches!(error, Error::Invalid { .. } | Error::Argument { .. } | Error::Io { .. });
+                let known = matches!(
+                    error,
+                    Error::Invalid { .. } | Error::Argument { .. } | Error::Io { .. }
+                );
                 assert!(known && !error.to_string().contains('\n'), "{error}");
                 failed += 1;
             }
@@ -49,7 +51,12 @@ fn while_shrinking(path: &Path, rounds: usize, work: impl Fn() -> Result<(), Err
 fn a_merl_binary_that_shrinks_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("nickel.binary");
-    write(&decode_embedded("nickel").unwrap(), &path, Overwrite::Refuse).unwrap();
+    write(
+        &decode_embedded("nickel").unwrap(),
+        &path,
+        Overwrite::Refuse,
+    )
+    .unwrap();
     let material = Material::resolve(&path.to_string_lossy()).unwrap();
     let failed = while_shrinking(&path, 60, || load(&path).map(drop));
     assert!(failed > 0, "the file was never seen short");
@@ -61,9 +68,21 @@ fn a_sampler_file_and_a_picture_that_shrink_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("s.safetensors");
     let material = Material::resolve("nickel").unwrap();
-    let brdf = Arc::new(Measured::new(Arc::new(material.load().unwrap()), LookupRule::Floor));
-    let sampler = SamplerSpec::HalfVector(HalfVectorSettings::default()).build(&brdf).unwrap();
-    save(&sampler, &material, LookupRule::Floor, &path, Overwrite::Refuse).unwrap();
+    let brdf = Arc::new(Measured::new(
+        Arc::new(material.load().unwrap()),
+        LookupRule::Floor,
+    ));
+    let sampler = SamplerSpec::HalfVector(HalfVectorSettings::default())
+        .build(&brdf)
+        .unwrap();
+    save(
+        &sampler,
+        &material,
+        LookupRule::Floor,
+        &path,
+        Overwrite::Refuse,
+    )
+    .unwrap();
     while_shrinking(&path, 300, || SamplerFile::open(&path).map(drop));
     let path = folder.path().join("sky.exr");
     let sky = Image::from_fn(512, 256, |x, y| Rgb::splat((x * y) as f32)).unwrap();
@@ -76,20 +95,39 @@ fn a_sampler_file_and_a_picture_that_shrink_are_errors() {
 fn the_place_where_a_shorter_file_ends_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a");
-    std::fs::File::create(&path).unwrap().write_all(&[7; 100]).unwrap();
+    std::fs::File::create(&path)
+        .unwrap()
+        .write_all(&[7; 100])
+        .unwrap();
     let mut file = RegularFile::open(&path).unwrap();
-    OpenOptions::new().write(true).open(&path).unwrap().set_len(60).unwrap();
+    OpenOptions::new()
+        .write(true)
+        .open(&path)
+        .unwrap()
+        .set_len(60)
+        .unwrap();
     let mut out = [0; 50];
     file.read_at(10, &mut out).unwrap();
     match file.read_at(20, &mut out).unwrap_err() {
-        Error::Invalid { offset, expected, found, .. } => {
+        Error::Invalid {
+            offset,
+            expected,
+            found,
+            ..
+        } => {
             assert_eq!(offset, 60);
-            assert!(expected.contains("70 bytes") && expected.contains("had 100"), "{expected}");
+            assert!(
+                expected.contains("70 bytes") && expected.contains("had 100"),
+                "{expected}"
+            );
             assert!(found.contains("60"), "{found}");
         }
         other => panic!("{other}"),
     }
-    assert!(matches!(file.read_all(1 << 20), Err(Error::Invalid { offset: 60, .. })));
+    assert!(matches!(
+        file.read_all(1 << 20),
+        Err(Error::Invalid { offset: 60, .. })
+    ));
     let file = RegularFile::open(&path).unwrap();
     assert!(matches!(file.read_all(59), Err(Error::Unsupported { .. })));
 }

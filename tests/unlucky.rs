@@ -30,7 +30,10 @@ fn refusals(path: &Path) -> [String; 5] {
 
 fn assert_all_say(path: &Path, word: &str) {
     for message in refusals(path) {
-        assert!(message.contains(word) && message.contains(&*path.to_string_lossy()), "{message}");
+        assert!(
+            message.contains(word) && message.contains(&*path.to_string_lossy()),
+            "{message}"
+        );
         assert!(!message.contains('\n'), "{message}");
     }
 }
@@ -41,17 +44,28 @@ fn folders_pipes_and_devices_are_refused_at_once() {
     assert_all_say(folder.path(), "a folder is not supported");
     // Opening a pipe without a writer would wait for ever.
     let pipe = folder.path().join("pipe.exr");
-    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    assert!(
+        Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
     assert_all_say(&pipe, "a pipe or device is not supported");
     assert_all_say(Path::new("/dev/zero"), "a pipe or device is not supported");
     let path = pipe.to_str().unwrap();
     for arguments in [
         &["info", path][..],
         &["sample", path, "--theta", "1", "--count", "1"],
-        &["render", "nickel", "--light", path, "--size", "8x8", "--spp", "1", "-o", "x"],
+        &[
+            "render", "nickel", "--light", path, "--size", "8x8", "--spp", "1", "-o", "x",
+        ],
     ] {
-        let output =
-            Command::new(cargo_bin!("merlkit")).args(arguments).current_dir(folder.path()).output().unwrap();
+        let output = Command::new(cargo_bin!("merlkit"))
+            .args(arguments)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
         let text = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
         assert!(text.contains("a pipe or device is not supported"), "{text}");
@@ -91,7 +105,10 @@ fn enormous_files_are_refused_before_memory_is_taken() {
         return; // not every file system has holes
     }
     for message in refusals(&path) {
-        assert!(message.contains("expected") || message.contains("at most"), "{message}");
+        assert!(
+            message.contains("expected") || message.contains("at most"),
+            "{message}"
+        );
     }
 }
 
@@ -100,7 +117,12 @@ fn enormous_files_are_refused_before_memory_is_taken() {
 fn pictures_larger_than_their_file_can_hold_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    write_exr(&path, &Image::from_fn(4, 4, |_, _| Rgb::ONE).unwrap(), Overwrite::Refuse).unwrap();
+    write_exr(
+        &path,
+        &Image::from_fn(4, 4, |_, _| Rgb::ONE).unwrap(),
+        Overwrite::Refuse,
+    )
+    .unwrap();
     let good = std::fs::read(&path).unwrap();
     for (width, height, word) in [
         (8000i32, 8000i32, "can't hold it"),
@@ -113,12 +135,18 @@ fn pictures_larger_than_their_file_can_hold_are_refused() {
     ] {
         let mut lie = good.clone();
         for window in [&b"dataWindow\0box2i\0"[..], b"displayWindow\0box2i\0"] {
-            let at = lie.windows(window.len()).position(|w| w == window).unwrap() + window.len() + 4 + 8;
+            let at =
+                lie.windows(window.len()).position(|w| w == window).unwrap() + window.len() + 4 + 8;
             lie[at..at + 4].copy_from_slice(&width.wrapping_sub(1).to_le_bytes());
             lie[at + 4..at + 8].copy_from_slice(&height.wrapping_sub(1).to_le_bytes());
         }
-        let message = decode_exr(&lie, Path::new("lie.exr")).unwrap_err().to_string();
-        assert!(message.starts_with("lie.exr: ") && message.contains(word), "{width} × {height}: {message}");
+        let message = decode_exr(&lie, Path::new("lie.exr"))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.starts_with("lie.exr: ") && message.contains(word),
+            "{width} × {height}: {message}"
+        );
     }
 }
 
@@ -127,6 +155,11 @@ fn pictures_larger_than_their_file_can_hold_are_refused() {
 fn large_black_pictures_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("black.exr");
-    write_exr(&path, &Image::from_fn(4096, 1024, |_, _| Rgb::ZERO).unwrap(), Overwrite::Refuse).unwrap();
+    write_exr(
+        &path,
+        &Image::from_fn(4096, 1024, |_, _| Rgb::ZERO).unwrap(),
+        Overwrite::Refuse,
+    )
+    .unwrap();
     assert_eq!(read_exr(&path).unwrap().width(), 4096);
 }

@@ -9,7 +9,10 @@ use assert_cmd::cargo::cargo_bin;
 
 fn merlkit(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(cargo_bin!("merlkit"));
-    command.args(arguments).current_dir(folder).stdin(Stdio::null());
+    command
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::null());
     command
 }
 
@@ -21,7 +24,10 @@ fn output(folder: &Path, arguments: &[&str]) -> Output {
 fn on_a_full_disk(folder: &Path, blocks: u32, arguments: &[&str]) -> Output {
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
     let mut command = Command::new("bash");
-    command.args(["-c", &script]).arg(cargo_bin!("merlkit")).args(arguments);
+    command
+        .args(["-c", &script])
+        .arg(cargo_bin!("merlkit"))
+        .args(arguments);
     command.current_dir(folder).output().unwrap()
 }
 
@@ -29,20 +35,26 @@ fn on_a_full_disk(folder: &Path, blocks: u32, arguments: &[&str]) -> Output {
 fn refused(output: &Output) -> String {
     let text = String::from_utf8(output.stderr.clone()).unwrap();
     assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.starts_with("merlkit: ") && text.lines().count() == 1, "{text}");
+    assert!(
+        text.starts_with("merlkit: ") && text.lines().count() == 1,
+        "{text}"
+    );
     text
 }
 
 /// Names in a folder, temporary ones included.
 fn names(folder: &Path) -> Vec<String> {
-    let name = |e: std::io::Result<std::fs::DirEntry>| e.unwrap().file_name().into_string().unwrap();
+    let name =
+        |e: std::io::Result<std::fs::DirEntry>| e.unwrap().file_name().into_string().unwrap();
     let mut all: Vec<String> = std::fs::read_dir(folder).unwrap().map(name).collect();
     all.sort();
     all
 }
 
 const NONE: [&str; 0] = [];
-const RENDER: [&str; 8] = ["render", "nickel", "--light", "point", "--size", "300x200", "--spp", "1"];
+const RENDER: [&str; 8] = [
+    "render", "nickel", "--light", "point", "--size", "300x200", "--spp", "1",
+];
 const REPORT: [&str; 6] = ["report", "nickel", "--draws", "1", "--sampler", "cosine"];
 
 #[test]
@@ -51,14 +63,29 @@ fn a_full_disk_leaves_nothing_behind() {
     let json: Vec<&str> = [&REPORT[..], &["--json", "r.json"]].concat();
     for (arguments, file) in [
         (&["decode", "nickel", "-o", "."][..], "nickel.binary"),
-        (&["build", "nickel", "--sampler", "cascade-cdf", "--tables", "2", "-o", "s"], "s"),
+        (
+            &[
+                "build",
+                "nickel",
+                "--sampler",
+                "cascade-cdf",
+                "--tables",
+                "2",
+                "-o",
+                "s",
+            ],
+            "s",
+        ),
         (&RENDER, "render.exr"),
         (&json, "r.json"),
         (&["list", "--json", "names.json"], "names.json"),
     ] {
         let blocks = if file.ends_with(".json") { 0 } else { 1 };
         let text = refused(&on_a_full_disk(folder.path(), blocks, arguments));
-        assert!(text.contains(file) && text.contains("cannot write"), "{text}");
+        assert!(
+            text.contains(file) && text.contains("cannot write"),
+            "{text}"
+        );
         assert_eq!(names(folder.path()), NONE, "{arguments:?}");
     }
 }
@@ -68,15 +95,28 @@ fn a_full_disk_leaves_nothing_behind() {
 fn a_full_disk_keeps_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("nickel.binary"), "old").unwrap();
-    refused(&on_a_full_disk(folder.path(), 8, &["decode", "nickel", "-o", ".", "--force"]));
-    assert_eq!(std::fs::read_to_string(folder.path().join("nickel.binary")).unwrap(), "old");
+    refused(&on_a_full_disk(
+        folder.path(),
+        8,
+        &["decode", "nickel", "-o", ".", "--force"],
+    ));
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("nickel.binary")).unwrap(),
+        "old"
+    );
     assert_eq!(names(folder.path()), ["nickel.binary"]);
 }
 
 #[test]
 fn a_full_standard_output_is_an_error() {
-    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    let output = merlkit(Path::new("."), &["list"]).stdout(full).output().unwrap();
+    let full = std::fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
+    let output = merlkit(Path::new("."), &["list"])
+        .stdout(full)
+        .output()
+        .unwrap();
     assert!(refused(&output).contains("standard output: cannot write"));
 }
 
@@ -84,7 +124,13 @@ fn a_full_standard_output_is_an_error() {
 fn devices_are_not_replaced_by_files() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");
-    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    assert!(
+        Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
     for path in ["pipe", "/dev/null", "/dev/stdout"] {
         // As `list` has its output read, standard output is a pipe.
         let text = refused(&output(folder.path(), &["list", "--json", path, "--force"]));
@@ -96,7 +142,11 @@ fn devices_are_not_replaced_by_files() {
 #[test]
 fn a_build_that_fails_midway_lists_what_it_wrote() {
     let folder = tempfile::tempdir().unwrap();
-    assert!(output(folder.path(), &["decode", "nickel", "-o", "."]).status.success());
+    assert!(
+        output(folder.path(), &["decode", "nickel", "-o", "."])
+            .status
+            .success()
+    );
     std::fs::write(folder.path().join("broken.binary"), "no table").unwrap();
     let arguments = [
         "build",
@@ -110,12 +160,21 @@ fn a_build_that_fails_midway_lists_what_it_wrote() {
         "-o",
         "s",
     ];
-    let output = output(folder.path(), &[&arguments[..], &["--threads", "1"]].concat());
+    let output = output(
+        folder.path(),
+        &[&arguments[..], &["--threads", "1"]].concat(),
+    );
     assert!(refused(&output).contains("broken.binary"));
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(text.lines().count(), 1, "{text}");
-    assert!(text.starts_with("s/nickel.cascade-cdf.safetensors: "), "{text}");
-    assert_eq!(names(&folder.path().join("s")), ["nickel.cascade-cdf.safetensors"]);
+    assert!(
+        text.starts_with("s/nickel.cascade-cdf.safetensors: "),
+        "{text}"
+    );
+    assert_eq!(
+        names(&folder.path().join("s")),
+        ["nickel.cascade-cdf.safetensors"]
+    );
 }
 
 /// A running command whose first line of output has come.
@@ -126,15 +185,21 @@ struct Running {
 
 impl Running {
     fn start(folder: &Path, arguments: &[&str]) -> Self {
-        let mut child =
-            merlkit(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut child = merlkit(folder, arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
         let out = BufReader::new(child.stdout.take().unwrap());
         Self { child, out }
     }
 
     fn line(&mut self) -> String {
         let mut line = String::new();
-        assert!(self.out.read_line(&mut line).unwrap() > 0, "the command ended early");
+        assert!(
+            self.out.read_line(&mut line).unwrap() > 0,
+            "the command ended early"
+        );
         line
     }
 
@@ -145,7 +210,13 @@ impl Running {
 
     fn signal(mut self, signal: &str, status: i32) -> String {
         let id = self.child.id().to_string();
-        assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
+        assert!(
+            Command::new("kill")
+                .args([signal, &id])
+                .status()
+                .unwrap()
+                .success()
+        );
         let mut rest = String::new();
         self.out.read_to_string(&mut rest).unwrap();
         let output = self.child.wait_with_output().unwrap();
@@ -159,8 +230,18 @@ impl Running {
 #[test]
 fn an_interrupted_report_keeps_the_finished_materials() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments =
-        ["report", "--all", "--draws", "1000", "--sampler", "cosine", "--json", "r.json", "--csv", "r.csv"];
+    let arguments = [
+        "report",
+        "--all",
+        "--draws",
+        "1000",
+        "--sampler",
+        "cosine",
+        "--json",
+        "r.json",
+        "--csv",
+        "r.csv",
+    ];
     let mut running = Running::start(folder.path(), &arguments);
     while !running.line().trim().is_empty() {}
     running.interrupt();
@@ -176,8 +257,17 @@ fn an_interrupted_report_keeps_the_finished_materials() {
 #[test]
 fn an_interrupted_render_leaves_nothing_half_written() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments =
-        ["render", "nickel", "--light", "point", "--explain", "--size", "2000x2000", "--spp", "100000"];
+    let arguments = [
+        "render",
+        "nickel",
+        "--light",
+        "point",
+        "--explain",
+        "--size",
+        "2000x2000",
+        "--spp",
+        "100000",
+    ];
     let mut running = Running::start(folder.path(), &arguments);
     running.line();
     running.interrupt();
@@ -187,7 +277,16 @@ fn an_interrupted_render_leaves_nothing_half_written() {
 #[test]
 fn an_interrupted_check_keeps_the_finished_outcomes() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["check", "--all", "--draws", "1000", "--sampler", "cosine", "--json", "c.json"];
+    let arguments = [
+        "check",
+        "--all",
+        "--draws",
+        "1000",
+        "--sampler",
+        "cosine",
+        "--json",
+        "c.json",
+    ];
     // `check` shows nothing until it is done, so on a slow machine the first waits may be too short for one material.
     let text = [1, 2, 4, 8, 16].into_iter().find_map(|seconds| {
         let running = Running::start(folder.path(), &arguments);
@@ -207,7 +306,11 @@ fn a_terminated_decode_keeps_whole_files() {
     let folder = tempfile::tempdir().unwrap();
     let running = Running::start(folder.path(), &["decode", "--all", "-o", "."]);
     let whole = |p: &PathBuf| p.extension().is_some_and(|e| e == "binary");
-    let there = || names(folder.path()).into_iter().map(|n| folder.path().join(n));
+    let there = || {
+        names(folder.path())
+            .into_iter()
+            .map(|n| folder.path().join(n))
+    };
     let being_written = |p: &PathBuf| p.metadata().is_ok_and(|m| m.len() > 0);
     while !(there().any(|p| whole(&p)) && there().any(|p| !whole(&p) && being_written(&p))) {
         std::thread::yield_now();
@@ -215,6 +318,11 @@ fn a_terminated_decode_keeps_whole_files() {
     running.signal("-TERM", 143);
     for path in there() {
         assert!(whole(&path), "{} was left behind", path.display());
-        assert_eq!(path.metadata().unwrap().len(), 34_992_012, "{}", path.display());
+        assert_eq!(
+            path.metadata().unwrap().len(),
+            34_992_012,
+            "{}",
+            path.display()
+        );
     }
 }

@@ -73,7 +73,11 @@ impl Batch {
         }
         // Nearly all are unit directions: one count for all of them, without a branch for each.
         let unit = |k: usize| is_unit_upper(at(&self.wo, k)) & is_unit_upper(at(&self.wi, k));
-        if (0..count.min(LANES)).map(|k| u32::from(!unit(k))).sum::<u32>() > 0 {
+        if (0..count.min(LANES))
+            .map(|k| u32::from(!unit(k)))
+            .sum::<u32>()
+            > 0
+        {
             self.renormalise(count);
         }
         for k in 0..count.min(LANES) {

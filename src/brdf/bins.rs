@@ -93,10 +93,24 @@ fn azimuth_bin(x: f32, y: f32, phi_d_bins: usize) -> usize {
 /// Azimuth in degrees from 0 to `phi_d_bins`; π is 0 for a table of 180.
 pub(super) fn azimuth(x: f32, y: f32, phi_d_bins: usize) -> f64 {
     // Opposite azimuths are one in a table of 180: rounding must not tell them apart.
-    let sign = if phi_d_bins == 180 && (y < 0.0 || (y == 0.0 && x < 0.0)) { -1.0 } else { 1.0 };
-    let degrees = (sign * f64::from(y)).atan2(sign * f64::from(x)).to_degrees();
-    let positive = if degrees < 0.0 { degrees + phi_d_bins as f64 } else { degrees };
-    if phi_d_bins == 180 && positive == 180.0 { 0.0 } else { positive }
+    let sign = if phi_d_bins == 180 && (y < 0.0 || (y == 0.0 && x < 0.0)) {
+        -1.0
+    } else {
+        1.0
+    };
+    let degrees = (sign * f64::from(y))
+        .atan2(sign * f64::from(x))
+        .to_degrees();
+    let positive = if degrees < 0.0 {
+        degrees + phi_d_bins as f64
+    } else {
+        degrees
+    };
+    if phi_d_bins == 180 && positive == 180.0 {
+        0.0
+    } else {
+        positive
+    }
 }
 
 /// Lower edge of a bin of θh, radians.
@@ -122,10 +136,16 @@ impl TanSquared {
         let cell = |k: usize| {
             let (start, end) = keys::bounds(k);
             let below = edges.partition_point(|&e| e <= start);
-            let edge = edges.get(below).copied().filter(|&e| e < end).unwrap_or(f64::INFINITY);
+            let edge = edges
+                .get(below)
+                .copied()
+                .filter(|&e| e < end)
+                .unwrap_or(f64::INFINITY);
             Cell { edge, below }
         };
-        Self { cells: Box::new(std::array::from_fn(cell)) }
+        Self {
+            cells: Box::new(std::array::from_fn(cell)),
+        }
     }
 
     /// Bin of a squared tangent ≥ 0; infinity is in the last bin, NaN in the first.
@@ -139,7 +159,11 @@ impl TanSquared {
 
     #[cold]
     fn beyond(&self, t: f64) -> usize {
-        if t >= keys::HIGH { self.cells[CELLS - 1].below } else { 0 }
+        if t >= keys::HIGH {
+            self.cells[CELLS - 1].below
+        } else {
+            0
+        }
     }
 }
 

@@ -37,15 +37,25 @@ impl CoordinateTables {
 
     /// Coordinates of a valid pair. `azimuth` gives the azimuth of wi in degrees, wanted where it is φd.
     #[inline(always)]
-    pub fn of(&self, tan2: Tangents, phi_d_bins: usize, azimuth: impl FnOnce() -> f64) -> Coordinates {
+    pub fn of(
+        &self,
+        tan2: Tangents,
+        phi_d_bins: usize,
+        azimuth: impl FnOnce() -> f64,
+    ) -> Coordinates {
         let phi_d = if tan2.theta_h > 0.0 {
             // Degrees on either side of φd = 0 or, in a table of 360, of φd = π.
             let opposite = (phi_d_bins == 360) & ((tan2.half_turn < 0.0) != (tan2.phi_d < 0.0));
-            self.degrees.at(tan2.phi_d.abs()).copysign(tan2.phi_d) + 180.0 * f64::from(u8::from(opposite))
+            self.degrees.at(tan2.phi_d.abs()).copysign(tan2.phi_d)
+                + 180.0 * f64::from(u8::from(opposite))
         } else {
             azimuth()
         };
-        Coordinates { theta_h: self.theta_h.at(tan2.theta_h), theta_d: self.degrees.at(tan2.theta_d), phi_d }
+        Coordinates {
+            theta_h: self.theta_h.at(tan2.theta_h),
+            theta_d: self.degrees.at(tan2.theta_d),
+            phi_d,
+        }
     }
 }
 
@@ -65,7 +75,10 @@ struct Cubics {
 
 impl Cubics {
     fn new(exact: fn(f64) -> f64) -> Self {
-        Self { exact, cells: Box::new(std::array::from_fn(|k| cubic(exact, k))) }
+        Self {
+            exact,
+            cells: Box::new(std::array::from_fn(|k| cubic(exact, k))),
+        }
     }
 
     /// The function at a squared tangent ≥ 0; its value at 0 for NaN.
@@ -128,11 +141,20 @@ mod tests {
     fn ends_are_exact() {
         let tables = CoordinateTables::get();
         for table in [&tables.theta_h, &tables.degrees] {
-            assert_eq!([0.0, f64::NAN, f64::INFINITY].map(|t| table.at(t)), [0.0, 0.0, 90.0]);
+            assert_eq!(
+                [0.0, f64::NAN, f64::INFINITY].map(|t| table.at(t)),
+                [0.0, 0.0, 90.0]
+            );
             for k in 0..CELLS {
                 let (start, end) = keys::bounds(k);
-                assert!((table.at(start) - (table.exact)(start)).abs() < 1e-12, "{start}");
-                assert!((table.at(end.next_down()) - (table.exact)(end)).abs() < 1e-11, "{end}");
+                assert!(
+                    (table.at(start) - (table.exact)(start)).abs() < 1e-12,
+                    "{start}"
+                );
+                assert!(
+                    (table.at(end.next_down()) - (table.exact)(end)).abs() < 1e-11,
+                    "{end}"
+                );
             }
         }
     }

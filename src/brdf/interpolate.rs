@@ -23,7 +23,11 @@ impl Pair {
         let end = (bins - 1) as f64;
         let x = if x > 0.0 { x } else { 0.0 };
         let (low, share) = split(if x < end { x } else { end });
-        Self { low, high: (low + 1).min(bins as u32 - 1), share }
+        Self {
+            low,
+            high: (low + 1).min(bins as u32 - 1),
+            share,
+        }
     }
 
     /// Neighbours of a coordinate from −`bins` to `bins` on an axis that closes on itself.
@@ -32,7 +36,11 @@ impl Pair {
         let bins = bins as u32;
         let (low, share) = split(x + f64::from(u8::from(x < 0.0)) * f64::from(bins));
         let wrapped = |k: u32| k - if k < bins { 0 } else { bins };
-        Self { low: wrapped(low), high: wrapped(low + 1), share }
+        Self {
+            low: wrapped(low),
+            high: wrapped(low + 1),
+            share,
+        }
     }
 }
 
@@ -82,13 +90,29 @@ impl Neighbours {
         let cells = table.cells();
         let along_phi = |h: u32, d: u32| {
             let row = table.index(h as usize, d as usize, 0);
-            let (low, high) = (cells[row + self.phi_d.low as usize], cells[row + self.phi_d.high as usize]);
+            let (low, high) = (
+                cells[row + self.phi_d.low as usize],
+                cells[row + self.phi_d.high as usize],
+            );
             mix(low, high, self.phi_d.share)
         };
-        let along_theta_d =
-            |h| mix(along_phi(h, self.theta_d.low), along_phi(h, self.theta_d.high), self.theta_d.share);
-        let sum = mix(along_theta_d(self.theta_h.low), along_theta_d(self.theta_h.high), self.theta_h.share);
-        if sum.w > 0.0 { (sum / sum.w).truncate().min(Rgb::splat(f32::MAX)) } else { Rgb::ZERO }
+        let along_theta_d = |h| {
+            mix(
+                along_phi(h, self.theta_d.low),
+                along_phi(h, self.theta_d.high),
+                self.theta_d.share,
+            )
+        };
+        let sum = mix(
+            along_theta_d(self.theta_h.low),
+            along_theta_d(self.theta_h.high),
+            self.theta_h.share,
+        );
+        if sum.w > 0.0 {
+            (sum / sum.w).truncate().min(Rgb::splat(f32::MAX))
+        } else {
+            Rgb::ZERO
+        }
     }
 }
 

@@ -13,7 +13,9 @@ use crate::geom::{is_unit_upper, unit_upper};
 use crate::merl::MerlTable;
 
 /// What a table says between its samples. The rule changes the albedo of metals by up to a quarter, so reports name it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum LookupRule {
     /// The value of the bin that holds the angles, as the original MERL reader.
@@ -78,13 +80,17 @@ impl Measured {
     /// 1.4 to 1.9 times as long (`cargo bench --bench lookup`).
     #[cold]
     fn value_of_others(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        unit_upper(wo).zip(unit_upper(wi)).map_or(Rgb::ZERO, |(wo, wi)| self.value(wo, wi))
+        unit_upper(wo)
+            .zip(unit_upper(wi))
+            .map_or(Rgb::ZERO, |(wo, wi)| self.value(wo, wi))
     }
 
     #[inline]
     fn floor(&self, wo: Vec3, wi: Vec3) -> Rgb {
         match BinIndex::of(wo, wi, self.table.phi_d_bins()) {
-            Some(b) => self.table.cells()[self.table.index(b.theta_h, b.theta_d, b.phi_d)].truncate(),
+            Some(b) => {
+                self.table.cells()[self.table.index(b.theta_h, b.theta_d, b.phi_d)].truncate()
+            }
             None => Rgb::ZERO,
         }
     }
@@ -99,7 +105,11 @@ impl Measured {
 impl Brdf for Measured {
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        if is_unit_upper(wo) & is_unit_upper(wi) { self.value(wo, wi) } else { self.value_of_others(wo, wi) }
+        if is_unit_upper(wo) & is_unit_upper(wi) {
+            self.value(wo, wi)
+        } else {
+            self.value_of_others(wo, wi)
+        }
     }
 
     fn eval_many(&self, wo: Vec3, wi: &[Vec3], out: &mut [Rgb]) {
@@ -107,7 +117,12 @@ impl Brdf for Measured {
     }
 
     fn eval_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
-        batch::evaluate(&self.table, self.rule, wo.iter().copied().zip(wi.iter().copied()), out);
+        batch::evaluate(
+            &self.table,
+            self.rule,
+            wo.iter().copied().zip(wi.iter().copied()),
+            out,
+        );
     }
 
     fn eval_cos_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {

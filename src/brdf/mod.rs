@@ -63,6 +63,10 @@ pub trait Brdf: Send + Sync {
 
     /// Which azimuths of `wo` stand for all others.
     fn symmetry(&self) -> Symmetry {
-        if self.is_isotropic() { Symmetry::Isotropic } else { Symmetry::Whole }
+        if self.is_isotropic() {
+            Symmetry::Isotropic
+        } else {
+            Symmetry::Whole
+        }
     }
 }

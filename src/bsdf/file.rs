@@ -52,7 +52,10 @@ impl Colour {
     pub fn to_rgb(&self) -> Tensor {
         match self {
             Self::Rgb(rgb) => rgb.clone(),
-            Self::Spectral { wavelengths, spectra } => to_rgb(wavelengths, spectra),
+            Self::Spectral {
+                wavelengths,
+                spectra,
+            } => to_rgb(wavelengths, spectra),
         }
     }
 }
@@ -83,7 +86,11 @@ impl BsdfFile {
         let jacobian = match file.bytes("jacobian")? {
             [flag] => *flag != 0,
             other => {
-                return Err(file.wrong_entry("jacobian", "one byte", format!("{} bytes", other.len())));
+                return Err(file.wrong_entry(
+                    "jacobian",
+                    "one byte",
+                    format!("{} bytes", other.len()),
+                ));
             }
         };
         let luminance = read.density("luminance")?;
@@ -118,15 +125,21 @@ impl BsdfFile {
             ("theta_i", Data::Floats(&axis_theta, &self.theta_i)),
             ("phi_i", Data::Floats(&axis_phi, &self.phi_i)),
         ];
-        for (name, tensor) in
-            [("ndf", &self.ndf), ("sigma", &self.sigma), ("vndf", &self.vndf), ("luminance", &self.luminance)]
-        {
+        for (name, tensor) in [
+            ("ndf", &self.ndf),
+            ("sigma", &self.sigma),
+            ("vndf", &self.vndf),
+            ("luminance", &self.luminance),
+        ] {
             fields.push((name, Data::Floats(&tensor.shape, &tensor.values)));
         }
         let axis;
         match &self.colour {
             Colour::Rgb(rgb) => fields.push(("rgb", Data::Floats(&rgb.shape, &rgb.values))),
-            Colour::Spectral { wavelengths, spectra } => {
+            Colour::Spectral {
+                wavelengths,
+                spectra,
+            } => {
                 axis = [wavelengths.len()];
                 fields.push(("wavelengths", Data::Floats(&axis, wavelengths)));
                 fields.push(("spectra", Data::Floats(&spectra.shape, &spectra.values)));
@@ -163,8 +176,16 @@ impl Reader<'_> {
         self.of_slices(name, &tensor)?;
         self.not_negative(name, &tensor)?;
         let slice = tensor.shape[2] * tensor.shape[3];
-        match tensor.values.chunks_exact(slice).position(|s| s.iter().all(|&v| v == 0.0)) {
-            Some(k) => Err(self.file.wrong_value(name, k * slice, "a slice that is not all zero", 0.0)),
+        match tensor
+            .values
+            .chunks_exact(slice)
+            .position(|s| s.iter().all(|&v| v == 0.0))
+        {
+            Some(k) => {
+                Err(self
+                    .file
+                    .wrong_value(name, k * slice, "a slice that is not all zero", 0.0))
+            }
             None => Ok(tensor),
         }
     }
@@ -176,7 +197,10 @@ impl Reader<'_> {
         }
         let wavelengths = rising(self.file, "wavelengths", 1.0, 1e6)?;
         let spectra = self.channels("spectra", wavelengths.len(), side)?;
-        Ok(Colour::Spectral { wavelengths, spectra })
+        Ok(Colour::Spectral {
+            wavelengths,
+            spectra,
+        })
     }
 
     fn channels(&self, name: &str, count: usize, side: usize) -> Result<Tensor> {
@@ -184,7 +208,11 @@ impl Reader<'_> {
         self.of_slices(name, &tensor)?;
         if tensor.shape[2..] != [count, side, side] {
             let found = format!("{:?}", &tensor.shape[2..]);
-            return Err(self.file.wrong_entry(name, format!("the shape [{count}, {side}, {side}]"), found));
+            return Err(self.file.wrong_entry(
+                name,
+                format!("the shape [{count}, {side}, {side}]"),
+                found,
+            ));
         }
         Ok(tensor)
     }
@@ -195,7 +223,9 @@ impl Reader<'_> {
         }
         let [p, t] = self.slices;
         let expected = format!("slices for {p} phi_i and {t} theta_i");
-        Err(self.file.wrong_entry(name, expected, format!("the shape {:?}", tensor.shape)))
+        Err(self
+            .file
+            .wrong_entry(name, expected, format!("the shape {:?}", tensor.shape)))
     }
 
     fn at_least_two(&self, name: &str, tensor: &Tensor) -> Result<()> {
@@ -203,14 +233,18 @@ impl Reader<'_> {
             true => Ok(()),
             false => {
                 let found = format!("the shape {:?}", tensor.shape);
-                Err(self.file.wrong_entry(name, "at least 2 rows and columns", found))
+                Err(self
+                    .file
+                    .wrong_entry(name, "at least 2 rows and columns", found))
             }
         }
     }
 
     fn not_negative(&self, name: &str, tensor: &Tensor) -> Result<()> {
         match tensor.values.iter().position(|&v| v < 0.0) {
-            Some(k) => Err(self.file.wrong_value(name, k, "values ≥ 0", tensor.values[k])),
+            Some(k) => Err(self
+                .file
+                .wrong_value(name, k, "values ≥ 0", tensor.values[k])),
             None => Ok(()),
         }
     }
@@ -220,7 +254,10 @@ impl Reader<'_> {
 fn rising(file: &TensorFile, name: &str, low: f32, high: f32) -> Result<Vec<f32>> {
     let values = file.floats(name, 1)?.values;
     let slack = 1e-6;
-    if let Some(k) = values.iter().position(|v| !(low - slack..=high + slack).contains(v)) {
+    if let Some(k) = values
+        .iter()
+        .position(|v| !(low - slack..=high + slack).contains(v))
+    {
         return Err(file.wrong_value(name, k, &format!("values from {low} to {high}"), values[k]));
     }
     match values.windows(2).position(|pair| pair[1] <= pair[0]) {

@@ -41,7 +41,9 @@ impl Rgl {
     pub fn new(file: BsdfFile) -> Self {
         let symmetry = symmetry(&file);
         Self {
-            area: file.jacobian.then(|| [Grid::new(file.ndf, 1), Grid::new(file.sigma, 1)]),
+            area: file
+                .jacobian
+                .then(|| [Grid::new(file.ndf, 1), Grid::new(file.sigma, 1)]),
             warp: Warp::new(file.vndf),
             luminance: Warp::new(file.luminance),
             colour: Grid::new(file.colour.to_rgb(), 3),
@@ -100,7 +102,10 @@ impl Rgl {
         let blend = Blend::about(phi, theta, &self.phi_i, &self.theta_i);
         let u_m = self.warp.sample(self.luminance.sample(u, &blend), &blend);
         let from = if self.is_isotropic() { phi } else { 0.0 };
-        let m = spherical(u_m[0] * u_m[0] * FRAC_PI_2, (2.0 * u_m[1] - 1.0) * PI + from);
+        let m = spherical(
+            u_m[0] * u_m[0] * FRAC_PI_2,
+            (2.0 * u_m[1] - 1.0) * PI + from,
+        );
         unit_upper((reflect_about(turned.wo, m) * turned.signs).as_vec3())
     }
 
@@ -133,7 +138,10 @@ impl Rgl {
     /// `wo` where azimuths are tabulated, and the signs by which `wi` goes along.
     fn turned(&self, wo: Vec3) -> Turned {
         let signs = self.symmetry.signs(wo).as_dvec3();
-        Turned { wo: wo.as_dvec3() * signs, signs }
+        Turned {
+            wo: wo.as_dvec3() * signs,
+            signs,
+        }
     }
 }
 

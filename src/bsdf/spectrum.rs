@@ -11,9 +11,33 @@ use super::tensors::Tensor;
 pub(super) const WAVELENGTHS: [f32; 7] = [450.0, 480.0, 500.0, 550.0, 580.0, 600.0, 620.0];
 /// Spectra of red, green and blue at these wavelengths.
 const PRIMARIES: [[f32; 7]; 3] = [
-    [0.025_386_5, 0.001_747_8, 0.0, 0.0, 0.103_217_4, 0.806_955_1, 1.0],
-    [0.0, 0.156_86, 0.905_937_7, 1.0, 0.844_234_9, 0.193_044_9, 0.0],
-    [0.974_613_5, 0.841_392_2, 0.094_062_3, 0.0, 0.052_547_7, 0.0, 0.0],
+    [
+        0.025_386_5,
+        0.001_747_8,
+        0.0,
+        0.0,
+        0.103_217_4,
+        0.806_955_1,
+        1.0,
+    ],
+    [
+        0.0,
+        0.156_86,
+        0.905_937_7,
+        1.0,
+        0.844_234_9,
+        0.193_044_9,
+        0.0,
+    ],
+    [
+        0.974_613_5,
+        0.841_392_2,
+        0.094_062_3,
+        0.0,
+        0.052_547_7,
+        0.0,
+        0.0,
+    ],
 ];
 
 /// A step of the tables below, nm, which begin at 380.
@@ -45,7 +69,9 @@ const TO_SRGB: [[f64; 3]; 3] = [
 
 /// Spectra of colours: `[P, T, 3, n, n]` becomes `[P, T, 7, n, n]`.
 pub(super) fn to_spectra(rgb: &Tensor) -> Tensor {
-    let weights: Vec<[f32; 3]> = (0..WAVELENGTHS.len()).map(|k| PRIMARIES.map(|p| p[k])).collect();
+    let weights: Vec<[f32; 3]> = (0..WAVELENGTHS.len())
+        .map(|k| PRIMARIES.map(|p| p[k]))
+        .collect();
     mix_channels(rgb, &weights)
 }
 
@@ -92,7 +118,9 @@ fn mix_channels<W: AsRef<[f32]>>(tensor: &Tensor, weights: &[W]) -> Tensor {
         for row in weights {
             out.extend((0..square).map(|at| {
                 let terms = row.as_ref().iter().zip(slice[at..].iter().step_by(square));
-                terms.map(|(w, v)| f64::from(*w) * f64::from(*v)).sum::<f64>() as f32
+                terms
+                    .map(|(w, v)| f64::from(*w) * f64::from(*v))
+                    .sum::<f64>() as f32
             }));
         }
     }
@@ -106,13 +134,21 @@ mod tests {
     use super::*;
 
     fn there_and_back(rgb: [f32; 3]) -> Vec<f32> {
-        let colour = Tensor { shape: vec![1, 1, 3, 1, 1], values: rgb.to_vec() };
+        let colour = Tensor {
+            shape: vec![1, 1, 3, 1, 1],
+            values: rgb.to_vec(),
+        };
         to_rgb(&WAVELENGTHS, &to_spectra(&colour)).values
     }
 
     #[test]
     fn colours_come_back() {
-        for rgb in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.3, 40.0, 0.7]] {
+        for rgb in [
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.3, 40.0, 0.7],
+        ] {
             // Spectra are stored in f32: each channel is rounded as the largest is.
             let largest = rgb.into_iter().fold(0.0, f32::max);
             for (a, b) in there_and_back(rgb).iter().zip(rgb) {
@@ -132,7 +168,10 @@ mod tests {
 
     #[test]
     fn a_flat_spectrum_is_grey() {
-        let flat = Tensor { shape: vec![1, 1, 4, 1, 1], values: vec![0.5; 4] };
+        let flat = Tensor {
+            shape: vec![1, 1, 4, 1, 1],
+            values: vec![0.5; 4],
+        };
         for v in to_rgb(&[360.0, 500.0, 501.0, 1000.0], &flat).values {
             assert!((v - 0.5).abs() < 1e-6);
         }

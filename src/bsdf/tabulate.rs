@@ -52,14 +52,23 @@ const LAST: f64 = 89.5;
 const FLOOR: f64 = 1e-6;
 
 /// Tabulates an isotropic `value(wo, wi)` (f_r in sr⁻¹) as an RGB file, on all threads of the current pool.
-pub fn tabulate(value: impl Fn(Vec3, Vec3) -> Rgb + Sync, size: BsdfSize, description: String) -> BsdfFile {
+pub fn tabulate(
+    value: impl Fn(Vec3, Vec3) -> Rgb + Sync,
+    size: BsdfSize,
+    description: String,
+) -> BsdfFile {
     let theta_i = angles(size.angles);
-    let slices: Vec<Slice> =
-        theta_i.par_iter().map(|&theta| Slice::at(f64::from(theta), size.side, &value)).collect();
+    let slices: Vec<Slice> = theta_i
+        .par_iter()
+        .map(|&theta| Slice::at(f64::from(theta), size.side, &value))
+        .collect();
     let (n, t) = (size.side, theta_i.len());
     let collect = |shape: &[usize], part: fn(&Slice) -> &Vec<f32>| Tensor {
         shape: shape.to_vec(),
-        values: slices.iter().flat_map(|s| part(s).iter().copied()).collect(),
+        values: slices
+            .iter()
+            .flat_map(|s| part(s).iter().copied())
+            .collect(),
     };
     BsdfFile {
         description,
@@ -80,8 +89,14 @@ impl BsdfFile {
         let Colour::Rgb(rgb) = &self.colour else {
             return self.clone();
         };
-        let colour = Colour::Spectral { wavelengths: WAVELENGTHS.to_vec(), spectra: to_spectra(rgb) };
-        Self { colour, ..self.clone() }
+        let colour = Colour::Spectral {
+            wavelengths: WAVELENGTHS.to_vec(),
+            spectra: to_spectra(rgb),
+        };
+        Self {
+            colour,
+            ..self.clone()
+        }
     }
 }
 
@@ -115,7 +130,10 @@ impl Slice {
         let mean = mass.iter().sum::<f64>() / mass.len() as f64;
         // Any scale will do: renderers normalise. This one keeps numbers near 1.
         let scale = if mean > 0.0 { 1.0 / mean } else { 0.0 };
-        Self { rgb, luminance: mass.iter().map(|m| (m * scale).max(FLOOR) as f32).collect() }
+        Self {
+            rgb,
+            luminance: mass.iter().map(|m| (m * scale).max(FLOOR) as f32).collect(),
+        }
     }
 }
 
@@ -132,7 +150,10 @@ impl Node {
         let theta_m = x * x * FRAC_PI_2;
         let m = spherical(theta_m, (2.0 * y - 1.0) * PI);
         let jacobian = TAU * PI * x * theta_m.sin() * 4.0 * wo.dot(m).max(0.0);
-        Self { wi: reflect_about(wo, m), jacobian }
+        Self {
+            wi: reflect_about(wo, m),
+            jacobian,
+        }
     }
 
     fn value_cos(&self, wo: DVec3, value: &impl Fn(Vec3, Vec3) -> Rgb) -> Rgb {

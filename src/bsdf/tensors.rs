@@ -31,7 +31,10 @@ pub struct Tensor {
 impl Tensor {
     /// An array of `shape` that holds `value` everywhere.
     pub fn filled(shape: &[usize], value: f32) -> Self {
-        Self { shape: shape.to_vec(), values: vec![value; shape.iter().product()] }
+        Self {
+            shape: shape.to_vec(),
+            values: vec![value; shape.iter().product()],
+        }
     }
 }
 
@@ -62,7 +65,10 @@ struct Field {
 /// Whether `path` begins as a tensor file does.
 pub fn looks_like_bsdf(path: &Path) -> bool {
     let mut start = [0; MAGIC.len()];
-    RegularFile::open(path).and_then(|mut f| f.read_at(0, &mut start)).is_ok() && start == *MAGIC
+    RegularFile::open(path)
+        .and_then(|mut f| f.read_at(0, &mut start))
+        .is_ok()
+        && start == *MAGIC
 }
 
 impl TensorFile {
@@ -72,19 +78,31 @@ impl TensorFile {
 
     /// Finds all fields in a file's bytes; nothing is copied. `path` is for messages.
     pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Self> {
-        let mut cursor = Cursor { bytes: &bytes, at: 0, path };
+        let mut cursor = Cursor {
+            bytes: &bytes,
+            at: 0,
+            path,
+        };
         let count = cursor.head()?;
         let mut fields = BTreeMap::new();
         for _ in 0..count {
             let entry = cursor.at;
             let (name, field) = cursor.field()?;
             if fields.contains_key(&name) {
-                return Err(cursor.wrong(entry, "fields of different names", format!("another \"{name}\"")));
+                return Err(cursor.wrong(
+                    entry,
+                    "fields of different names",
+                    format!("another \"{name}\""),
+                ));
             }
             fields.insert(name, field);
         }
         check_places(&fields, &cursor)?;
-        Ok(Self { path: path.to_owned(), bytes, fields })
+        Ok(Self {
+            path: path.to_owned(),
+            bytes,
+            fields,
+        })
     }
 
     pub fn has(&self, name: &str) -> bool {
@@ -101,19 +119,36 @@ impl TensorFile {
     pub fn floats(&self, name: &str, axes: usize) -> Result<Tensor> {
         let field = self.field(name, F32, axes)?;
         let bytes = self.bytes.get(field.start..field.end).unwrap_or_default();
-        let values: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+        let values: Vec<f32> = bytes
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|b| f32::from_le_bytes(*b))
+            .collect();
         if values.is_empty() {
-            return Err(self.wrong_entry(name, "values", format!("none, of shape {:?}", field.shape)));
+            return Err(self.wrong_entry(
+                name,
+                "values",
+                format!("none, of shape {:?}", field.shape),
+            ));
         }
         match values.iter().position(|v| !v.is_finite()) {
             Some(k) => Err(self.wrong_value(name, k, "finite numbers", values[k])),
-            None => Ok(Tensor { shape: field.shape.clone(), values }),
+            None => Ok(Tensor {
+                shape: field.shape.clone(),
+                values,
+            }),
         }
     }
 
     fn field(&self, name: &str, dtype: u8, axes: usize) -> Result<&Field> {
         let Some(field) = self.fields.get(name) else {
-            return Err(wrong(&self.path, FIELDS, format!("a field \"{name}\""), "none".into()));
+            return Err(wrong(
+                &self.path,
+                FIELDS,
+                format!("a field \"{name}\""),
+                "none".into(),
+            ));
         };
         if field.dtype != dtype || field.shape.len() != axes {
             let expected = format!("elements of type {dtype} on {axes} axes");
@@ -124,15 +159,33 @@ impl TensorFile {
     }
 
     /// The error for a field that does not fit as a whole; its place is in the list of fields.
-    pub fn wrong_entry(&self, name: &str, expected: impl Into<String>, found: impl Into<String>) -> Error {
+    pub fn wrong_entry(
+        &self,
+        name: &str,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+    ) -> Error {
         let at = self.fields.get(name).map_or(FIELDS, |f| f.entry);
-        wrong(&self.path, at, format!("{} in field \"{name}\"", expected.into()), found.into())
+        wrong(
+            &self.path,
+            at,
+            format!("{} in field \"{name}\"", expected.into()),
+            found.into(),
+        )
     }
 
     /// The error for value `index` of a field of floats.
     pub fn wrong_value(&self, name: &str, index: usize, expected: &str, found: f32) -> Error {
-        let at = self.fields.get(name).map_or(FIELDS, |f| (f.start + 4 * index).min(f.end));
-        wrong(&self.path, at, format!("{expected} in field \"{name}\""), format!("{found} as value {index}"))
+        let at = self
+            .fields
+            .get(name)
+            .map_or(FIELDS, |f| (f.start + 4 * index).min(f.end));
+        wrong(
+            &self.path,
+            at,
+            format!("{expected} in field \"{name}\""),
+            format!("{found} as value {index}"),
+        )
     }
 }
 
@@ -151,7 +204,11 @@ struct Cursor<'a> {
 impl Cursor<'_> {
     fn head(&mut self) -> Result<u32> {
         if self.bytes.get(..MAGIC.len()) != Some(MAGIC) {
-            return Err(self.wrong(0, "a tensor file, which begins with \"tensor_file\"", "something else"));
+            return Err(self.wrong(
+                0,
+                "a tensor file, which begins with \"tensor_file\"",
+                "something else",
+            ));
         }
         self.at = MAGIC.len();
         let version = self.take()?;
@@ -186,12 +243,27 @@ impl Cursor<'_> {
         }
         let count = shape.iter().try_fold(width, |n, &axis| n.checked_mul(axis));
         let start = usize::try_from(offset).unwrap_or(usize::MAX);
-        let end = count.and_then(|n| start.checked_add(n)).filter(|&end| end <= self.bytes.len());
+        let end = count
+            .and_then(|n| start.checked_add(n))
+            .filter(|&end| end <= self.bytes.len());
         let Some(end) = end else {
             let found = format!("\"{name}\" of shape {shape:?} from byte {offset} on");
-            return Err(self.wrong(entry, format!("data within {} bytes", self.bytes.len()), found));
+            return Err(self.wrong(
+                entry,
+                format!("data within {} bytes", self.bytes.len()),
+                found,
+            ));
         };
-        Ok((name, Field { entry, dtype, shape, start, end }))
+        Ok((
+            name,
+            Field {
+                entry,
+                dtype,
+                shape,
+                start,
+                end,
+            },
+        ))
     }
 
     fn slice(&mut self, length: usize) -> Result<&[u8]> {
@@ -217,7 +289,8 @@ impl Cursor<'_> {
 
 /// Data lie behind the list of fields, aligned, and none in another's.
 fn check_places(fields: &BTreeMap<String, Field>, list: &Cursor<'_>) -> Result<()> {
-    let mut by_start: Vec<(&String, &Field)> = fields.iter().filter(|(_, f)| f.end > f.start).collect();
+    let mut by_start: Vec<(&String, &Field)> =
+        fields.iter().filter(|(_, f)| f.end > f.start).collect();
     by_start.sort_by_key(|(_, f)| f.start);
     let mut free = list.at;
     for (name, field) in by_start {
@@ -237,13 +310,19 @@ fn check_places(fields: &BTreeMap<String, Field>, list: &Cursor<'_>) -> Result<(
 /// Writes a tensor file; returns its length in bytes.
 pub(super) fn write(path: &Path, overwrite: Overwrite, fields: &[(&str, Data<'_>)]) -> Result<u64> {
     let bytes = encode(fields);
-    write_new(path, overwrite, |out| out.write_all(&bytes).map_err(|e| Error::io(path, "write", e)))?;
+    write_new(path, overwrite, |out| {
+        out.write_all(&bytes)
+            .map_err(|e| Error::io(path, "write", e))
+    })?;
     Ok(bytes.len() as u64)
 }
 
 /// The bytes of a tensor file, fields in the order given.
 fn encode(fields: &[(&str, Data<'_>)]) -> Vec<u8> {
-    let list: usize = fields.iter().map(|(name, data)| 13 + name.len() + 8 * data.shape().len()).sum();
+    let list: usize = fields
+        .iter()
+        .map(|(name, data)| 13 + name.len() + 8 * data.shape().len())
+        .sum();
     let mut at = FIELDS + list;
     let mut out = [&MAGIC[..], &VERSION, &(fields.len() as u32).to_le_bytes()].concat();
     for (name, data) in fields {
@@ -253,14 +332,18 @@ fn encode(fields: &[(&str, Data<'_>)]) -> Vec<u8> {
         out.extend_from_slice(&(data.shape().len() as u16).to_le_bytes());
         out.push(data.dtype());
         out.extend_from_slice(&(at as u64).to_le_bytes());
-        data.shape().iter().for_each(|&axis| out.extend_from_slice(&(axis as u64).to_le_bytes()));
+        data.shape()
+            .iter()
+            .for_each(|&axis| out.extend_from_slice(&(axis as u64).to_le_bytes()));
         at += data.bytes();
     }
     for (_, data) in fields {
         out.resize(out.len().next_multiple_of(ALIGNMENT), 0);
         match data {
             Data::Bytes(bytes) => out.extend_from_slice(bytes),
-            Data::Floats(_, values) => values.iter().for_each(|v| out.extend_from_slice(&v.to_le_bytes())),
+            Data::Floats(_, values) => values
+                .iter()
+                .for_each(|v| out.extend_from_slice(&v.to_le_bytes())),
         }
     }
     out

@@ -16,7 +16,8 @@ impl Blend {
     /// About `phi` and `theta` on the axes of a file; slices are numbered with theta the faster.
     pub fn about(phi: f64, theta: f64, phi_i: &[f32], theta_i: &[f32]) -> Self {
         let ((p, v), (t, w)) = (neighbours(phi, phi_i), neighbours(theta, theta_i));
-        let at = |p: usize, t: usize| p.min(phi_i.len() - 1) * theta_i.len() + t.min(theta_i.len() - 1);
+        let at =
+            |p: usize, t: usize| p.min(phi_i.len() - 1) * theta_i.len() + t.min(theta_i.len() - 1);
         Self([
             (at(p, t), (1.0 - v) * (1.0 - w)),
             (at(p, t + 1), (1.0 - v) * w),
@@ -39,8 +40,10 @@ impl Blend {
 
 /// The tabulated value at or below `x` on a rising axis that is not empty, and the share of the next; clamped at both ends.
 fn neighbours(x: f64, axis: &[f32]) -> (usize, f64) {
-    let low =
-        axis.partition_point(|&a| f64::from(a) <= x).saturating_sub(1).min(axis.len().saturating_sub(2));
+    let low = axis
+        .partition_point(|&a| f64::from(a) <= x)
+        .saturating_sub(1)
+        .min(axis.len().saturating_sub(2));
     match axis.get(low..low + 2) {
         Some(&[a, b]) => {
             let (a, b) = (f64::from(a), f64::from(b));
@@ -145,7 +148,10 @@ impl Warp {
         let (step_x, step_y) = (0.5 / (w - 1) as f64, 0.5 / (h - 1) as f64);
         let (mut along, mut rows, mut scales) = (Vec::new(), Vec::new(), Vec::new());
         for slice in density.slices() {
-            let sums: Vec<Vec<f64>> = slice.chunks_exact(w).map(|row| running(row, step_x)).collect();
+            let sums: Vec<Vec<f64>> = slice
+                .chunks_exact(w)
+                .map(|row| running(row, step_x))
+                .collect();
             let totals: Vec<f32> = sums.iter().map(|s| s[w - 2] as f32).collect();
             let marginal = running(&totals, step_y);
             let scale = 1.0 / marginal[h - 2];
@@ -154,9 +160,15 @@ impl Warp {
             scales.push(scale);
         }
         for (slice, scale) in density.values.chunks_exact_mut(w * h).zip(scales) {
-            slice.iter_mut().for_each(|v| *v = (f64::from(*v) * scale) as f32);
+            slice
+                .iter_mut()
+                .for_each(|v| *v = (f64::from(*v) * scale) as f32);
         }
-        Self { density, along, rows }
+        Self {
+            density,
+            along,
+            rows,
+        }
     }
 
     /// Density at a point of the square.
@@ -184,14 +196,26 @@ impl Warp {
         let (w, h) = (self.density.width, self.density.height);
         let row = search(h - 1, |k| self.rows_to(k + 1, blend) <= u[1]);
         let [low, high] = self.row_totals(row, blend);
-        let y = within((u[1] - self.rows_to(row, blend)) * (h - 1) as f64, low, high);
-        let mut patch = Patch { column: 0, row, x: 0.0, y };
+        let y = within(
+            (u[1] - self.rows_to(row, blend)) * (h - 1) as f64,
+            low,
+            high,
+        );
+        let mut patch = Patch {
+            column: 0,
+            row,
+            x: 0.0,
+            y,
+        };
         let target = u[0] * self.row_sum(&patch, w - 1, blend);
         patch.column = search(w - 1, |k| self.row_sum(&patch, k + 1, blend) <= target);
         let [left, right] = self.density.corners(&patch, 0, blend);
         let rest = target - self.row_sum(&patch, patch.column, blend);
         let x = within(rest * (w - 1) as f64, left, right);
-        [(patch.column as f64 + x) / (w - 1) as f64, (row as f64 + y) / (h - 1) as f64]
+        [
+            (patch.column as f64 + x) / (w - 1) as f64,
+            (row as f64 + y) / (h - 1) as f64,
+        ]
     }
 
     /// Bytes of the tables.
@@ -205,7 +229,8 @@ impl Warp {
             return 0.0;
         }
         let (w, h) = (self.density.width, self.density.height);
-        let at = |row: usize| blend.of(|slice| self.along[(slice * h + row) * (w - 1) + column - 1]);
+        let at =
+            |row: usize| blend.of(|slice| self.along[(slice * h + row) * (w - 1) + column - 1]);
         let (low, high) = (at(patch.row), at(patch.row + 1));
         low + (high - low) * patch.y
     }
@@ -213,20 +238,37 @@ impl Warp {
     /// Integrals over x along a row and the next.
     fn row_totals(&self, row: usize, blend: &Blend) -> [f64; 2] {
         let last = self.density.width - 1;
-        [0.0, 1.0].map(|y| self.row_sum(&Patch { column: 0, row, x: 0.0, y }, last, blend))
+        [0.0, 1.0].map(|y| {
+            self.row_sum(
+                &Patch {
+                    column: 0,
+                    row,
+                    x: 0.0,
+                    y,
+                },
+                last,
+                blend,
+            )
+        })
     }
 
     /// Integral over y up to a row.
     fn rows_to(&self, row: usize, blend: &Blend) -> f64 {
         let h = self.density.height;
-        if row == 0 { 0.0 } else { blend.of(|slice| self.rows[slice * (h - 1) + row - 1]) }
+        if row == 0 {
+            0.0
+        } else {
+            blend.of(|slice| self.rows[slice * (h - 1) + row - 1])
+        }
     }
 }
 
 /// Integral of the linear interpolant up to each value but the first; `half_step` is half the distance between values.
 fn running(values: &[f32], half_step: f64) -> Vec<f64> {
     let mut sum = 0.0;
-    let trapezoids = values.windows(2).map(|v| half_step * (f64::from(v[0]) + f64::from(v[1])));
+    let trapezoids = values
+        .windows(2)
+        .map(|v| half_step * (f64::from(v[0]) + f64::from(v[1])));
     trapezoids
         .map(|t| {
             sum += t;
@@ -240,7 +282,11 @@ fn search(count: usize, is_below: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, count - 1);
     while low < high {
         let middle = (low + high) / 2;
-        if is_below(middle) { low = middle + 1 } else { high = middle }
+        if is_below(middle) {
+            low = middle + 1
+        } else {
+            high = middle
+        }
     }
     low
 }
@@ -249,5 +295,9 @@ fn search(count: usize, is_below: impl Fn(usize) -> bool) -> usize {
 fn within(mass: f64, a: f64, b: f64) -> f64 {
     let root = (a * a + 2.0 * mass * (b - a)).max(0.0).sqrt();
     let x = 2.0 * mass / (a + root);
-    if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 }
+    if x.is_finite() {
+        x.clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
 }

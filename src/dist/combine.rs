@@ -61,7 +61,12 @@ pub struct Kept<T> {
 impl<T> Reservoir<T> {
     /// An empty one that will choose by `u`, uniform in [0, 1).
     pub fn new(u: f64) -> Self {
-        Self { kept: None, sum: 0.0, count: 0, u }
+        Self {
+            kept: None,
+            sum: 0.0,
+            count: 0,
+            u,
+        }
     }
 
     /// The next candidate; `None` is one of weight 0. A weight must be finite and ≥ 0, and so must the sum of all.
@@ -85,7 +90,11 @@ impl<T> Reservoir<T> {
     /// The candidate kept; `None` if all weights were 0.
     pub fn kept(self) -> Option<Kept<T>> {
         let mean_weight = self.sum / f64::from(self.count);
-        self.kept.map(|(candidate, weight)| Kept { candidate, weight, mean_weight })
+        self.kept.map(|(candidate, weight)| Kept {
+            candidate,
+            weight,
+            mean_weight,
+        })
     }
 }
 
@@ -123,7 +132,10 @@ mod tests {
         let n = 8000;
         for i in 0..n {
             let kept = choose((f64::from(i) + 0.5) / f64::from(n), &weights).unwrap();
-            assert_eq!((kept.weight, kept.mean_weight), (weights[kept.candidate], 8.0 / 6.0));
+            assert_eq!(
+                (kept.weight, kept.mean_weight),
+                (weights[kept.candidate], 8.0 / 6.0)
+            );
             counts[kept.candidate] += 8.0 / f64::from(n);
         }
         for (count, weight) in counts.iter().zip(weights) {

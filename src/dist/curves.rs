@@ -39,13 +39,25 @@ pub struct Curves {
 impl Curves {
     /// No curves yet.
     pub fn new() -> Self {
-        Self { starts: vec![0], ..Self::default() }
+        Self {
+            starts: vec![0],
+            ..Self::default()
+        }
     }
 
     /// Curves from their arrays: `starts` from 0 to the number of knots, at least two knots a curve.
     pub fn from_parts(starts: Vec<u32>, positions: Vec<u16>, cdf: Vec<u16>) -> Self {
-        let longest = starts.windows(2).map(|w| w[1].saturating_sub(w[0])).max().unwrap_or(0);
-        Self { starts, positions, cdf, halvings: halvings(longest) }
+        let longest = starts
+            .windows(2)
+            .map(|w| w[1].saturating_sub(w[0]))
+            .max()
+            .unwrap_or(0);
+        Self {
+            starts,
+            positions,
+            cdf,
+            halvings: halvings(longest),
+        }
     }
 
     /// How many curves there are.
@@ -84,7 +96,8 @@ impl Curves {
     /// Adds copies of all curves of `more`.
     pub fn append(&mut self, more: &Self) {
         let offset = self.cdf.len() as u32;
-        self.starts.extend(more.starts.iter().skip(1).map(|s| s + offset));
+        self.starts
+            .extend(more.starts.iter().skip(1).map(|s| s + offset));
         self.positions.extend_from_slice(&more.positions);
         self.cdf.extend_from_slice(&more.cdf);
         self.halvings = self.halvings.max(more.halvings);
@@ -125,7 +138,10 @@ impl Curves {
             (x as usize).min(range.len() - 2)
         } else {
             let positions = &self.positions[range.clone()];
-            self.last_not_above(positions, (x as u16).min(positions[positions.len() - 1] - 1))
+            self.last_not_above(
+                positions,
+                (x as u16).min(positions[positions.len() - 1] - 1),
+            )
         };
         self.piece(range.start, index)
     }
@@ -159,10 +175,19 @@ impl Curves {
         let (x0, x1) = if self.positions.is_empty() {
             (index as f64, (index + 1) as f64)
         } else {
-            (f64::from(self.positions[i]), f64::from(self.positions[i + 1]))
+            (
+                f64::from(self.positions[i]),
+                f64::from(self.positions[i + 1]),
+            )
         };
         let probability = |c: u16| f64::from(c) * PROBABILITY;
-        Segment { index, x0, x1, c0: probability(self.cdf[i]), c1: probability(self.cdf[i + 1]) }
+        Segment {
+            index,
+            x0,
+            x1,
+            c0: probability(self.cdf[i]),
+            c1: probability(self.cdf[i + 1]),
+        }
     }
 }
 
@@ -181,7 +206,11 @@ fn rising(cumulated: &[f64]) -> Vec<u16> {
     let has_mass = |i: usize| u16::from(cumulated[i] > cumulated[i - 1]);
     let mut shares: Vec<u16> = Vec::with_capacity(cumulated.len());
     for (i, c) in cumulated.iter().enumerate() {
-        let least = if i == 0 { 0 } else { shares[i - 1].saturating_add(has_mass(i)) };
+        let least = if i == 0 {
+            0
+        } else {
+            shares[i - 1].saturating_add(has_mass(i))
+        };
         shares.push(((c / total * f64::from(WHOLE)).round() as u16).max(least));
     }
     // Units given away near the end are taken back from the largest pieces before it.
@@ -219,7 +248,10 @@ mod tests {
     fn finding_skips_pieces_without_mass() {
         let c = three();
         let first = c.find(0, 0.0);
-        assert_eq!((first.index, first.x0, first.x1, first.c0), (1, 1.0, 3.0, 0.0));
+        assert_eq!(
+            (first.index, first.x0, first.x1, first.c0),
+            (1, 1.0, 3.0, 0.0)
+        );
         assert!((first.c1 - 0.25).abs() < 1e-5);
         assert_eq!(c.find(0, 0.25001).index, 2);
         assert_eq!(c.find(0, 1.0f64.next_down()).c1, 1.0);
@@ -230,7 +262,16 @@ mod tests {
     #[test]
     fn positions_are_found_in_their_pieces() {
         let c = three();
-        for (x, index) in [(0.0, 0), (0.99, 0), (1.0, 1), (2.9, 1), (3.0, 2), (4.5, 3), (5.0, 3), (9.0, 3)] {
+        for (x, index) in [
+            (0.0, 0),
+            (0.99, 0),
+            (1.0, 1),
+            (2.9, 1),
+            (3.0, 2),
+            (4.5, 3),
+            (5.0, 3),
+            (9.0, 3),
+        ] {
             assert_eq!(c.at(0, x).index, index, "{x}");
         }
         let mut uniform = Curves::new();
@@ -241,8 +282,15 @@ mod tests {
     /// Masses over eighteen orders of magnitude, none lost and none where there was none.
     #[test]
     fn every_piece_with_mass_keeps_some() {
-        let masses: Vec<f64> =
-            (0..2000).map(|i| if i % 7 == 3 { 0.0 } else { 10f64.powi(-(i * 37 % 19)) }).collect();
+        let masses: Vec<f64> = (0..2000)
+            .map(|i| {
+                if i % 7 == 3 {
+                    0.0
+                } else {
+                    10f64.powi(-(i * 37 % 19))
+                }
+            })
+            .collect();
         let mut sum = 0.0;
         let mut cumulated = vec![0.0];
         // Tiny masses after huge ones vanish in the sum, and with it from the curve.
@@ -258,7 +306,10 @@ mod tests {
             curves.push(&cumulated, None);
             assert_eq!((curves.cdf[0], curves.cdf[2000]), (0, WHOLE));
             for i in 0..2000 {
-                let (rises, mass) = (curves.cdf[i + 1] > curves.cdf[i], cumulated[i + 1] > cumulated[i]);
+                let (rises, mass) = (
+                    curves.cdf[i + 1] > curves.cdf[i],
+                    cumulated[i + 1] > cumulated[i],
+                );
                 assert_eq!(rises, mass, "piece {i}");
                 assert!(curves.cdf[i + 1] >= curves.cdf[i]);
                 let error = f64::from(curves.cdf[i]) * PROBABILITY - cumulated[i] / sum;
@@ -271,8 +322,9 @@ mod tests {
     fn searches_agree_with_counting() {
         for knots in 2..70usize {
             let grid = 3 * knots;
-            let positions: Vec<usize> =
-                (0..knots).map(|i| if i + 1 == knots { grid } else { 3 * i }).collect();
+            let positions: Vec<usize> = (0..knots)
+                .map(|i| if i + 1 == knots { grid } else { 3 * i })
+                .collect();
             let cumulated: Vec<f64> = (0..=grid).map(|i| (i as f64).powf(1.7)).collect();
             let mut curves = Curves::new();
             curves.push(&cumulated, Some(&positions));
@@ -282,7 +334,10 @@ mod tests {
                 assert_eq!(curves.at(0, x).index, by_count, "{knots} knots, {x}");
                 let u = x / grid as f64;
                 let s = curves.find(0, u);
-                assert!(s.c0 <= u && u < s.c1 + 1e-12 && s.c1 > s.c0, "{knots} knots, {u}: {s:?}");
+                assert!(
+                    s.c0 <= u && u < s.c1 + 1e-12 && s.c1 > s.c0,
+                    "{knots} knots, {u}: {s:?}"
+                );
             }
         }
     }

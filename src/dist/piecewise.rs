@@ -45,12 +45,21 @@ impl Piecewise2d {
         // In units of the largest, sums can't overflow.
         let largest = weights.iter().fold(0.0, |m: f64, &w| m.max(w));
         let mut columns = Vec::with_capacity(height * (width + 1));
-        let sums: Vec<f64> =
-            weights.chunks_exact(width).map(|row| push_cumulative(&mut columns, row, largest)).collect();
+        let sums: Vec<f64> = weights
+            .chunks_exact(width)
+            .map(|row| push_cumulative(&mut columns, row, largest))
+            .collect();
         let mut rows = Vec::with_capacity(height + 1);
         push_cumulative(&mut rows, &sums, 1.0);
         let (row_guide, column_guide) = (Guide::new(&rows, height), Guide::new(&columns, width));
-        Ok(Self { width, height, rows, columns, row_guide, column_guide })
+        Ok(Self {
+            width,
+            height,
+            rows,
+            columns,
+            row_guide,
+            column_guide,
+        })
     }
 
     /// Columns of the grid.
@@ -73,7 +82,11 @@ impl Piecewise2d {
     pub(crate) fn place(&self, u: DVec2) -> Placed {
         let (row, y) = place(&self.rows, self.row_guide.of(0), u.y);
         let (column, x) = place(self.row(row), self.column_guide.of(row), u.x);
-        Placed { column, row, share: DVec2::new(x, y) }
+        Placed {
+            column,
+            row,
+            share: DVec2::new(x, y),
+        }
     }
 
     /// Maps `u` in [0, 1)² to a point in [0, 1)² that lies where the density is positive; coordinates outside are clamped.
@@ -81,14 +94,20 @@ impl Piecewise2d {
         let Placed { column, row, share } = self.place(u);
         let point = |cell: usize, share: f64, cells: usize| {
             // Rounding must not carry the point into the next cell, whose density may be zero.
-            ((cell as f64 + share) / cells as f64).min(((cell + 1) as f64 / cells as f64).next_down())
+            ((cell as f64 + share) / cells as f64)
+                .min(((cell + 1) as f64 / cells as f64).next_down())
         };
-        DVec2::new(point(column, share.x, self.width), point(row, share.y, self.height))
+        DVec2::new(
+            point(column, share.x, self.width),
+            point(row, share.y, self.height),
+        )
     }
 
     /// Density at `p` per unit area of the square; 0 outside [0, 1)².
     pub fn pdf(&self, p: DVec2) -> f64 {
-        self.cell(p).map_or(0.0, |(x, y)| self.mass(x, y) * (self.width * self.height) as f64)
+        self.cell(p).map_or(0.0, |(x, y)| {
+            self.mass(x, y) * (self.width * self.height) as f64
+        })
     }
 
     /// Probability of the cell in column `x` and row `y`; 0 outside the grid.
@@ -117,8 +136,12 @@ impl Piecewise2d {
             return None;
         }
         let within = |cdf: &[f64], i: usize, share: f64| cdf[i] + share * (cdf[i + 1] - cdf[i]);
-        let share = p * DVec2::new(self.width as f64, self.height as f64) - DVec2::new(x as f64, y as f64);
-        Some(DVec2::new(within(self.row(y), x, share.x), within(&self.rows, y, share.y)))
+        let share =
+            p * DVec2::new(self.width as f64, self.height as f64) - DVec2::new(x as f64, y as f64);
+        Some(DVec2::new(
+            within(self.row(y), x, share.x),
+            within(&self.rows, y, share.y),
+        ))
     }
 
     fn row(&self, y: usize) -> &[f64] {
@@ -139,7 +162,12 @@ fn check(width: usize, height: usize, weights: &[f64]) -> Result<()> {
         return Err(Error::argument(what, fix));
     }
     if let Some(i) = weights.iter().position(|w| !w.is_finite() || *w < 0.0) {
-        let what = format!("weight {} in column {}, row {}", weights[i], i % width, i / width);
+        let what = format!(
+            "weight {} in column {}, row {}",
+            weights[i],
+            i % width,
+            i / width
+        );
         return Err(Error::argument(what, fix));
     }
     if weights.iter().all(|w| *w == 0.0) {
@@ -160,7 +188,11 @@ fn push_cumulative(cdf: &mut Vec<f64>, weights: &[f64], unit: f64) -> f64 {
     }
     let shares = &mut cdf[start + 1..];
     for (i, c) in shares.iter_mut().enumerate() {
-        *c = if sum > 0.0 { *c / sum } else { (i + 1) as f64 / weights.len() as f64 };
+        *c = if sum > 0.0 {
+            *c / sum
+        } else {
+            (i + 1) as f64 / weights.len() as f64
+        };
     }
     sum
 }
@@ -185,7 +217,8 @@ impl Guide {
         let mut starts = Vec::new();
         if cells < usize::from(u16::MAX) {
             starts.reserve_exact(sums.len());
-            sums.chunks_exact(cells + 1).for_each(|cdf| push_starts(&mut starts, cdf));
+            sums.chunks_exact(cells + 1)
+                .for_each(|cdf| push_starts(&mut starts, cdf));
         }
         Self { cells, starts }
     }
@@ -196,7 +229,9 @@ impl Guide {
 
     /// The guide to one of the sums.
     fn of(&self, sum: usize) -> &[u16] {
-        self.starts.get(sum * (self.cells + 1)..(sum + 1) * (self.cells + 1)).unwrap_or_default()
+        self.starts
+            .get(sum * (self.cells + 1)..(sum + 1) * (self.cells + 1))
+            .unwrap_or_default()
     }
 }
 
@@ -248,7 +283,11 @@ mod tests {
 
     /// Point `i` of a well-spread sequence (Roberts's R2).
     fn spread(i: u32) -> DVec2 {
-        DVec2::new(f64::from(i) * 0.754_877_666_246_693, f64::from(i) * 0.569_840_290_998_053).fract()
+        DVec2::new(
+            f64::from(i) * 0.754_877_666_246_693,
+            f64::from(i) * 0.569_840_290_998_053,
+        )
+        .fract()
     }
 
     /// Not square, zeros in front, behind and between, and one empty row.
@@ -277,7 +316,16 @@ mod tests {
     #[test]
     fn corners_of_the_square_land_in_cells_with_mass() {
         let d = uneven();
-        let ends = [0.0, f64::MIN_POSITIVE, 0.25, 0.75, 1.0f64.next_down(), 1.0, -1.0, 2.0];
+        let ends = [
+            0.0,
+            f64::MIN_POSITIVE,
+            0.25,
+            0.75,
+            1.0f64.next_down(),
+            1.0,
+            -1.0,
+            2.0,
+        ];
         for x in ends {
             for y in ends {
                 let p = d.sample(DVec2::new(x, y));
@@ -308,15 +356,29 @@ mod tests {
         }
         for (i, &count) in counts.iter().enumerate() {
             let share = f64::from(count) / f64::from(n);
-            assert!((share - d.mass(i % 5, i / 5)).abs() < 2e-3, "cell {i}: {share}");
+            assert!(
+                (share - d.mass(i % 5, i / 5)).abs() < 2e-3,
+                "cell {i}: {share}"
+            );
         }
     }
 
     /// Every value of the sums and its neighbours, the ends, what is outside, and points in between.
     fn hard_values(sums: &[f64]) -> impl Iterator<Item = f64> {
-        let ends = [-1.0, -0.0, f64::MIN_POSITIVE, 1.0f64.next_down(), 1.0, 2.0, f64::INFINITY, f64::NAN];
+        let ends = [
+            -1.0,
+            -0.0,
+            f64::MIN_POSITIVE,
+            1.0f64.next_down(),
+            1.0,
+            2.0,
+            f64::INFINITY,
+            f64::NAN,
+        ];
         let close = sums.iter().flat_map(|&c| [c.next_down(), c, c.next_up()]);
-        ends.into_iter().chain(close).chain((0..200).map(|i| spread(i).x))
+        ends.into_iter()
+            .chain(close)
+            .chain((0..200).map(|i| spread(i).x))
     }
 
     #[test]
@@ -324,8 +386,15 @@ mod tests {
         let random = |i: u32| spread(i).x * spread(i).y.powi(12);
         let sun = |at: usize| move |i: u32| if i as usize == at { 1e9 } else { random(i) };
         let comb = |i: u32| if i % 3 == 1 { random(i) } else { 0.0 };
-        let weights: [&dyn Fn(u32) -> f64; 7] =
-            [&random, &sun(0), &sun(40), &sun(150), &comb, &|_| 0.0, &|_| 1.0];
+        let weights: [&dyn Fn(u32) -> f64; 7] = [
+            &random,
+            &sun(0),
+            &sun(40),
+            &sun(150),
+            &comb,
+            &|_| 0.0,
+            &|_| 1.0,
+        ];
         for width in [1, 2, 3, 5, 8, 9, 64, 151, 70_000] {
             for (w, weight) in weights.iter().enumerate() {
                 let weights: Vec<f64> = (0..width).map(weight).collect();
@@ -345,8 +414,11 @@ mod tests {
 
     #[test]
     fn guides_have_two_bytes_an_interval() {
-        let bytes =
-            |width, height| Piecewise2d::new(width, height, &vec![1.0; width * height]).unwrap().bytes();
+        let bytes = |width, height| {
+            Piecewise2d::new(width, height, &vec![1.0; width * height])
+                .unwrap()
+                .bytes()
+        };
         assert_eq!(bytes(5, 3), (8 + 2) * (6 * 3 + 4));
         assert_eq!(bytes(70_000, 1), 8 * 70_001 + (8 + 2) * 2);
     }
@@ -356,7 +428,9 @@ mod tests {
         assert!(Piecewise2d::new(2, 1, &[1.0]).is_err());
         assert!(Piecewise2d::new(0, 0, &[]).is_err());
         assert!(Piecewise2d::new(2, 1, &[0.0, 0.0]).is_err());
-        let message = Piecewise2d::new(2, 2, &[1.0, 1.0, 1.0, -2.0]).unwrap_err().to_string();
+        let message = Piecewise2d::new(2, 2, &[1.0, 1.0, 1.0, -2.0])
+            .unwrap_err()
+            .to_string();
         assert!(message.contains("column 1, row 1"), "{message}");
         assert!(Piecewise2d::new(2, 1, &[1.0, f64::NAN]).is_err());
     }

@@ -54,7 +54,9 @@ mod tests {
 
     #[test]
     fn stays_within_the_tolerance_with_fewer_knots() {
-        let y: Vec<f64> = (0..=1024).map(|i| 1.0 - (-f64::from(i) / 40.0).exp()).collect();
+        let y: Vec<f64> = (0..=1024)
+            .map(|i| 1.0 - (-f64::from(i) / 40.0).exp())
+            .collect();
         let mut before = y.len();
         for tolerance in [1e-5, 1e-4, 1e-3, 1e-2, 1e-1] {
             let knots = simplify(&y, tolerance);

@@ -16,7 +16,11 @@ const LOAD: &str = include_str!("header/load.h");
 
 pub(super) fn text(export: &Export) -> String {
     let name = identifier(&export.name);
-    let eval = if export.brdf.rule() == LookupRule::Floor { FLOOR } else { TRILINEAR };
+    let eval = if export.brdf.rule() == LookupRule::Floor {
+        FLOOR
+    } else {
+        TRILINEAR
+    };
     let parts = [
         TOP,
         &format!("#ifndef {name}_H\n#define {name}_H\n\n"),
@@ -34,7 +38,9 @@ pub(super) fn text(export: &Export) -> String {
 fn fill(template: &str, values: &[(&str, String)]) -> String {
     let of_key = |key: &str| values.iter().find(|v| v.0 == key).map_or("", |v| &v.1);
     let pieces = template.split('@').enumerate();
-    pieces.map(|(i, piece)| if i % 2 == 0 { piece } else { of_key(piece) }).collect()
+    pieces
+        .map(|(i, piece)| if i % 2 == 0 { piece } else { of_key(piece) })
+        .collect()
 }
 
 fn values(export: &Export) -> Vec<(&'static str, String)> {
@@ -66,26 +72,74 @@ fn description(export: &Export) -> Vec<(&'static str, String)> {
         ("FOLDED", if settings.fold { ", folded" } else { "" }.into()),
         ("ROW_UNIT", format!("{ROW_UNIT:?}")),
         // In the library's order of operations, for the same bits.
-        ("NODE_UNIT", format!("{:?}", 0.5 * (2.0 * segments * NODE_UNIT))),
+        (
+            "NODE_UNIT",
+            format!("{:?}", 0.5 * (2.0 * segments * NODE_UNIT)),
+        ),
         ("PER_SEGMENT", format!("{:?}", 1.0 / segments)),
-        ("STANDING", if centred { "their centres" } else { "their lower edges" }.into()),
+        (
+            "STANDING",
+            if centred {
+                "their centres"
+            } else {
+                "their lower edges"
+            }
+            .into(),
+        ),
         ("OFFSET", if centred { "0.5" } else { "0.0" }.into()),
     ]
 }
 
 fn arrays(stored: &Stored) -> Vec<(&'static str, String)> {
-    let edges: Vec<Edge> = stored.edges.iter().map(|&e| Edge::of_part(usize::from(e))).collect();
-    let cdf = words(&stored.rows.iter().map(|&x| u32::from(x)).collect::<Vec<_>>(), 16);
-    let slopes = words(&stored.slopes.iter().map(|&x| (i32::from(x) + 128) as u32).collect::<Vec<_>>(), 8);
-    let density = words(&stored.nodes.iter().map(|&x| u32::from(x)).collect::<Vec<_>>(), 16);
+    let edges: Vec<Edge> = stored
+        .edges
+        .iter()
+        .map(|&e| Edge::of_part(usize::from(e)))
+        .collect();
+    let cdf = words(
+        &stored
+            .rows
+            .iter()
+            .map(|&x| u32::from(x))
+            .collect::<Vec<_>>(),
+        16,
+    );
+    let slopes = words(
+        &stored
+            .slopes
+            .iter()
+            .map(|&x| (i32::from(x) + 128) as u32)
+            .collect::<Vec<_>>(),
+        8,
+    );
+    let density = words(
+        &stored
+            .nodes
+            .iter()
+            .map(|&x| u32::from(x))
+            .collect::<Vec<_>>(),
+        16,
+    );
     vec![
-        ("COSINE", lines(stored.cosines.iter().map(|x| format!("{x:?}f")))),
-        ("EDGE_FIXED", lines(edges.iter().map(|e| format!("{:?}f", e.fixed())))),
-        ("EDGE_SHARE", lines(edges.iter().map(|e| format!("{:?}f", e.share())))),
+        (
+            "COSINE",
+            lines(stored.cosines.iter().map(|x| format!("{x:?}f"))),
+        ),
+        (
+            "EDGE_FIXED",
+            lines(edges.iter().map(|e| format!("{:?}f", e.fixed()))),
+        ),
+        (
+            "EDGE_SHARE",
+            lines(edges.iter().map(|e| format!("{:?}f", e.share()))),
+        ),
         ("CDF_WORDS", cdf.len().to_string()),
         ("CDF", lines(cdf.iter().map(hexadecimal))),
         ("DENSITY_FROM", (cdf.len() + slopes.len()).to_string()),
-        ("WORDS", (cdf.len() + slopes.len() + density.len()).to_string()),
+        (
+            "WORDS",
+            (cdf.len() + slopes.len() + density.len()).to_string(),
+        ),
         ("SLOPE", lines(slopes.iter().map(hexadecimal))),
         ("DENSITY", lines(density.iter().map(hexadecimal))),
     ]
@@ -104,13 +158,17 @@ fn hexadecimal(word: &u32) -> String {
 /// Numbers of an initialiser, eight a line.
 fn lines(numbers: impl Iterator<Item = String>) -> String {
     let all: Vec<String> = numbers.collect();
-    all.chunks(8).map(|line| format!("    {},\n", line.join(", "))).collect()
+    all.chunks(8)
+        .map(|line| format!("    {},\n", line.join(", ")))
+        .collect()
 }
 
 /// A name as it can stand in a comment: no byte of it ends the line or joins the next.
 fn printable(name: &str) -> String {
     let plain = |c: char| c.is_ascii_graphic() && !"\\?\"@".contains(c) || c == ' ';
-    name.chars().map(|c| if plain(c) { c } else { '_' }).collect()
+    name.chars()
+        .map(|c| if plain(c) { c } else { '_' })
+        .collect()
 }
 
 fn licence(embedded: bool) -> &'static str {

@@ -31,7 +31,11 @@ impl Export {
     ///
     /// # Errors
     /// As [`Material::load`] and [`HalfVectorTable::build`].
-    pub fn new(material: &Material, lookup: LookupRule, settings: HalfVectorSettings) -> Result<Self> {
+    pub fn new(
+        material: &Material,
+        lookup: LookupRule,
+        settings: HalfVectorSettings,
+    ) -> Result<Self> {
         let brdf = Arc::new(Measured::new(Arc::new(material.load()?), lookup));
         Ok(Self {
             name: material.name().to_owned(),
@@ -78,13 +82,23 @@ impl Export {
     /// # Errors
     /// As [`write_new`].
     pub fn write_npz(&self, path: &Path, overwrite: Overwrite) -> Result<u64> {
-        write_new(path, overwrite, |out| npz::write(self, out).map_err(|e| Error::io(path, "write", e)))?;
-        path.metadata().map(|m| m.len()).map_err(|e| Error::io(path, "read", e))
+        write_new(path, overwrite, |out| {
+            npz::write(self, out).map_err(|e| Error::io(path, "write", e))
+        })?;
+        path.metadata()
+            .map(|m| m.len())
+            .map_err(|e| Error::io(path, "read", e))
     }
 
     /// f_r in sr⁻¹ by `[theta_h, theta_d, phi_d, rgb]`; −1 in all channels of a cell without a usable value.
     pub fn values(&self) -> impl Iterator<Item = f32> + '_ {
-        let rgb = |c: &glam::Vec4| if c.w == 0.0 { [-1.0; 3] } else { c.truncate().to_array() };
+        let rgb = |c: &glam::Vec4| {
+            if c.w == 0.0 {
+                [-1.0; 3]
+            } else {
+                c.truncate().to_array()
+            }
+        };
         self.merl().cells().iter().flat_map(rgb)
     }
 
@@ -100,8 +114,10 @@ impl Export {
 /// What the functions of a material's header begin with: its name with `_` for what no identifier of C and GLSL holds. Names
 /// that would be reserved there begin with `m_`.
 pub fn identifier(name: &str) -> String {
-    let words: Vec<&str> =
-        name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
+    let words: Vec<&str> = name
+        .split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|w| !w.is_empty())
+        .collect();
     let joined = words.join("_");
     let lower = joined.to_ascii_lowercase();
     let reserved = |prefix: &str| lower == prefix || lower.starts_with(&format!("{prefix}_"));
@@ -119,10 +135,10 @@ pub fn identifier(name: &str) -> String {
 /// [`Error::Argument`] naming both.
 pub fn refuse_same_identifier(materials: &[Material]) -> Result<()> {
     let mut seen = BTreeMap::new();
-    match materials
-        .iter()
-        .find_map(|m| seen.insert(identifier(m.name()), m.name()).map(|first| (first, m.name())))
-    {
+    match materials.iter().find_map(|m| {
+        seen.insert(identifier(m.name()), m.name())
+            .map(|first| (first, m.name()))
+    }) {
         None => Ok(()),
         Some((first, second)) => Err(Error::argument(
             format!("{first} and {second} would have functions of the same names"),
@@ -136,7 +152,10 @@ fn little_endian(values: impl Iterator<Item = f32>) -> Vec<u8> {
 }
 
 fn write_bytes(bytes: &[u8], path: &Path, overwrite: Overwrite) -> Result<u64> {
-    write_new(path, overwrite, |out| out.write_all(bytes).map_err(|e| Error::io(path, "write", e)))?;
+    write_new(path, overwrite, |out| {
+        out.write_all(bytes)
+            .map_err(|e| Error::io(path, "write", e))
+    })?;
     Ok(bytes.len() as u64)
 }
 

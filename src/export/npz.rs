@@ -13,7 +13,12 @@ pub(super) fn write(export: &Export, out: impl Write + Seek) -> std::io::Result<
     let mut zip = Npz(ZipWriter::new(out));
     tables(export, &mut zip)?;
     settings(export, &mut zip)?;
-    let shape = [THETA_H_BINS, THETA_D_BINS, export.dimensions().phi_d_bins, 3];
+    let shape = [
+        THETA_H_BINS,
+        THETA_D_BINS,
+        export.dimensions().phi_d_bins,
+        3,
+    ];
     zip.array("merl.rgb", "<f4", &shape, &little_endian(export.values()))?;
     zip.0.finish()?;
     Ok(())
@@ -23,22 +28,44 @@ pub(super) fn write(export: &Export, out: impl Write + Seek) -> std::io::Result<
 fn tables<W: Write + Seek>(export: &Export, zip: &mut Npz<W>) -> std::io::Result<()> {
     let stored = export.table.stored();
     let (tables, rows) = (stored.cosines.len(), stored.edges.len() - 1);
-    let u16s = |values: &[u16]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let u16s = |values: &[u16]| {
+        values
+            .iter()
+            .flat_map(|x| x.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
     let slopes: Vec<u8> = stored.slopes.iter().flat_map(|x| x.to_le_bytes()).collect();
-    zip.array("knot.cosine", "<f4", &[tables], &little_endian(stored.cosines.iter().copied()))?;
+    zip.array(
+        "knot.cosine",
+        "<f4",
+        &[tables],
+        &little_endian(stored.cosines.iter().copied()),
+    )?;
     zip.array("row.edge", "<u2", &[rows + 1], &u16s(&stored.edges))?;
     zip.array("row.cdf", "<u2", &[tables, rows], &u16s(&stored.rows))?;
     zip.array("row.slope", "|i1", &[tables, rows], &slopes)?;
-    zip.array("row.density", "<u2", &[tables, rows, stored.width], &u16s(&stored.nodes))
+    zip.array(
+        "row.density",
+        "<u2",
+        &[tables, rows, stored.width],
+        &u16s(&stored.nodes),
+    )
 }
 
 /// What was tabulated and how, as scalars and words.
 fn settings<W: Write + Seek>(export: &Export, zip: &mut Npz<W>) -> std::io::Result<()> {
     let settings = export.table.settings();
-    for (name, count) in
-        [("tables", settings.tables), ("rows", settings.rows), ("segments", settings.segments)]
-    {
-        zip.array(&format!("spec.{name}"), "<i8", &[], &(count as u64).to_le_bytes())?;
+    for (name, count) in [
+        ("tables", settings.tables),
+        ("rows", settings.rows),
+        ("segments", settings.segments),
+    ] {
+        zip.array(
+            &format!("spec.{name}"),
+            "<i8",
+            &[],
+            &(count as u64).to_le_bytes(),
+        )?;
     }
     zip.array("spec.fold", "|b1", &[], &[u8::from(settings.fold)])?;
     zip.word("spec.importance", settings.importance.name())?;
@@ -51,7 +78,13 @@ struct Npz<W: Write + Seek>(ZipWriter<W>);
 
 impl<W: Write + Seek> Npz<W> {
     /// Adds an array whose last index is the fastest; `descr` is numpy's name of its type.
-    fn array(&mut self, name: &str, descr: &str, shape: &[usize], bytes: &[u8]) -> std::io::Result<()> {
+    fn array(
+        &mut self,
+        name: &str,
+        descr: &str,
+        shape: &[usize],
+        bytes: &[u8],
+    ) -> std::io::Result<()> {
         let options = SimpleFileOptions::DEFAULT.compression_method(CompressionMethod::Stored);
         self.0.start_file(format!("{name}.npy"), options)?;
         self.0.write_all(&head(descr, shape))?;
@@ -59,7 +92,10 @@ impl<W: Write + Seek> Npz<W> {
     }
 
     fn word(&mut self, name: &str, word: &str) -> std::io::Result<()> {
-        let bytes: Vec<u8> = word.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+        let bytes: Vec<u8> = word
+            .chars()
+            .flat_map(|c| u32::from(c).to_le_bytes())
+            .collect();
         self.array(name, &format!("<U{}", word.chars().count()), &[], &bytes)
     }
 }
@@ -68,7 +104,10 @@ impl<W: Write + Seek> Npz<W> {
 fn head(descr: &str, shape: &[usize]) -> Vec<u8> {
     const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
     let shape: String = shape.iter().map(|n| format!("{n}, ")).collect();
-    let text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({}), }}", shape.trim_end());
+    let text = format!(
+        "{{'descr': '{descr}', 'fortran_order': False, 'shape': ({}), }}",
+        shape.trim_end()
+    );
     let whole = (MAGIC.len() + 2 + text.len() + 1).next_multiple_of(64);
     let mut head = MAGIC.to_vec();
     head.extend(((whole - MAGIC.len() - 2) as u16).to_le_bytes());
@@ -87,7 +126,10 @@ mod tests {
         let head = head("<f4", &[2, 3]);
         assert_eq!(head.len(), 128);
         assert_eq!(head[..10], *b"\x93NUMPY\x01\x00\x76\x00");
-        assert!(head[10..].starts_with(b"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3,), } "));
+        assert!(
+            head[10..]
+                .starts_with(b"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3,), } ")
+        );
         assert_eq!(head[127], b'\n');
         for shape in [&[][..], &[7], &[90, 90, 180, 3]] {
             assert_eq!(super::head("|b1", shape).len() % 64, 0);

@@ -18,7 +18,11 @@ impl Mapped {
     /// As [`RegularFile::open`].
     pub fn open(path: &Path) -> Result<Self> {
         let file = RegularFile::open(path)?;
-        let map = if file.is_empty() { None } else { Some(map_readonly(&file)?) };
+        let map = if file.is_empty() {
+            None
+        } else {
+            Some(map_readonly(&file)?)
+        };
         Ok(Self { map })
     }
 

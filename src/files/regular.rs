@@ -28,7 +28,11 @@ impl RegularFile {
         let file = File::open(path).map_err(failed)?;
         let metadata = file.metadata().map_err(failed)?;
         refuse_irregular(&metadata, path)?;
-        Ok(Self { path: path.to_owned(), file, len: metadata.len() })
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            len: metadata.len(),
+        })
     }
 
     /// Length in bytes when the file was opened.
@@ -56,7 +60,10 @@ impl RegularFile {
     /// # Errors
     /// [`Error::Invalid`] at the end of a file that ends before; [`Error::Io`] if it can't be read.
     pub fn read_at(&mut self, offset: u64, out: &mut [u8]) -> Result<()> {
-        let read = self.file.seek(SeekFrom::Start(offset)).and_then(|_| self.file.read_exact(out));
+        let read = self
+            .file
+            .seek(SeekFrom::Start(offset))
+            .and_then(|_| self.file.read_exact(out));
         read.map_err(|e| self.explain(e, offset + out.len() as u64))
     }
 
@@ -65,14 +72,17 @@ impl RegularFile {
     /// # Errors
     /// [`Error::Unsupported`] if there are more than `limit`; otherwise as [`Self::read_at`].
     pub fn read_all(mut self, limit: u64) -> Result<Vec<u8>> {
-        let len = usize::try_from(self.len).ok().filter(|_| self.len <= limit).ok_or_else(|| {
-            let what = format!("a file of {} bytes", self.len);
-            Error::Unsupported {
-                path: self.path.clone(),
-                what,
-                fix: format!("name one of at most {limit} bytes"),
-            }
-        })?;
+        let len = usize::try_from(self.len)
+            .ok()
+            .filter(|_| self.len <= limit)
+            .ok_or_else(|| {
+                let what = format!("a file of {} bytes", self.len);
+                Error::Unsupported {
+                    path: self.path.clone(),
+                    what,
+                    fix: format!("name one of at most {limit} bytes"),
+                }
+            })?;
         let mut out = Vec::new();
         let no_room = |_| Error::io(&self.path, "read", std::io::ErrorKind::OutOfMemory.into());
         out.try_reserve_exact(len).map_err(no_room)?;
@@ -90,7 +100,10 @@ impl RegularFile {
         Error::invalid(
             &self.path,
             end.min(wanted),
-            format!("{wanted} bytes: the file had {} when it was opened", self.len),
+            format!(
+                "{wanted} bytes: the file had {} when it was opened",
+                self.len
+            ),
             format!("its end after {end}"),
             "read it again when nothing writes to it, or fetch it again",
         )
@@ -115,7 +128,12 @@ fn refuse_irregular(metadata: &std::fs::Metadata, path: &Path) -> Result<()> {
     }
     Err(Error::Unsupported {
         path: path.to_owned(),
-        what: if metadata.is_dir() { "a folder" } else { "a pipe or device" }.into(),
+        what: if metadata.is_dir() {
+            "a folder"
+        } else {
+            "a pipe or device"
+        }
+        .into(),
         fix: "name a regular file".into(),
     })
 }

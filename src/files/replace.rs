@@ -78,7 +78,11 @@ impl Unfinished {
         Ok(Self { file, name })
     }
 
-    fn fill(&mut self, path: &Path, fill: impl FnOnce(&mut dyn WriteSeek) -> Result<()>) -> Result<()> {
+    fn fill(
+        &mut self,
+        path: &Path,
+        fill: impl FnOnce(&mut dyn WriteSeek) -> Result<()>,
+    ) -> Result<()> {
         let mut out = BufWriter::with_capacity(1 << 20, self.file.as_file_mut());
         fill(&mut out)?;
         out.flush().map_err(|e| Error::io(path, "write", e))
@@ -110,7 +114,10 @@ impl Unfinished {
 /// [`Error::Argument`] if `path` is a folder, pipe or device, its folder is missing, or it exists and `overwrite` refuses.
 pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<()> {
     if path.is_dir() {
-        return Err(Error::argument(format!("{} is a folder", path.display()), "name a file"));
+        return Err(Error::argument(
+            format!("{} is a folder", path.display()),
+            "name a file",
+        ));
     }
     if path.metadata().is_ok_and(|m| !m.is_file()) {
         // It would be replaced by a file.
@@ -118,14 +125,27 @@ pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<()> {
         return Err(Error::argument(what, "name a file"));
     }
     if !folder_of(path).is_dir() {
-        let what = format!("{}: there is no folder {}", path.display(), folder_of(path).display());
-        return Err(Error::argument(what, "make it first, or name another output"));
+        let what = format!(
+            "{}: there is no folder {}",
+            path.display(),
+            folder_of(path).display()
+        );
+        return Err(Error::argument(
+            what,
+            "make it first, or name another output",
+        ));
     }
-    if overwrite == Overwrite::Refuse && path.exists() { Err(exists(path)) } else { Ok(()) }
+    if overwrite == Overwrite::Refuse && path.exists() {
+        Err(exists(path))
+    } else {
+        Ok(())
+    }
 }
 
 fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+    path.parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."))
 }
 
 /// A sink that image writers can seek in.

@@ -46,7 +46,8 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     }
     let t = ax.min(ay) / high;
     let t2 = t * t;
-    let angle = t * (polynomial(&[C[0], C[1], C[2], C[3], C[4], C[5], C[6], C[7]], t2) + C[8] * t2.powi(8));
+    let angle =
+        t * (polynomial(&[C[0], C[1], C[2], C[3], C[4], C[5], C[6], C[7]], t2) + C[8] * t2.powi(8));
     // Octants come at random, so they are told apart without branches.
     let steep = f64::from(u8::from(ay > ax));
     let angle = steep * FRAC_PI_2 + (1.0 - 2.0 * steep) * angle;
@@ -96,7 +97,11 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
     let negative = |v: f64| f64::from_bits(((v.to_bits() as i64 >> 63) as u64) & 1f64.to_bits());
     let (ax, ay) = (x.abs(), y.abs());
     let (low, high) = if ay > ax { (ax, ay) } else { (ay, ax) };
-    let (steep, back, far) = (negative(ax - ay), negative(x), negative(TAN_PI_8 * high - low));
+    let (steep, back, far) = (
+        negative(ax - ay),
+        negative(x),
+        negative(TAN_PI_8 * high - low),
+    );
     // Beyond π/8 as seen from π/4.
     let t = (low - far * high) / (high + far * low + f64::MIN_POSITIVE);
     let angle = t * polynomial(&C, t * t) + far * FRAC_PI_4;
@@ -171,7 +176,10 @@ mod tests {
             let turns = f64::from(i) / 300_000.0;
             let (s, c) = fine_sin_cos_turns(turns);
             let (sin, cos) = (turns * TAU).sin_cos();
-            assert!((s - sin).abs() < 1e-12 && (c - cos).abs() < 1e-12, "{turns}: {s} {sin} {c} {cos}");
+            assert!(
+                (s - sin).abs() < 1e-12 && (c - cos).abs() < 1e-12,
+                "{turns}: {s} {sin} {c} {cos}"
+            );
             assert!((s * s + c * c - 1.0).abs() < 1e-12);
             for radius in [1e-30, 1.0, 1e20] {
                 let (y, x) = (radius * sin, radius * cos);
@@ -188,8 +196,10 @@ mod tests {
     #[test]
     fn fine_functions_are_exact_on_axes_and_finite_everywhere() {
         let signed = [0.0, -0.0, 1.0, -1.0];
-        for (y, x) in
-            signed.into_iter().flat_map(|y| signed.map(|x| (y, x))).filter(|&(y, x)| y != x && y != -x)
+        for (y, x) in signed
+            .into_iter()
+            .flat_map(|y| signed.map(|x| (y, x)))
+            .filter(|&(y, x)| y != x && y != -x)
         {
             assert_eq!(fine_atan2(y, x), f64::atan2(y, x), "{y} {x}");
         }

@@ -26,7 +26,11 @@ pub fn concentric_square(p: DVec2) -> DVec2 {
     let (along, across) = if steep { (p.y, p.x) } else { (p.x, p.y) };
     let share = approx::atan2(across * along.signum(), along.abs()) * (1.0 / FRAC_PI_4);
     let (along, across) = (r.copysign(along), r.copysign(along) * share);
-    let q = if steep { DVec2::new(across, along) } else { DVec2::new(along, across) };
+    let q = if steep {
+        DVec2::new(across, along)
+    } else {
+        DVec2::new(along, across)
+    };
     (0.5 * (q + DVec2::ONE)).clamp(DVec2::ZERO, DVec2::ONE)
 }
 
@@ -45,7 +49,10 @@ mod tests {
     fn the_square_gives_back_what_the_disc_was_given() {
         for (x, y) in Lattice::at_least(5000).points() {
             let back = concentric_square(concentric_disc(DVec2::new(x, y)));
-            assert!(back.abs_diff_eq(DVec2::new(x, y), 5e-8), "({x}, {y}): {back}");
+            assert!(
+                back.abs_diff_eq(DVec2::new(x, y), 5e-8),
+                "({x}, {y}): {back}"
+            );
         }
         assert_eq!(concentric_square(DVec2::ZERO), DVec2::splat(0.5));
         assert_eq!(concentric_square(DVec2::new(2.0, 0.0)).x, 1.0);

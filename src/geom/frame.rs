@@ -25,7 +25,11 @@ impl Frame {
             return Self::about(n);
         }
         let x = along.normalize();
-        Self { x, y: n.cross(x), z: n }
+        Self {
+            x,
+            y: n.cross(x),
+            z: n,
+        }
     }
 
     /// World to local.
@@ -45,16 +49,34 @@ mod tests {
 
     #[test]
     fn frames_around_an_axis_run_along_its_circles() {
-        for n in [Vec3::X, Vec3::Z, Vec3::new(0.6, -0.64, 0.48), Vec3::Y, -Vec3::Y] {
+        for n in [
+            Vec3::X,
+            Vec3::Z,
+            Vec3::new(0.6, -0.64, 0.48),
+            Vec3::Y,
+            -Vec3::Y,
+        ] {
             let frame = Frame::around(n, Vec3::Y);
             for w in [Vec3::X, Vec3::Y, Vec3::Z] {
-                assert!(frame.to_world(frame.to_local(w)).abs_diff_eq(w, 1e-6), "{n}");
+                assert!(
+                    frame.to_world(frame.to_local(w)).abs_diff_eq(w, 1e-6),
+                    "{n}"
+                );
             }
             assert!(frame.to_local(n).abs_diff_eq(Vec3::Z, 1e-6), "{n}");
-            assert!(frame.to_world(Vec3::X).cross(frame.to_world(Vec3::Y)).abs_diff_eq(n, 1e-6), "{n}");
+            assert!(
+                frame
+                    .to_world(Vec3::X)
+                    .cross(frame.to_world(Vec3::Y))
+                    .abs_diff_eq(n, 1e-6),
+                "{n}"
+            );
             let off_axis = n.cross(Vec3::Y).length() > 0.1;
             assert!(
-                !off_axis || frame.to_world(Vec3::X).abs_diff_eq(Vec3::Y.cross(n).normalize(), 1e-6),
+                !off_axis
+                    || frame
+                        .to_world(Vec3::X)
+                        .abs_diff_eq(Vec3::Y.cross(n).normalize(), 1e-6),
                 "{n}"
             );
         }

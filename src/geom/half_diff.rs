@@ -37,7 +37,11 @@ impl HalfDiff {
             let along = (wo.z - wi.z) * length * 0.5;
             across.atan2(along)
         };
-        Some(Self { theta_h: rho.atan2(sum.z), theta_d: (wo - wi).length().atan2(length), phi_d })
+        Some(Self {
+            theta_h: rho.atan2(sum.z),
+            theta_d: (wo - wi).length().atan2(length),
+            phi_d,
+        })
     }
 }
 
@@ -64,15 +68,25 @@ mod tests {
         let phi_h = h.y.atan2(h.x);
         let about_z = glam::DQuat::from_rotation_z(-phi_h) * wi;
         let d = glam::DQuat::from_rotation_y(-theta_h) * about_z;
-        HalfDiff { theta_h, theta_d: d.x.hypot(d.y).atan2(d.z), phi_d: d.y.atan2(d.x) }
+        HalfDiff {
+            theta_h,
+            theta_d: d.x.hypot(d.y).atan2(d.z),
+            phi_d: d.y.atan2(d.x),
+        }
     }
 
     #[test]
     fn agrees_with_the_rotations() {
         for i in 0..400 {
             let k = f64::from(i);
-            let wo = spherical((k * 0.618).fract() * 1.57, (k * 0.414).fract() * std::f64::consts::TAU);
-            let wi = spherical((k * 0.732).fract() * 1.57, (k * 0.236).fract() * std::f64::consts::TAU);
+            let wo = spherical(
+                (k * 0.618).fract() * 1.57,
+                (k * 0.414).fract() * std::f64::consts::TAU,
+            );
+            let wi = spherical(
+                (k * 0.732).fract() * 1.57,
+                (k * 0.236).fract() * std::f64::consts::TAU,
+            );
             let (a, b) = (HalfDiff::of(wo, wi).unwrap(), by_rotation(wo, wi));
             assert!((a.theta_h - b.theta_h).abs() < 1e-12, "{a:?} {b:?}");
             assert!((a.theta_d - b.theta_d).abs() < 1e-12, "{a:?} {b:?}");
@@ -98,6 +112,10 @@ mod tests {
     #[test]
     fn reflection_has_the_half_vector_it_came_from() {
         let (w, h) = (spherical(0.4, 2.0), spherical(0.3, -1.0));
-        assert!(half_vector(w, reflect_about(w, h)).unwrap().abs_diff_eq(h, 1e-14));
+        assert!(
+            half_vector(w, reflect_about(w, h))
+                .unwrap()
+                .abs_diff_eq(h, 1e-14)
+        );
     }
 }

@@ -27,7 +27,11 @@ impl HalfVectors {
         let wo = wo.as_dvec3().normalize();
         let (theta_o, phi_o) = to_spherical(wo);
         let (sin, cos) = phi_o.sin_cos();
-        Some(Self { wo, theta_o, azimuth: (cos, sin) })
+        Some(Self {
+            wo,
+            theta_o,
+            azimuth: (cos, sin),
+        })
     }
 
     /// The largest θh that reflects above the horizon: (π/2 + θo)/2.
@@ -50,7 +54,11 @@ impl HalfVectors {
         let cos = |angle: f64| approx::sin_cos_turns(angle.abs() * (1.0 / TAU)).1;
         let far = cos(2.0 * theta_h + self.theta_o);
         let near = cos(2.0 * theta_h - self.theta_o);
-        if far >= 0.0 { PI } else { 2.0 * approx::atan2(near.max(0.0).sqrt(), (-far).sqrt()) }
+        if far >= 0.0 {
+            PI
+        } else {
+            2.0 * approx::atan2(near.max(0.0).sqrt(), (-far).sqrt())
+        }
     }
 
     /// The reflected direction at (θh, b) and dσ(wi) per dθh db = 4 (wo·h) sin θh φmax (Torrance–Sparrow's Jacobian).
@@ -94,9 +102,15 @@ pub struct Lattice {
 impl Lattice {
     /// The smallest Fibonacci lattice of at least `points` points (at least two, at most about 10⁹).
     pub fn at_least(points: usize) -> Self {
-        let mut lattice = Self { size: 2, generator: 1 };
+        let mut lattice = Self {
+            size: 2,
+            generator: 1,
+        };
         while lattice.size < (points as u64).min(1 << 30) {
-            lattice = Self { size: lattice.size + lattice.generator, generator: lattice.size };
+            lattice = Self {
+                size: lattice.size + lattice.generator,
+                generator: lattice.size,
+            };
         }
         lattice
     }
@@ -127,9 +141,15 @@ mod tests {
             for (s, t) in Lattice::at_least(500).points() {
                 let (theta_h, b) = (s * domain.theta_max(), 2.0 * t - 1.0);
                 let (wi, jacobian) = domain.direction(theta_h, b);
-                assert!(is_upper(wi) && jacobian > 0.0, "θo {theta_o}, θh {theta_h}, b {b}: {wi}");
+                assert!(
+                    is_upper(wi) && jacobian > 0.0,
+                    "θo {theta_o}, θh {theta_h}, b {b}: {wi}"
+                );
                 let (theta_back, b_back) = domain.coordinates(wi);
-                assert!((theta_back - theta_h).abs() < 2e-6, "{theta_o}: {theta_h} {theta_back}");
+                assert!(
+                    (theta_back - theta_h).abs() < 2e-6,
+                    "{theta_o}: {theta_h} {theta_back}"
+                );
                 let slack = 1e-5 / (theta_h.sin() * domain.phi_max(theta_h)).max(1e-6);
                 assert!((b_back - b).abs() < slack, "{theta_o}: {b} {b_back}");
             }
@@ -139,7 +159,12 @@ mod tests {
     #[test]
     fn the_horizon_is_at_the_ends_of_the_azimuth() {
         let domain = HalfVectors::about(spherical(1.2, 0.0).as_vec3()).unwrap();
-        for theta_h in [domain.theta_full() + 0.01, 0.6, 1.0, domain.theta_max() - 0.01] {
+        for theta_h in [
+            domain.theta_full() + 0.01,
+            0.6,
+            1.0,
+            domain.theta_max() - 0.01,
+        ] {
             let (wi, _) = domain.direction(theta_h, 1.0);
             assert!(wi.z.abs() < 1e-6, "{theta_h}: {wi}");
         }

@@ -51,13 +51,19 @@ pub fn is_unit_upper(w: Vec3) -> bool {
 /// the horizon; a height that is nothing to f32 beside the length is not.
 #[inline]
 pub fn unit_upper(w: Vec3) -> Option<Vec3> {
-    if (w.length_squared() - 1.0).abs() <= LENGTH_SLACK { (w.z > 0.0).then_some(w) } else { renormalised(w) }
+    if (w.length_squared() - 1.0).abs() <= LENGTH_SLACK {
+        (w.z > 0.0).then_some(w)
+    } else {
+        renormalised(w)
+    }
 }
 
 #[cold]
 fn renormalised(w: Vec3) -> Option<Vec3> {
     // The square of any f32 is an ordinary f64.
-    is_upper(w).then(|| w.as_dvec3().normalize().as_vec3()).filter(|unit| unit.z > 0.0)
+    is_upper(w)
+        .then(|| w.as_dvec3().normalize().as_vec3())
+        .filter(|unit| unit.z > 0.0)
 }
 
 /// Finite and above the horizon: the domain of every BRDF and sampler here.

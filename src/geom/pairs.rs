@@ -30,14 +30,25 @@ pub struct DirectionPairs<'a, R> {
 impl<'a, R: BufRead> DirectionPairs<'a, R> {
     /// Reads from `input`, which messages call `name`.
     pub fn new(input: R, name: &'a Path) -> Self {
-        Self { input, name, number: 0, line: Vec::new(), heading_possible: true }
+        Self {
+            input,
+            name,
+            number: 0,
+            line: Vec::new(),
+            heading_possible: true,
+        }
     }
 
     /// The next line with anything on it, trimmed.
     fn next_line(&mut self) -> Option<Result<String>> {
         loop {
             self.line.clear();
-            match self.input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.line) {
+            match self
+                .input
+                .by_ref()
+                .take(LONGEST_LINE)
+                .read_until(b'\n', &mut self.line)
+            {
                 Ok(0) => return None,
                 Ok(_) => self.number += 1,
                 Err(e) => return Some(Err(Error::io(self.name, "read", e))),
@@ -84,7 +95,10 @@ fn parse(line: &str, name: &Path, number: usize) -> Result<(Vec3, Vec3)> {
     let found = |expected: &str, found: &str, fix: &str| {
         let found: String = found.chars().take(80).collect();
         Error::argument(
-            format!("{}, line {number}: expected {expected}, found \"{found}\"", name.display()),
+            format!(
+                "{}, line {number}: expected {expected}, found \"{found}\"",
+                name.display()
+            ),
             fix.to_owned(),
         )
     };
@@ -95,7 +109,9 @@ fn parse(line: &str, name: &Path, number: usize) -> Result<(Vec3, Vec3)> {
     }
     let mut v = [0.0f64; 6];
     for (x, field) in v.iter_mut().zip(&fields) {
-        *x = field.parse().map_err(|_| found("a number", field, &format!("the columns are {HEADING}")))?;
+        *x = field
+            .parse()
+            .map_err(|_| found("a number", field, &format!("the columns are {HEADING}")))?;
     }
     let unit = |name: &str, w: DVec3| {
         let length = w.length();
@@ -108,5 +124,8 @@ fn parse(line: &str, name: &Path, number: usize) -> Result<(Vec3, Vec3)> {
             "normalise the directions",
         ))
     };
-    Ok((unit("wo", DVec3::new(v[0], v[1], v[2]))?, unit("wi", DVec3::new(v[3], v[4], v[5]))?))
+    Ok((
+        unit("wo", DVec3::new(v[0], v[1], v[2]))?,
+        unit("wi", DVec3::new(v[3], v[4], v[5]))?,
+    ))
 }

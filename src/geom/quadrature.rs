@@ -37,7 +37,12 @@ impl Quadrature {
     pub fn new(wo: Vec3, points_per_bin: usize) -> Self {
         let domain = HalfVectors::about(wo);
         let pieces = domain.as_ref().map(pieces).unwrap_or_default();
-        Self { wo, domain, pieces, lattice: Lattice::at_least(points_per_bin) }
+        Self {
+            wo,
+            domain,
+            pieces,
+            lattice: Lattice::at_least(points_per_bin),
+        }
     }
 
     /// The given direction.
@@ -117,12 +122,22 @@ struct State {
 
 impl State {
     fn first(value: f64) -> Self {
-        Self { level: 0, value, difference: value.abs(), error: f64::INFINITY }
+        Self {
+            level: 0,
+            value,
+            difference: value.abs(),
+            error: f64::INFINITY,
+        }
     }
 
     fn refined(&self, value: f64) -> Self {
         let difference = (value - self.value).abs();
-        Self { level: self.level + 1, value, difference, error: difference.max(0.25 * self.difference) }
+        Self {
+            level: self.level + 1,
+            value,
+            difference,
+            error: difference.max(0.25 * self.difference),
+        }
     }
 }
 
@@ -191,7 +206,10 @@ fn pieces(domain: &HalfVectors) -> Vec<Piece> {
         .collect();
     edges.sort_by(f64::total_cmp);
     edges.dedup();
-    edges.windows(2).map(|pair| piece(pair[0], pair[1], cut, end)).collect()
+    edges
+        .windows(2)
+        .map(|pair| piece(pair[0], pair[1], cut, end))
+        .collect()
 }
 
 fn piece(low: f64, high: f64, cut: f64, end: f64) -> Piece {
@@ -237,7 +255,13 @@ mod tests {
     /// cosⁿ⁺¹ at the angle where the horizon begins to cut.
     #[test]
     fn sharp_lobe_of_half_vectors_integrates_to_one() {
-        for (theta, exponent) in [(0.76, 1e5), (29.75, 1e6), (60.25, 1e4), (75.5, 3e5), (84.7, 1e6)] {
+        for (theta, exponent) in [
+            (0.76, 1e5),
+            (29.75, 1e6),
+            (60.25, 1e4),
+            (75.5, 3e5),
+            (84.7, 1e6),
+        ] {
             let wo = wo(theta);
             let exact = wo.as_dvec3();
             let sum = Quadrature::new(wo, 233).integrate(|wi| {

@@ -55,7 +55,10 @@ mod tests {
                 let wo = spherical(0.7, f64::from(k).to_radians() * 0.5 - PI).as_vec3();
                 let folded = wo * symmetry.signs(wo);
                 let from = f64::from(folded.y).atan2(f64::from(folded.x)) - Symmetry::START;
-                assert!((0.0..=symmetry.span() + 1e-6).contains(&from), "{symmetry:?} {k}: {from}");
+                assert!(
+                    (0.0..=symmetry.span() + 1e-6).contains(&from),
+                    "{symmetry:?} {k}: {from}"
+                );
                 assert_eq!(folded * symmetry.signs(wo), wo);
                 assert_eq!(symmetry.signs(folded), Vec3::ONE);
             }

@@ -84,7 +84,8 @@ const PIXELS_PER_BYTE: u64 = 256;
 
 /// Reads the headers alone, so that no picture's memory is taken on the word of a damaged file.
 fn check_headers<R: Read>(source: R, len: u64, path: &Path) -> Result<()> {
-    let meta = ::exr::meta::MetaData::read_from_buffered(source, false).map_err(|e| read_error(path, e))?;
+    let meta = ::exr::meta::MetaData::read_from_buffered(source, false)
+        .map_err(|e| read_error(path, e))?;
     for header in &meta.headers {
         let Vec2(width, height) = header.layer_size;
         let pixels = width.checked_mul(height);
@@ -116,7 +117,10 @@ const ANY_BLOCK: u64 = 12 << 20;
 fn check_block(header: &Header, len: u64, path: &Path) -> Result<()> {
     let Vec2(width, height) = match header.blocks {
         BlockDescription::Tiles(tiles) => tiles.tile_size,
-        BlockDescription::ScanLines => Vec2(header.layer_size.0, header.compression.scan_lines_per_block()),
+        BlockDescription::ScanLines => Vec2(
+            header.layer_size.0,
+            header.compression.scan_lines_per_block(),
+        ),
     };
     let bytes = (width as u64)
         .checked_mul(height as u64)
@@ -128,7 +132,10 @@ fn check_block(header: &Header, len: u64, path: &Path) -> Result<()> {
     Err(Error::invalid(
         path,
         len,
-        format!("blocks of {width} × {height} pixels in {} channels", header.channels.list.len()),
+        format!(
+            "blocks of {width} × {height} pixels in {} channels",
+            header.channels.list.len()
+        ),
         format!("a file of {len} bytes, which can't hold one"),
         "fetch the file again: it is damaged or cut off",
     ))
@@ -140,7 +147,10 @@ fn check_pixels(path: &Path, width: usize, pixels: &[Rgb]) -> Result<()> {
         return Ok(());
     };
     let not_finite = pixels.iter().filter(|c| !c.is_finite()).count();
-    let negative = pixels.iter().filter(|c| c.is_finite() && c.min_element() < 0.0).count();
+    let negative = pixels
+        .iter()
+        .filter(|c| c.is_finite() && c.min_element() < 0.0)
+        .count();
     Err(Error::invalid(
         path,
         0,

@@ -26,25 +26,40 @@ impl Image {
     /// # Errors
     /// [`Error::Argument`] if a side is 0, the number of pixels is not `width · height`, or it exceeds [`MAX_PIXELS`].
     pub fn new(width: usize, height: usize, pixels: Vec<Rgb>) -> Result<Self> {
-        let count = width.checked_mul(height).filter(|&n| n > 0 && n <= MAX_PIXELS);
+        let count = width
+            .checked_mul(height)
+            .filter(|&n| n > 0 && n <= MAX_PIXELS);
         if count != Some(pixels.len()) {
             return Err(Error::argument(
-                format!("{} pixels for a picture of {width} × {height}", pixels.len()),
+                format!(
+                    "{} pixels for a picture of {width} × {height}",
+                    pixels.len()
+                ),
                 format!("give one value a pixel, at most {MAX_PIXELS} pixels"),
             ));
         }
-        Ok(Self { width, height, pixels })
+        Ok(Self {
+            width,
+            height,
+            pixels,
+        })
     }
 
     /// A picture whose pixel in column `x` and row `y` is `value(x, y)`.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn from_fn(width: usize, height: usize, mut value: impl FnMut(usize, usize) -> Rgb) -> Result<Self> {
+    pub fn from_fn(
+        width: usize,
+        height: usize,
+        mut value: impl FnMut(usize, usize) -> Rgb,
+    ) -> Result<Self> {
         if width.checked_mul(height).is_none_or(|n| n > MAX_PIXELS) {
             return Self::new(width, height, Vec::new());
         }
-        let pixels = (0..width * height).map(|i| value(i % width, i / width)).collect();
+        let pixels = (0..width * height)
+            .map(|i| value(i % width, i / width))
+            .collect();
         Self::new(width, height, pixels)
     }
 
@@ -70,6 +85,10 @@ impl Image {
 
     /// The pixel in column `x` and row `y`; 0 outside.
     pub fn at(&self, x: usize, y: usize) -> Rgb {
-        if x < self.width && y < self.height { self.pixels[y * self.width + x] } else { Rgb::ZERO }
+        if x < self.width && y < self.height {
+            self.pixels[y * self.width + x]
+        } else {
+            Rgb::ZERO
+        }
     }
 }

@@ -43,7 +43,10 @@ pub fn encode_png(width: usize, height: usize, bytes: &[u8]) -> Result<Vec<u8>> 
     let mut out = Vec::new();
     write_rgb8(&mut out, width, height, bytes).map_err(|e| {
         Error::argument(
-            format!("a PNG of {width} × {height} from {} bytes: {e}", bytes.len()),
+            format!(
+                "a PNG of {width} × {height} from {} bytes: {e}",
+                bytes.len()
+            ),
             "give three a pixel",
         )
     })?;
@@ -77,7 +80,11 @@ pub fn encode_srgb(image: &Image, exposure: f32) -> Vec<u8> {
 
 /// sRGB's transfer function, from linear [0, 1] to encoded [0, 1].
 fn srgb(x: f32) -> f32 {
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+    if x <= 0.003_130_8 {
+        12.92 * x
+    } else {
+        1.055 * x.powf(1.0 / 2.4) - 0.055
+    }
 }
 
 fn write_error(path: &Path, error: ::png::EncodingError) -> Error {
@@ -105,12 +112,20 @@ mod tests {
 
     #[test]
     fn bytes_are_srgb_of_the_exposed_value() {
-        let image = Image::new(2, 1, vec![Rgb::splat(0.214_041_14), Rgb::new(0.0, 0.5, 1e9)]).unwrap();
+        let image = Image::new(
+            2,
+            1,
+            vec![Rgb::splat(0.214_041_14), Rgb::new(0.0, 0.5, 1e9)],
+        )
+        .unwrap();
         // sRGB 0.5 is linear 0.21404; 0.5 linear is byte 188.
         assert_eq!(encode_srgb(&image, 0.0), [128, 128, 128, 0, 188, 255]);
         assert_eq!(
             encode_srgb(&image, 1.0)[..3],
-            encode_srgb(&Image::new(1, 1, vec![Rgb::splat(2.0 * 0.214_041_14)]).unwrap(), 0.0)
+            encode_srgb(
+                &Image::new(1, 1, vec![Rgb::splat(2.0 * 0.214_041_14)]).unwrap(),
+                0.0
+            )
         );
     }
 }

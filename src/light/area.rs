@@ -37,7 +37,12 @@ impl Light for Area {
         let to = self.corner + u.x * self.edge_u + u.y * self.edge_v - from;
         let (wi, distance) = (to.try_normalize()?, to.length());
         let pdf = self.pdf(wi, distance)?;
-        Some(LightSample { wi, distance, radiance: self.radiance, pdf })
+        Some(LightSample {
+            wi,
+            distance,
+            radiance: self.radiance,
+            pdf,
+        })
     }
 
     fn seen(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<Seen> {
@@ -52,7 +57,10 @@ impl Light for Area {
         let v = self.edge_u.cross(at).dot(facing) / facing.length_squared();
         let inside = (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v);
         let pdf = self.pdf(direction, distance).filter(|_| inside)?;
-        Some(Seen { radiance: self.radiance, pdf })
+        Some(Seen {
+            radiance: self.radiance,
+            pdf,
+        })
     }
 }
 
@@ -76,7 +84,9 @@ mod tests {
         // edge_u × edge_v points down here, towards the origin.
         let lamp = lamp();
         for i in 0..1000 {
-            let s = lamp.sample(DVec3::ZERO, PointSet::Random.point(1, i, 0).as_dvec2()).unwrap();
+            let s = lamp
+                .sample(DVec3::ZERO, PointSet::Random.point(1, i, 0).as_dvec2())
+                .unwrap();
             let seen = lamp.seen(DVec3::ZERO, s.wi, f64::INFINITY).unwrap();
             assert!((seen.pdf / s.pdf - 1.0).abs() < 1e-12);
             assert!(lamp.seen(DVec3::ZERO, s.wi, s.distance * 0.99).is_none());
@@ -89,7 +99,10 @@ mod tests {
         let behind = DVec3::new(0.0, 9.0, 0.0);
         assert!(lamp().sample(behind, DVec2::splat(0.5)).is_none());
         assert!(lamp().seen(behind, -DVec3::Y, f64::INFINITY).is_none());
-        let line = Area { edge_v: lamp().edge_u, ..lamp() };
+        let line = Area {
+            edge_v: lamp().edge_u,
+            ..lamp()
+        };
         assert!(line.sample(DVec3::ZERO, DVec2::splat(0.5)).is_none());
         assert!(line.seen(DVec3::ZERO, DVec3::Y, f64::INFINITY).is_none());
     }

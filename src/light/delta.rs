@@ -21,7 +21,12 @@ impl Light for Point {
         let distance = to.length();
         let wi = to.try_normalize()?;
         let radiance = (self.intensity.as_dvec3() / (distance * distance)).as_vec3();
-        radiance.is_finite().then_some(LightSample { wi, distance, radiance, pdf: 1.0 })
+        radiance.is_finite().then_some(LightSample {
+            wi,
+            distance,
+            radiance,
+            pdf: 1.0,
+        })
     }
 
     fn seen(&self, _from: DVec3, _direction: DVec3, _reach: f64) -> Option<Seen> {
@@ -45,7 +50,12 @@ pub struct Directional {
 impl Light for Directional {
     fn sample(&self, _from: DVec3, _u: DVec2) -> Option<LightSample> {
         let wi = self.towards.try_normalize()?;
-        Some(LightSample { wi, distance: f64::INFINITY, radiance: self.irradiance, pdf: 1.0 })
+        Some(LightSample {
+            wi,
+            distance: f64::INFINITY,
+            radiance: self.irradiance,
+            pdf: 1.0,
+        })
     }
 
     fn seen(&self, _from: DVec3, _direction: DVec3, _reach: f64) -> Option<Seen> {

@@ -56,21 +56,48 @@ impl Environment {
     /// # Errors
     /// [`Error::Argument`] if a side is 0, the number of pixels is not `width · height`, or a channel is negative or not
     /// finite.
-    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, sampling: SkySampling) -> Result<Self> {
+    pub fn new(
+        width: usize,
+        height: usize,
+        pixels: Vec<Rgb>,
+        sampling: SkySampling,
+    ) -> Result<Self> {
         if width == 0 || height == 0 || width.checked_mul(height) != Some(pixels.len()) {
-            let what = format!("{} pixels for an environment of {width} × {height}", pixels.len());
+            let what = format!(
+                "{} pixels for an environment of {width} × {height}",
+                pixels.len()
+            );
             return Err(Error::argument(what, "give one value a pixel"));
         }
-        if let Some(i) = pixels.iter().position(|c| !c.is_finite() || c.min_element() < 0.0) {
-            let what = format!("radiance {} in column {}, row {}", pixels[i], i % width, i / width);
+        if let Some(i) = pixels
+            .iter()
+            .position(|c| !c.is_finite() || c.min_element() < 0.0)
+        {
+            let what = format!(
+                "radiance {} in column {}, row {}",
+                pixels[i],
+                i % width,
+                i / width
+            );
             return Err(Error::argument(what, "give finite radiance ≥ 0"));
         }
-        let cos_edges = (0..=height).map(|row| (row as f64 / height as f64 * PI).cos()).collect();
+        let cos_edges = (0..=height)
+            .map(|row| (row as f64 / height as f64 * PI).cos())
+            .collect();
         let extent = DVec2::new(width as f64, height as f64);
-        let mut sky = Self { width, height, extent, pixels: padded(width, &pixels), cos_edges, table: None };
+        let mut sky = Self {
+            width,
+            height,
+            extent,
+            pixels: padded(width, &pixels),
+            cos_edges,
+            table: None,
+        };
         if sampling == SkySampling::Importance && pixels.iter().any(|c| luminance(*c) > 0.0) {
             let cells = Piecewise2d::new(width, height, &sky.weights(&pixels))?;
-            let densities = (0..height).map(|y| cells.row_mass(y) / sky.solid_angle(y)).collect();
+            let densities = (0..height)
+                .map(|y| cells.row_mass(y) / sky.solid_angle(y))
+                .collect();
             sky.table = Some(Table { cells, densities });
         }
         Ok(sky)
@@ -88,9 +115,17 @@ impl Environment {
     ) -> Result<Self> {
         let pixel = |i: usize| {
             let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-            radiance(direction_of(x / width as f64, (y / height as f64 * PI).cos()))
+            radiance(direction_of(
+                x / width as f64,
+                (y / height as f64 * PI).cos(),
+            ))
         };
-        Self::new(width, height, (0..width * height).map(pixel).collect(), sampling)
+        Self::new(
+            width,
+            height,
+            (0..width * height).map(pixel).collect(),
+            sampling,
+        )
     }
 
     /// Equal radiance from everywhere.
@@ -103,7 +138,9 @@ impl Environment {
 
     /// Bytes of memory that the sampling tables hold.
     pub fn table_bytes(&self) -> usize {
-        self.table.as_ref().map_or(0, |t| t.cells.bytes() + size_of_val(t.densities.as_slice()))
+        self.table
+            .as_ref()
+            .map_or(0, |t| t.cells.bytes() + size_of_val(t.densities.as_slice()))
     }
 
     /// Radiance that arrives from the unit vector `direction`.
@@ -118,14 +155,19 @@ impl Environment {
 
     #[inline]
     fn seen_at(&self, p: DVec2) -> Seen {
-        Seen { radiance: self.radiance_at(p), pdf: self.pdf_at(p) }
+        Seen {
+            radiance: self.radiance_at(p),
+            pdf: self.pdf_at(p),
+        }
     }
 
     #[inline]
     fn radiance_at(&self, p: DVec2) -> Rgb {
         // Padding moves the pixels to the right by one.
         let x = p.x * self.extent.x + 0.5;
-        let y = (p.y * self.extent.y - 0.5).max(0.0).min(self.extent.y - 1.0);
+        let y = (p.y * self.extent.y - 0.5)
+            .max(0.0)
+            .min(self.extent.y - 1.0);
         let (column, row) = (x as u32, y as u32);
         let (s, t) = ((x - f64::from(column)) as f32, (y - f64::from(row)) as f32);
         let stride = self.width + 2;
@@ -211,7 +253,10 @@ impl Light for Environment {
             for (place, &u) in places.iter_mut().zip(u) {
                 *place = self.place(u);
             }
-            let chosen_places = places[..u.len()].iter().zip(&mut directions).zip(&mut squares);
+            let chosen_places = places[..u.len()]
+                .iter()
+                .zip(&mut directions)
+                .zip(&mut squares);
             for ((&(longitude, cos), direction), square) in chosen_places {
                 *direction = direction_of(longitude, cos);
                 *square = square_of(*direction);
@@ -222,23 +267,44 @@ impl Light for Environment {
         }
     }
 
-    fn seen_many(&self, from: &[DVec3], directions: &[DVec3], reach: &[f64], out: &mut [Option<Seen>]) {
-        let count = from.len().min(directions.len()).min(reach.len()).min(out.len());
-        let chunks = directions[..count].chunks(LANES).zip(reach[..count].chunks(LANES));
+    fn seen_many(
+        &self,
+        from: &[DVec3],
+        directions: &[DVec3],
+        reach: &[f64],
+        out: &mut [Option<Seen>],
+    ) {
+        let count = from
+            .len()
+            .min(directions.len())
+            .min(reach.len())
+            .min(out.len());
+        let chunks = directions[..count]
+            .chunks(LANES)
+            .zip(reach[..count].chunks(LANES));
         let mut squares = [DVec2::ZERO; LANES];
         for ((directions, reach), out) in chunks.zip(out[..count].chunks_mut(LANES)) {
             for (square, &direction) in squares.iter_mut().zip(directions) {
                 *square = square_of(direction);
             }
             for ((out, &p), &reach) in out.iter_mut().zip(&squares).zip(reach) {
-                *out = if reach < f64::INFINITY { None } else { Some(self.seen_at(p)) };
+                *out = if reach < f64::INFINITY {
+                    None
+                } else {
+                    Some(self.seen_at(p))
+                };
             }
         }
     }
 }
 
 fn chosen(wi: DVec3, Seen { radiance, pdf }: Seen) -> Option<LightSample> {
-    (pdf > 0.0).then_some(LightSample { wi, distance: f64::INFINITY, radiance, pdf })
+    (pdf > 0.0).then_some(LightSample {
+        wi,
+        distance: f64::INFINITY,
+        radiance,
+        pdf,
+    })
 }
 
 /// The map with what look-ups may read beyond it.
@@ -292,7 +358,9 @@ mod tests {
         let mean = |f: &dyn Fn(u64) -> f64, n: u64| (0..n).map(f).sum::<f64>() / n as f64;
         let sampled = mean(
             &|i| {
-                let s = sky.sample(DVec3::ZERO, PointSet::Sobol.point(1, i, 0).as_dvec2()).unwrap();
+                let s = sky
+                    .sample(DVec3::ZERO, PointSet::Sobol.point(1, i, 0).as_dvec2())
+                    .unwrap();
                 f64::from(luminance(s.radiance)) / s.pdf
             },
             n,
@@ -317,7 +385,10 @@ mod tests {
             let theta = y / f64::from(rows) * PI;
             let w = direction_of(x / f64::from(columns), theta.cos());
             sum += sky.pdf(w) * theta.sin() * TAU * PI / f64::from(columns * rows);
-            assert!(sky.pdf(w) > 0.0 || sky.radiance(w) == Rgb::ZERO, "dark hole at {w}");
+            assert!(
+                sky.pdf(w) > 0.0 || sky.radiance(w) == Rgb::ZERO,
+                "dark hole at {w}"
+            );
         }
         assert!((sum - 1.0).abs() < 1e-4, "{sum}");
     }
@@ -354,19 +425,29 @@ mod tests {
         });
         let steps = [-1.0, -1e-9, -1e-300, -0.0, 0.0, 1e-300, 1e-9, 1.0];
         let grid = (0..512).map(|i| DVec3::new(steps[i % 8], steps[i / 8 % 8], steps[i / 64]));
-        grid.filter(|w| w.abs().max_element() == 1.0).map(DVec3::normalize).chain(drawn).collect()
+        grid.filter(|w| w.abs().max_element() == 1.0)
+            .map(DVec3::normalize)
+            .chain(drawn)
+            .collect()
     }
 
     #[test]
     fn many_are_the_same_bits_as_one_by_one() {
-        let plain = Environment::new(3, 2, vec![Rgb::new(0.1, 2.0, 3e5); 6], SkySampling::Uniform).unwrap();
-        let nothing = Some(Seen { radiance: Rgb::ONE, pdf: -1.0 });
+        let plain =
+            Environment::new(3, 2, vec![Rgb::new(0.1, 2.0, 3e5); 6], SkySampling::Uniform).unwrap();
+        let nothing = Some(Seen {
+            radiance: Rgb::ONE,
+            pdf: -1.0,
+        });
         for sky in [spotted(), plain] {
             let wi = directions(10_000);
-            let u: Vec<DVec2> = (0..10_000).map(|i| PointSet::Random.point(6, i, 0).as_dvec2()).collect();
+            let u: Vec<DVec2> = (0..10_000)
+                .map(|i| PointSet::Random.point(6, i, 0).as_dvec2())
+                .collect();
             let from = vec![DVec3::ONE; wi.len()];
-            let reach: Vec<f64> =
-                (0..wi.len()).map(|i| if i % 7 == 3 { 5.0 } else { f64::INFINITY }).collect();
+            let reach: Vec<f64> = (0..wi.len())
+                .map(|i| if i % 7 == 3 { 5.0 } else { f64::INFINITY })
+                .collect();
             for count in [0, 1, 63, 64, 65, 200, 10_000] {
                 let mut sampled = vec![None; count + 1];
                 sky.sample_many(&from, &u[..count], &mut sampled);
@@ -377,7 +458,10 @@ mod tests {
                     assert_eq!(seen[k], sky.seen(from[k], wi[k], reach[k]), "{}", wi[k]);
                     let drawn = sampled[k].unwrap();
                     let back = sky.seen(from[k], drawn.wi, f64::INFINITY).unwrap();
-                    assert_eq!((back.radiance, back.pdf.to_bits()), (drawn.radiance, drawn.pdf.to_bits()));
+                    assert_eq!(
+                        (back.radiance, back.pdf.to_bits()),
+                        (drawn.radiance, drawn.pdf.to_bits())
+                    );
                 }
                 assert_eq!((sampled[count], seen[count]), (None, nothing));
             }
@@ -400,15 +484,20 @@ mod tests {
     fn radiance_is_bilinear_between_centres_and_closes_on_itself() {
         let (width, height) = (5, 3);
         let pixel = |x: usize, y: usize| Rgb::new(x as f32, y as f32, (x * x + 7 * y) as f32);
-        let pixels = (0..width * height).map(|i| pixel(i % width, i / width)).collect();
+        let pixels = (0..width * height)
+            .map(|i| pixel(i % width, i / width))
+            .collect();
         let sky = Environment::new(width, height, pixels, SkySampling::Importance).unwrap();
         for i in 0..2000 {
             let p = PointSet::Sobol.point(3, i, 0).as_dvec2();
-            let (x, y) =
-                (p.x * width as f64 - 0.5, (p.y * height as f64 - 0.5).clamp(0.0, height as f64 - 1.0));
+            let (x, y) = (
+                p.x * width as f64 - 0.5,
+                (p.y * height as f64 - 0.5).clamp(0.0, height as f64 - 1.0),
+            );
             let (s, t) = ((x - x.floor()) as f32, y.fract() as f32);
             let column = |x: f64| (x as i64).rem_euclid(width as i64) as usize;
-            let line = |y: usize| pixel(column(x.floor()), y).lerp(pixel(column(x.floor() + 1.0), y), s);
+            let line =
+                |y: usize| pixel(column(x.floor()), y).lerp(pixel(column(x.floor() + 1.0), y), s);
             let expected = line(y as usize).lerp(line((y as usize + 1).min(height - 1)), t);
             assert!(sky.radiance_at(p).abs_diff_eq(expected, 1e-5), "{p}");
         }
@@ -419,7 +508,12 @@ mod tests {
         let build = |c| Environment::new(1, 1, vec![c], SkySampling::Importance);
         assert!(build(Rgb::splat(-1.0)).is_err());
         assert!(build(Rgb::splat(f32::NAN)).is_err());
-        assert!(build(Rgb::ZERO).unwrap().sample(DVec3::ZERO, DVec2::ZERO).is_some());
+        assert!(
+            build(Rgb::ZERO)
+                .unwrap()
+                .sample(DVec3::ZERO, DVec2::ZERO)
+                .is_some()
+        );
         assert!(Environment::new(2, 2, vec![Rgb::ONE], SkySampling::Uniform).is_err());
     }
 }

@@ -60,8 +60,16 @@ pub trait Light: Send + Sync {
 
     /// [`Self::seen`] for many rays: `out[k]` becomes `seen(from[k], directions[k], reach[k])`, to the bit. As many as the
     /// shortest slice holds are looked along; what is left of a longer `out` stays as it was.
-    fn seen_many(&self, from: &[DVec3], directions: &[DVec3], reach: &[f64], out: &mut [Option<Seen>]) {
-        for (((out, &from), &direction), &reach) in out.iter_mut().zip(from).zip(directions).zip(reach) {
+    fn seen_many(
+        &self,
+        from: &[DVec3],
+        directions: &[DVec3],
+        reach: &[f64],
+        out: &mut [Option<Seen>],
+    ) {
+        for (((out, &from), &direction), &reach) in
+            out.iter_mut().zip(from).zip(directions).zip(reach)
+        {
             *out = self.seen(from, direction, reach);
         }
     }

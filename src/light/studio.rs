@@ -33,7 +33,8 @@ impl Softbox {
             let t = ((half - offset.abs() / depth) / self.edge + 0.5).clamp(0.0, 1.0);
             t * t * (3.0 - 2.0 * t)
         };
-        let share = inside(direction.dot(across), self.half[0]) * inside(direction.dot(up), self.half[1]);
+        let share =
+            inside(direction.dot(across), self.half[0]) * inside(direction.dot(up), self.half[1]);
         self.radiance * share as f32
     }
 }
@@ -46,7 +47,9 @@ impl Softbox {
 pub fn studio(sampling: SkySampling) -> Result<Environment> {
     let lamps = lamps();
     Environment::from_fn(WIDTH, HEIGHT, sampling, |direction| {
-        lamps.iter().fold(sky(direction), |sum, lamp| sum + lamp.radiance(direction))
+        lamps
+            .iter()
+            .fold(sky(direction), |sum, lamp| sum + lamp.radiance(direction))
     })
 }
 
@@ -79,5 +82,9 @@ fn sky(direction: DVec3) -> Rgb {
     let (horizon, zenith) = (Rgb::new(0.62, 0.66, 0.72), Rgb::new(0.16, 0.24, 0.40));
     let (near, nadir) = (Rgb::new(0.20, 0.19, 0.18), Rgb::new(0.07, 0.07, 0.07));
     let up = direction.y as f32;
-    if up >= 0.0 { horizon.lerp(zenith, up.sqrt()) } else { near.lerp(nadir, (-up).sqrt()) }
+    if up >= 0.0 {
+        horizon.lerp(zenith, up.sqrt())
+    } else {
+        near.lerp(nadir, (-up).sqrt())
+    }
 }

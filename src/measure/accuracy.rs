@@ -22,8 +22,16 @@ const LIMIT_AZIMUTHS_DEG: [f64; 4] = [22.918311805232932, 111.7, -126.1, -48.7];
 /// Polar angle and azimuth of the `wo` at which spread and bias are reported, degrees: [`LIMIT_ANGLES_DEG`], each at four
 /// azimuths unless the material is isotropic.
 pub fn limit_directions(symmetry: Symmetry) -> Vec<[f64; 2]> {
-    let azimuths = if symmetry == Symmetry::Isotropic { 1 } else { LIMIT_AZIMUTHS_DEG.len() };
-    let at = |theta: f64| LIMIT_AZIMUTHS_DEG[..azimuths].iter().map(move |&phi| [theta, phi]);
+    let azimuths = if symmetry == Symmetry::Isotropic {
+        1
+    } else {
+        LIMIT_AZIMUTHS_DEG.len()
+    };
+    let at = |theta: f64| {
+        LIMIT_AZIMUTHS_DEG[..azimuths]
+            .iter()
+            .map(move |&phi| [theta, phi])
+    };
     LIMIT_ANGLES_DEG.into_iter().flat_map(at).collect()
 }
 
@@ -139,13 +147,23 @@ impl Moments {
 
     pub fn spread(&self, lane: usize) -> WeightSpread {
         let (mean, albedo) = (self.first[lane], self.albedo[lane]);
-        let holes = if albedo > 0.0 { (1.0 - mean / albedo).max(0.0) } else { 0.0 };
+        let holes = if albedo > 0.0 {
+            (1.0 - mean / albedo).max(0.0)
+        } else {
+            0.0
+        };
         let (relstd, peak) = if mean > 0.0 {
             (self.variance(lane).sqrt() / mean, self.largest[lane] / mean)
         } else {
             (0.0, 0.0)
         };
-        WeightSpread { relstd, mean, peak, holes, pdf_integral: self.pdf }
+        WeightSpread {
+            relstd,
+            mean,
+            peak,
+            holes,
+            pdf_integral: self.pdf,
+        }
     }
 
     /// Variance of one weight; rounding of a constant weight below 0 is 0.
@@ -164,7 +182,10 @@ impl Moments {
             return Bias::default();
         }
         let standard_error = (self.variance(lane) / count as f64).sqrt() / albedo;
-        Bias { relative: estimate / albedo - 1.0, standard_error }
+        Bias {
+            relative: estimate / albedo - 1.0,
+            standard_error,
+        }
     }
 }
 
@@ -212,7 +233,11 @@ mod tests {
         fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
             let upper = wo.z > 0.0 && wi.z > 0.0;
             let scale = (self.n + 2) as f32 * 0.5 * FRAC_1_PI;
-            if upper { self.albedo * scale * wi.z.powi(self.n) } else { Rgb::ZERO }
+            if upper {
+                self.albedo * scale * wi.z.powi(self.n)
+            } else {
+                Rgb::ZERO
+            }
         }
 
         fn is_isotropic(&self) -> bool {
@@ -226,43 +251,94 @@ mod tests {
 
     #[test]
     fn spread_of_a_power_of_the_cosine_has_its_closed_form() {
-        let brdf = Power { albedo: Rgb::new(0.2, 0.5, 0.8), n: 6 };
+        let brdf = Power {
+            albedo: Rgb::new(0.2, 0.5, 0.8),
+            n: 6,
+        };
         for theta in LIMIT_ANGLES_DEG {
             let spread = weight_spread(&Cosine, &brdf, &quadrature(theta), Importance::Mean);
             let expected = (64.0 / 28.0 - 1.0_f64).sqrt();
-            assert!((spread.relstd - expected).abs() < 1e-4, "{theta}°: {spread:?}");
+            assert!(
+                (spread.relstd - expected).abs() < 1e-4,
+                "{theta}°: {spread:?}"
+            );
             assert!((spread.mean - 0.5).abs() < 1e-5, "{theta}°: {spread:?}");
             assert!((spread.peak - 4.0).abs() < 1e-2, "{theta}°: {spread:?}");
-            assert!((spread.pdf_integral - 1.0).abs() < 1e-5 && spread.holes == 0.0, "{theta}°: {spread:?}");
+            assert!(
+                (spread.pdf_integral - 1.0).abs() < 1e-5 && spread.holes == 0.0,
+                "{theta}°: {spread:?}"
+            );
         }
     }
 
     #[test]
     fn a_constant_weight_does_not_spread() {
-        let brdf = Power { albedo: Rgb::splat(1.0), n: 0 };
+        let brdf = Power {
+            albedo: Rgb::splat(1.0),
+            n: 0,
+        };
         let spread = weight_spread(&Cosine, &brdf, &quadrature(30.0), Importance::Mean);
         assert!(spread.relstd < 2e-3, "{spread:?}");
-        let bias = bias(&Cosine, &brdf, &quadrature(30.0), Importance::Mean, Draws { count: 1000, seed: 1 });
+        let bias = bias(
+            &Cosine,
+            &brdf,
+            &quadrature(30.0),
+            Importance::Mean,
+            Draws {
+                count: 1000,
+                seed: 1,
+            },
+        );
         assert!(bias.relative.abs() < 1e-5, "{bias:?}");
     }
 
     #[test]
     fn black_has_no_spread_and_no_bias() {
-        let brdf = Power { albedo: Rgb::ZERO, n: 1 };
+        let brdf = Power {
+            albedo: Rgb::ZERO,
+            n: 1,
+        };
         let spread = weight_spread(&Cosine, &brdf, &quadrature(60.25), Importance::Mean);
-        assert_eq!((spread.relstd, spread.mean, spread.peak, spread.holes), (0.0, 0.0, 0.0, 0.0));
-        let draws = Draws { count: 100, seed: 3 };
-        assert_eq!(bias(&Cosine, &brdf, &quadrature(60.25), Importance::Mean, draws), Bias::default());
+        assert_eq!(
+            (spread.relstd, spread.mean, spread.peak, spread.holes),
+            (0.0, 0.0, 0.0, 0.0)
+        );
+        let draws = Draws {
+            count: 100,
+            seed: 3,
+        };
+        assert_eq!(
+            bias(&Cosine, &brdf, &quadrature(60.25), Importance::Mean, draws),
+            Bias::default()
+        );
     }
 
     #[test]
     fn bias_is_within_its_standard_error() {
-        let brdf = Power { albedo: Rgb::new(0.2, 0.5, 0.8), n: 20 };
+        let brdf = Power {
+            albedo: Rgb::new(0.2, 0.5, 0.8),
+            n: 20,
+        };
         for (seed, theta) in LIMIT_ANGLES_DEG.into_iter().enumerate() {
-            let draws = Draws { count: 100_000, seed: seed as u64 };
-            let bias = bias(&Cosine, &brdf, &quadrature(theta), Importance::Luminance, draws);
-            assert!(bias.standard_error > 1e-3 && bias.standard_error < 1e-2, "{bias:?}");
-            assert!(bias.relative.abs() < 4.0 * bias.standard_error, "{theta}°: {bias:?}");
+            let draws = Draws {
+                count: 100_000,
+                seed: seed as u64,
+            };
+            let bias = bias(
+                &Cosine,
+                &brdf,
+                &quadrature(theta),
+                Importance::Luminance,
+                draws,
+            );
+            assert!(
+                bias.standard_error > 1e-3 && bias.standard_error < 1e-2,
+                "{bias:?}"
+            );
+            assert!(
+                bias.relative.abs() < 4.0 * bias.standard_error,
+                "{theta}°: {bias:?}"
+            );
         }
     }
 }

@@ -29,7 +29,10 @@ pub fn directional_albedo(brdf: &dyn Brdf, theta_o: f64) -> Rgb {
 pub fn directional_albedo_with_error(brdf: &dyn Brdf, theta_o: f64) -> AlbedoEstimate {
     let fine = integrate(brdf, theta_o, POINTS_PER_BIN);
     let coarse = integrate(brdf, theta_o, COARSE);
-    AlbedoEstimate { value: fine.as_vec3(), error: (fine - coarse).abs().max_element() as f32 }
+    AlbedoEstimate {
+        value: fine.as_vec3(),
+        error: (fine - coarse).abs().max_element() as f32,
+    }
 }
 
 /// Directional albedo at 0°, 1° … 89°, with a quarter of the points of [`directional_albedo`], in parallel.
@@ -43,7 +46,8 @@ pub fn albedo_by_degree(brdf: &dyn Brdf) -> Vec<Rgb> {
 fn integrate(brdf: &dyn Brdf, theta_o: f64, points: usize) -> DVec3 {
     let quadrature = Quadrature::new(spherical(theta_o, 0.0).as_vec3(), points);
     let mut sum = DVec3::ZERO;
-    quadrature.for_each(|wi, d_sigma| sum += brdf.eval_cos(quadrature.wo(), wi).as_dvec3() * d_sigma);
+    quadrature
+        .for_each(|wi, d_sigma| sum += brdf.eval_cos(quadrature.wo(), wi).as_dvec3() * d_sigma);
     sum
 }
 
@@ -72,7 +76,10 @@ mod tests {
     fn a_lambertian_has_its_albedo_at_every_angle() {
         for degrees in [0.0f64, 17.0, 45.0, 75.0, 88.0] {
             let a = directional_albedo_with_error(&Lambert, degrees.to_radians());
-            assert!(a.value.abs_diff_eq(Rgb::new(0.2, 0.5, 1.0), 1e-4), "{degrees}: {a:?}");
+            assert!(
+                a.value.abs_diff_eq(Rgb::new(0.2, 0.5, 1.0), 1e-4),
+                "{degrees}: {a:?}"
+            );
             assert!(a.error < 1e-3, "{degrees}: {a:?}");
         }
     }
@@ -95,7 +102,10 @@ mod tests {
             let error = ((squares / count as f64 - mean * mean) / count as f64).sqrt();
             assert!(error < 0.01 * mean, "{degrees}: {error} of {mean}");
             let albedo = f64::from(directional_albedo(&brdf, degrees.to_radians()).x);
-            assert!((albedo - mean).abs() < 4.0 * error, "{degrees}: {albedo}, {mean} ± {error}");
+            assert!(
+                (albedo - mean).abs() < 4.0 * error,
+                "{degrees}: {albedo}, {mean} ± {error}"
+            );
         }
     }
 
@@ -104,7 +114,11 @@ mod tests {
         struct Upper;
         impl Brdf for Upper {
             fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-                if crate::geom::is_upper(wo) && crate::geom::is_upper(wi) { Rgb::ONE } else { Rgb::ZERO }
+                if crate::geom::is_upper(wo) && crate::geom::is_upper(wi) {
+                    Rgb::ONE
+                } else {
+                    Rgb::ZERO
+                }
             }
 
             fn is_isotropic(&self) -> bool {

@@ -16,8 +16,9 @@ use crate::points::{PointSet, mix};
 use crate::sampler::DirectionSampler;
 
 /// Polar angles of `wo` that are checked, degrees: on the knots of common tables, between them, and near grazing.
-pub const CHECK_ANGLES_DEG: [f64; 13] =
-    [0.0, 0.76, 14.5, 29.75, 30.0, 45.0, 60.0, 60.25, 75.0, 75.5, 84.7, 85.0, 89.0];
+pub const CHECK_ANGLES_DEG: [f64; 13] = [
+    0.0, 0.76, 14.5, 29.75, 30.0, 45.0, 60.0, 60.25, 75.0, 75.5, 84.7, 85.0, 89.0,
+];
 
 /// Azimuths that [`check_directions`] takes in turn, degrees: none is a multiple of another or of a table's step.
 const CHECK_AZIMUTHS_DEG: [f64; 4] = [0.0, 37.3, 161.9, -110.2];
@@ -25,8 +26,13 @@ const CHECK_AZIMUTHS_DEG: [f64; 4] = [0.0, 37.3, 161.9, -110.2];
 /// Directions at [`CHECK_ANGLES_DEG`], each at another of four azimuths.
 pub fn check_directions() -> Vec<Vec3> {
     let azimuths = CHECK_AZIMUTHS_DEG.iter().cycle();
-    let direction = |(theta, phi): (&f64, &f64)| spherical(theta.to_radians(), phi.to_radians()).as_vec3();
-    CHECK_ANGLES_DEG.iter().zip(azimuths).map(direction).collect()
+    let direction =
+        |(theta, phi): (&f64, &f64)| spherical(theta.to_radians(), phi.to_radians()).as_vec3();
+    CHECK_ANGLES_DEG
+        .iter()
+        .zip(azimuths)
+        .map(direction)
+        .collect()
 }
 
 /// Azimuths that anisotropic materials are checked at, degrees: seams of their symmetries, and others.
@@ -38,7 +44,8 @@ pub fn check_directions_of(symmetry: Symmetry) -> Vec<Vec3> {
         return check_directions();
     }
     let at = |theta: f64| {
-        CHECK_AZIMUTHS_ANISOTROPIC_DEG.map(|phi| spherical(theta.to_radians(), phi.to_radians()).as_vec3())
+        CHECK_AZIMUTHS_ANISOTROPIC_DEG
+            .map(|phi| spherical(theta.to_radians(), phi.to_radians()).as_vec3())
     };
     CHECK_ANGLES_DEG.into_iter().flat_map(at).collect()
 }
@@ -60,7 +67,13 @@ pub struct CheckSettings {
 
 impl Default for CheckSettings {
     fn default() -> Self {
-        Self { draws: 100_000, seed: 1, significance: 0.01, calls: 1, importance: Importance::Mean }
+        Self {
+            draws: 100_000,
+            seed: 1,
+            significance: 0.01,
+            calls: 1,
+            importance: Importance::Mean,
+        }
     }
 }
 
@@ -166,7 +179,14 @@ impl<'a> Subject<'a> {
         index: usize,
         tests: usize,
     ) -> Self {
-        Self { sampler, brdf, wo, settings, seed: mix(settings.seed ^ mix(index as u64)), tests }
+        Self {
+            sampler,
+            brdf,
+            wo,
+            settings,
+            seed: mix(settings.seed ^ mix(index as u64)),
+            tests,
+        }
     }
 
     fn outcomes(&self) -> Vec<Outcome> {
@@ -184,7 +204,12 @@ impl<'a> Subject<'a> {
 
     fn moments(&self, points: usize) -> Moments {
         let quadrature = Quadrature::new(self.wo, points);
-        Moments::of(self.sampler, self.brdf, &quadrature, self.settings.importance)
+        Moments::of(
+            self.sampler,
+            self.brdf,
+            &quadrature,
+            self.settings.importance,
+        )
     }
 
     fn chi_square(&self) -> ChiSquare {
@@ -200,14 +225,29 @@ impl<'a> Subject<'a> {
 
     /// The checks that chance has no part in.
     fn exact(&self, probe: &Probe, fine: &Moments) -> Vec<Outcome> {
-        let holes = if fine.holes.count > 0 { &fine.holes } else { &probe.holes };
+        let holes = if fine.holes.count > 0 {
+            &fine.holes
+        } else {
+            &probe.holes
+        };
         let count = fine.holes.count + probe.holes.count;
         let share = fine.spread(SCALAR).holes;
         vec![
-            self.at_most(Check::Validity, probe.invalid.count as f64, 0.0, || probe.invalid.describe()),
-            self.at_most(Check::Agreement, probe.disagreement, probe::AGREEMENT, || probe.differs.describe()),
+            self.at_most(Check::Validity, probe.invalid.count as f64, 0.0, || {
+                probe.invalid.describe()
+            }),
+            self.at_most(
+                Check::Agreement,
+                probe.disagreement,
+                probe::AGREEMENT,
+                || probe.differs.describe(),
+            ),
             self.at_most(Check::Positivity, count as f64, 0.0, || {
-                format!("pdf = 0 over {:.3} % of f cosθ; {}", 100.0 * share, holes.describe())
+                format!(
+                    "pdf = 0 over {:.3} % of f cosθ; {}",
+                    100.0 * share,
+                    holes.describe()
+                )
             }),
         ]
     }
@@ -221,7 +261,10 @@ impl<'a> Subject<'a> {
         let bound = self.bernstein(variance, 1.0, draws, 1) + 4.0 * chi.integral_error + 1e-4;
         let difference = (chi.pdf_integral + failure_rate - 1.0).abs();
         self.at_most(Check::PdfIntegral, difference, bound, || {
-            format!("integral {:.6}, failed draws {:.6}", chi.pdf_integral, failure_rate)
+            format!(
+                "integral {:.6}, failed draws {:.6}",
+                chi.pdf_integral, failure_rate
+            )
         })
     }
 
@@ -235,21 +278,39 @@ impl<'a> Subject<'a> {
         let point = |i| PointSet::Random.point(self.seed ^ 3, i, 0);
         let draws = (0..self.settings.draws as u64).map(|i| self.sampler.sample(self.wo, point(i)));
         let estimate = mean_weight(self.brdf, self.wo, self.settings.importance, draws);
-        let (deviation, bound) =
-            self.deviation(fine, coarse, SCALAR, estimate[SCALAR], self.settings.draws, 1);
+        let (deviation, bound) = self.deviation(
+            fine,
+            coarse,
+            SCALAR,
+            estimate[SCALAR],
+            self.settings.draws,
+            1,
+        );
         self.at_most(Check::Bias, deviation, bound, || {
-            format!("estimate {:.6}, albedo {:.6}", estimate[SCALAR], fine.albedo[SCALAR])
+            format!(
+                "estimate {:.6}, albedo {:.6}",
+                estimate[SCALAR], fine.albedo[SCALAR]
+            )
         })
     }
 
     fn furnace(&self, fine: &Moments, coarse: &Moments) -> Outcome {
         let count = (self.settings.draws / 4).max(1);
         let draws = self.sampler.sample_many(self.wo, count, self.seed ^ 4);
-        let estimate = mean_weight(self.brdf, self.wo, self.settings.importance, draws.into_iter());
-        let channels = [0, 1, 2].map(|c| (c, self.deviation(fine, coarse, c, estimate[c], count, 3)));
-        let excess = |&(_, (value, bound)): &(usize, (f64, f64))| value / bound.max(f64::MIN_POSITIVE);
-        let (channel, (deviation, bound)) =
-            channels.into_iter().max_by(|a, b| excess(a).total_cmp(&excess(b))).unwrap_or_default();
+        let estimate = mean_weight(
+            self.brdf,
+            self.wo,
+            self.settings.importance,
+            draws.into_iter(),
+        );
+        let channels =
+            [0, 1, 2].map(|c| (c, self.deviation(fine, coarse, c, estimate[c], count, 3)));
+        let excess =
+            |&(_, (value, bound)): &(usize, (f64, f64))| value / bound.max(f64::MIN_POSITIVE);
+        let (channel, (deviation, bound)) = channels
+            .into_iter()
+            .max_by(|a, b| excess(a).total_cmp(&excess(b)))
+            .unwrap_or_default();
         self.at_most(Check::Furnace, deviation, bound, || {
             format!(
                 "channel {channel}: estimate {:.6}, albedo {:.6}",
@@ -272,10 +333,18 @@ impl<'a> Subject<'a> {
         if albedo <= 0.0 {
             return (estimate, 0.0);
         }
-        let chance = self.bernstein(fine.variance(lane), fine.reach(lane), count as f64, channels);
+        let chance = self.bernstein(
+            fine.variance(lane),
+            fine.reach(lane),
+            count as f64,
+            channels,
+        );
         // f32 rounding of weights and pdf adds up to 10⁻⁵ where nothing else does.
         let quadrature = (albedo - coarse.albedo[lane]).abs();
-        ((estimate - albedo).abs() / albedo, (chance + quadrature) / albedo + 1e-5)
+        (
+            (estimate - albedo).abs() / albedo,
+            (chance + quadrature) / albedo + 1e-5,
+        )
     }
 
     /// Bernstein's bound on the deviation of a mean of `count` values of the given variance, each within `reach` of the mean,
@@ -288,9 +357,21 @@ impl<'a> Subject<'a> {
     }
 
     /// An outcome that passes if `value` is not above `bound`; a NaN fails.
-    fn at_most(&self, check: Check, value: f64, bound: f64, note: impl FnOnce() -> String) -> Outcome {
+    fn at_most(
+        &self,
+        check: Check,
+        value: f64,
+        bound: f64,
+        note: impl FnOnce() -> String,
+    ) -> Outcome {
         let pass = value <= bound;
-        self.outcome(check, value, bound, pass, if pass { String::new() } else { note() })
+        self.outcome(
+            check,
+            value,
+            bound,
+            pass,
+            if pass { String::new() } else { note() },
+        )
     }
 
     fn outcome(&self, check: Check, value: f64, bound: f64, pass: bool, note: String) -> Outcome {
@@ -313,10 +394,16 @@ fn describe(chi: &ChiSquare) -> String {
         let place = cell.theta_h_deg.zip(cell.azimuth_share).map_or_else(
             || "small cells and failed draws".to_owned(),
             |(theta, share)| {
-                format!("θh {:.3}..{:.3}°, azimuth {:.2}..{:.2}", theta[0], theta[1], share[0], share[1])
+                format!(
+                    "θh {:.3}..{:.3}°, azimuth {:.2}..{:.2}",
+                    theta[0], theta[1], share[0], share[1]
+                )
             },
         );
-        format!("; worst cell ({place}): {} draws, {:.1} expected", cell.observed, cell.expected)
+        format!(
+            "; worst cell ({place}): {} draws, {:.1} expected",
+            cell.observed, cell.expected
+        )
     });
     format!(
         "chi-square {:.1} on {} degrees of freedom, {} impossible draws, {} unusable values{worst}",

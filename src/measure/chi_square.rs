@@ -44,7 +44,14 @@ pub struct ChiSquareTest {
 
 impl Default for ChiSquareTest {
     fn default() -> Self {
-        Self { draws: 100_000, theta_cells: 45, phi_cells: 15, seed: 1, significance: 0.01, tests: 1 }
+        Self {
+            draws: 100_000,
+            theta_cells: 45,
+            phi_cells: 15,
+            seed: 1,
+            significance: 0.01,
+            tests: 1,
+        }
     }
 }
 
@@ -122,15 +129,24 @@ impl ChiSquareTest {
         let observed = self.observe(sampler, wo, grid.as_ref());
         let predicted = match &grid {
             Some(grid) => expected(sampler, wo, grid, self.draws),
-            None => Expected { cells: Vec::new(), unusable: 0 },
+            None => Expected {
+                cells: Vec::new(),
+                unusable: 0,
+            },
         };
         self.judge(grid.as_ref(), &observed, &predicted)
     }
 
     fn observe(&self, sampler: &dyn DirectionSampler, wo: Vec3, grid: Option<&Grid>) -> Observed {
-        let mut observed = Observed { cells: vec![0; grid.map_or(0, Grid::len)], ..Observed::default() };
+        let mut observed = Observed {
+            cells: vec![0; grid.map_or(0, Grid::len)],
+            ..Observed::default()
+        };
         for i in 0..self.draws as u64 {
-            match (sampler.sample(wo, PointSet::Random.point(self.seed, i, 0)), grid) {
+            match (
+                sampler.sample(wo, PointSet::Random.point(self.seed, i, 0)),
+                grid,
+            ) {
                 (None, _) => observed.failed += 1,
                 (Some(sample), Some(grid)) if is_direction(sample.wi) => {
                     observed.cells[grid.cell(sample.wi)] += 1;
@@ -144,14 +160,24 @@ impl ChiSquareTest {
 
     fn judge(&self, grid: Option<&Grid>, observed: &Observed, predicted: &Expected) -> ChiSquare {
         let pdf_integral = predicted.cells.iter().map(|m| m.value).sum::<f64>();
-        let integral_error = predicted.cells.iter().map(|m| m.error * m.error).sum::<f64>().sqrt();
-        let failures = Mass { value: (1.0 - pdf_integral).max(0.0), error: integral_error };
+        let integral_error = predicted
+            .cells
+            .iter()
+            .map(|m| m.error * m.error)
+            .sum::<f64>()
+            .sqrt();
+        let failures = Mass {
+            value: (1.0 - pdf_integral).max(0.0),
+            error: integral_error,
+        };
         let bins = self.bins(observed, &predicted.cells, failures);
         let pooled = pool(bins);
         let statistic = pooled.iter().map(Bin::term).sum::<f64>();
         let degrees_of_freedom = pooled.len().saturating_sub(1);
-        let (p_value, threshold) =
-            (upper_tail(statistic, degrees_of_freedom), sidak(self.significance, self.tests));
+        let (p_value, threshold) = (
+            upper_tail(statistic, degrees_of_freedom),
+            sidak(self.significance, self.tests),
+        );
         let unusable = observed.unusable + predicted.unusable as u64;
         let verdict = match () {
             () if unusable > 0 => Verdict::Unusable,
@@ -159,7 +185,11 @@ impl ChiSquareTest {
             () if p_value < threshold => Verdict::Unlikely,
             () => Verdict::Pass,
         };
-        let worst = if verdict == Verdict::Pass { Vec::new() } else { worst(grid, pooled) };
+        let worst = if verdict == Verdict::Pass {
+            Vec::new()
+        } else {
+            worst(grid, pooled)
+        };
         ChiSquare {
             statistic,
             degrees_of_freedom,
@@ -233,7 +263,12 @@ impl Bin {
 /// Joins the smallest bins until each that remains expects [`SMALLEST_EXPECTED`] or is the only one.
 fn pool(mut bins: Vec<Bin>) -> Vec<Bin> {
     bins.sort_by(|a, b| a.expected.total_cmp(&b.expected).then(a.cell.cmp(&b.cell)));
-    let mut pool = Bin { cell: None, observed: 0, expected: 0.0, error2: 0.0 };
+    let mut pool = Bin {
+        cell: None,
+        observed: 0,
+        expected: 0.0,
+        error2: 0.0,
+    };
     let mut joined = 0;
     for bin in &bins {
         let settled = pool.expected >= SMALLEST_EXPECTED || pool.is_empty();
@@ -259,7 +294,13 @@ fn worst(grid: Option<&Grid>, mut bins: Vec<Bin>) -> Vec<Cell> {
     };
     let cell = |bin: &Bin| {
         let (theta_h_deg, azimuth_share) = place(bin).unzip();
-        Cell { theta_h_deg, azimuth_share, observed: bin.observed, expected: bin.expected, term: bin.term() }
+        Cell {
+            theta_h_deg,
+            azimuth_share,
+            observed: bin.observed,
+            expected: bin.expected,
+            term: bin.term(),
+        }
     };
     bins.iter().map(cell).collect()
 }
@@ -283,8 +324,17 @@ fn is_impossible(sampler: &dyn DirectionSampler, wo: Vec3, wi: Vec3) -> bool {
     if positive(wi) {
         return false;
     }
-    let offsets = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
-    !offsets.iter().any(|&offset| positive((wi + ROUNDING * offset).normalize()))
+    let offsets = [
+        Vec3::X,
+        Vec3::NEG_X,
+        Vec3::Y,
+        Vec3::NEG_Y,
+        Vec3::Z,
+        Vec3::NEG_Z,
+    ];
+    !offsets
+        .iter()
+        .any(|&offset| positive((wi + ROUNDING * offset).normalize()))
 }
 
 #[cfg(test)]
@@ -311,7 +361,12 @@ mod tests {
     }
 
     fn bin(cell: usize, observed: u64, expected: f64) -> Bin {
-        Bin { cell: Some(cell), observed, expected, error2: 0.0 }
+        Bin {
+            cell: Some(cell),
+            observed,
+            expected,
+            error2: 0.0,
+        }
     }
 
     #[test]
@@ -325,7 +380,12 @@ mod tests {
 
     #[test]
     fn a_small_pool_joins_the_smallest_large_cell_and_empty_cells_vanish() {
-        let pooled = pool(vec![bin(0, 3, 0.5), bin(1, 90, 100.0), bin(2, 10, 10.0), bin(3, 0, 0.0)]);
+        let pooled = pool(vec![
+            bin(0, 3, 0.5),
+            bin(1, 90, 100.0),
+            bin(2, 10, 10.0),
+            bin(3, 0, 0.0),
+        ]);
         assert_eq!(pooled.len(), 2);
         assert_eq!((pooled[1].observed, pooled[1].expected), (13, 10.5));
         assert_eq!(pool(vec![bin(0, 0, 0.0), bin(1, 90, 100.0)]).len(), 1);

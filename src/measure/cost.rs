@@ -24,7 +24,10 @@ pub struct Seconds {
 pub fn time<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
     let (started, before) = (Instant::now(), ProcessTime::now());
     let result = work();
-    let seconds = Seconds { wall: started.elapsed().as_secs_f64(), cpu: before.elapsed().as_secs_f64() };
+    let seconds = Seconds {
+        wall: started.elapsed().as_secs_f64(),
+        cpu: before.elapsed().as_secs_f64(),
+    };
     (result, seconds)
 }
 
@@ -42,13 +45,27 @@ pub struct CallTimes {
 /// Times `sample` and `pdf` over `draws` random points, in turn at each of [`LIMIT_ANGLES_DEG`]: the median of five runs.
 pub fn call_times(sampler: &dyn DirectionSampler, draws: usize, seed: u64) -> CallTimes {
     let wos = LIMIT_ANGLES_DEG.map(|t| spherical(t.to_radians(), 0.4).as_vec3());
-    let jobs: Vec<(Vec3, Vec2)> =
-        (0..draws.max(1)).map(|i| (wos[i % wos.len()], PointSet::Random.point(seed, i as u64, 0))).collect();
-    let drawn: Vec<(Vec3, Vec3)> =
-        jobs.iter().filter_map(|&(wo, u)| sampler.sample(wo, u).map(|s| (wo, s.wi))).collect();
-    let sample_ns = nanoseconds(&jobs, |&(wo, u)| sampler.sample(wo, u).map_or(0.0, |s| s.pdf));
+    let jobs: Vec<(Vec3, Vec2)> = (0..draws.max(1))
+        .map(|i| {
+            (
+                wos[i % wos.len()],
+                PointSet::Random.point(seed, i as u64, 0),
+            )
+        })
+        .collect();
+    let drawn: Vec<(Vec3, Vec3)> = jobs
+        .iter()
+        .filter_map(|&(wo, u)| sampler.sample(wo, u).map(|s| (wo, s.wi)))
+        .collect();
+    let sample_ns = nanoseconds(&jobs, |&(wo, u)| {
+        sampler.sample(wo, u).map_or(0.0, |s| s.pdf)
+    });
     let pdf_ns = nanoseconds(&drawn, |&(wo, wi)| sampler.pdf(wo, wi));
-    CallTimes { sample_ns, pdf_ns, failed: 1.0 - drawn.len() as f64 / jobs.len() as f64 }
+    CallTimes {
+        sample_ns,
+        pdf_ns,
+        failed: 1.0 - drawn.len() as f64 / jobs.len() as f64,
+    }
 }
 
 /// Median over five runs of the time of one `call`; 0 without jobs.

@@ -46,7 +46,8 @@ impl Grid {
     /// Ranges of θh, radians, and of the azimuth's share in [−1, 1] of a cell.
     pub fn ranges(&self, cell: usize) -> ([f64; 2], [f64; 2]) {
         let (i, j) = (cell / self.phi_cells, cell % self.phi_cells);
-        let theta = |i: usize| (i as f64 / self.theta_cells as f64).powi(2) * self.domain.theta_max();
+        let theta =
+            |i: usize| (i as f64 / self.theta_cells as f64).powi(2) * self.domain.theta_max();
         let share = |j: usize| 2.0 * j as f64 / self.phi_cells as f64 - 1.0;
         ([theta(i), theta(i + 1)], [share(j), share(j + 1)])
     }
@@ -59,9 +60,16 @@ const ATTEMPTS: [usize; 6] = [55, 144, 377, 987, 2584, 6765];
 ///
 /// The error of a cell is the difference between the last two attempts, so an overestimate. Refinement stops below a fifth of
 /// the cell's standard deviation or at the finest lattice; what error remains is for the test to allow for.
-pub(super) fn expected(sampler: &dyn DirectionSampler, wo: Vec3, grid: &Grid, draws: usize) -> Expected {
+pub(super) fn expected(
+    sampler: &dyn DirectionSampler,
+    wo: Vec3,
+    grid: &Grid,
+    draws: usize,
+) -> Expected {
     let mut unusable = 0;
-    let cells = (0..grid.len()).map(|cell| refine(sampler, wo, grid, cell, draws, &mut unusable)).collect();
+    let cells = (0..grid.len())
+        .map(|cell| refine(sampler, wo, grid, cell, draws, &mut unusable))
+        .collect();
     Expected { cells, unusable }
 }
 
@@ -73,13 +81,35 @@ fn refine(
     draws: usize,
     unusable: &mut usize,
 ) -> Mass {
-    let mut coarse = integrate(sampler, wo, grid, cell, Lattice::at_least(ATTEMPTS[0]), unusable);
-    let mut mass = Mass { value: coarse, error: coarse };
+    let mut coarse = integrate(
+        sampler,
+        wo,
+        grid,
+        cell,
+        Lattice::at_least(ATTEMPTS[0]),
+        unusable,
+    );
+    let mut mass = Mass {
+        value: coarse,
+        error: coarse,
+    };
     for points in &ATTEMPTS[1..] {
-        let value = integrate(sampler, wo, grid, cell, Lattice::at_least(*points), unusable);
-        mass = Mass { value, error: (value - coarse).abs() };
+        let value = integrate(
+            sampler,
+            wo,
+            grid,
+            cell,
+            Lattice::at_least(*points),
+            unusable,
+        );
+        mass = Mass {
+            value,
+            error: (value - coarse).abs(),
+        };
         // Cells of less than one expected draw are pooled; they need no more digits than a cell of one.
-        let deviation = (value / draws as f64).max(1.0 / (draws as f64).powi(2)).sqrt();
+        let deviation = (value / draws as f64)
+            .max(1.0 / (draws as f64).powi(2))
+            .sqrt();
         if mass.error <= 0.2 * deviation {
             break;
         }
@@ -101,7 +131,9 @@ fn integrate(
     let mut sum = 0.0;
     for (s, t) in lattice.points() {
         let root = low + step * s;
-        let (wi, jacobian) = grid.domain.direction(root * root, b_low + (b_high - b_low) * t);
+        let (wi, jacobian) = grid
+            .domain
+            .direction(root * root, b_low + (b_high - b_low) * t);
         let pdf = f64::from(sampler.pdf(wo, wi));
         if !(pdf >= 0.0 && pdf.is_finite()) {
             *unusable += 1;

@@ -88,7 +88,11 @@ pub struct Asymmetry {
 pub fn facts(brdf: &Measured) -> Facts {
     let albedo = |degrees: f64| {
         let a = directional_albedo_with_error(brdf, degrees.to_radians());
-        Albedo { theta_o_degrees: degrees, rgb: a.value.to_array(), error: a.error }
+        Albedo {
+            theta_o_degrees: degrees,
+            rgb: a.value.to_array(),
+            error: a.error,
+        }
     };
     Facts {
         lookup: brdf.rule(),
@@ -115,8 +119,17 @@ pub fn table_facts(table: &MerlTable) -> TableFacts {
 }
 
 fn range(table: &MerlTable) -> (Rgb, Rgb) {
-    let valid = || table.cells().iter().filter(|c| c.w != 0.0).map(|c| c.truncate());
-    (valid().reduce(Vec3::min).unwrap_or_default(), valid().reduce(Vec3::max).unwrap_or_default())
+    let valid = || {
+        table
+            .cells()
+            .iter()
+            .filter(|c| c.w != 0.0)
+            .map(|c| c.truncate())
+    };
+    (
+        valid().reduce(Vec3::min).unwrap_or_default(),
+        valid().reduce(Vec3::max).unwrap_or_default(),
+    )
 }
 
 fn invalid_above_horizon(table: &MerlTable) -> u64 {
@@ -150,7 +163,11 @@ fn peak_to_mean(table: &MerlTable) -> f64 {
 }
 
 fn asymmetry(table: &MerlTable, rule: LookupRule) -> Asymmetry {
-    let mut out = Asymmetry { mean: 0.0, greatest: 0.0, greatest_at: [0, 0] };
+    let mut out = Asymmetry {
+        mean: 0.0,
+        greatest: 0.0,
+        greatest_at: [0, 0],
+    };
     let (mut difference, mut total) = (0.0, 0.0);
     for (h, d) in rows() {
         let (row_difference, row_total) = row_asymmetry(table, rule, h, d);
@@ -188,7 +205,11 @@ fn row_asymmetry(table: &MerlTable, rule: LookupRule, h: usize, d: usize) -> (f6
 }
 
 fn above_one(albedo: &[Rgb]) -> AlbedoAboveOne {
-    let mut out = AlbedoAboveOne { ranges_degrees: Vec::new(), greatest: 0.0, greatest_at_degrees: 0 };
+    let mut out = AlbedoAboveOne {
+        ranges_degrees: Vec::new(),
+        greatest: 0.0,
+        greatest_at_degrees: 0,
+    };
     for (degree, a) in albedo.iter().enumerate() {
         let a = a.max_element();
         if a > out.greatest {
@@ -246,7 +267,10 @@ mod tests {
         let a = asymmetry(&t, LookupRule::Floor);
         assert_eq!(a.greatest_at, [3, 7]);
         assert!((a.greatest - 1.0).abs() < 1e-6, "{a:?}");
-        assert!((a.mean - 360.0 / (8100.0 * 180.0 + 180.0)).abs() < 1e-9, "{a:?}");
+        assert!(
+            (a.mean - 360.0 / (8100.0 * 180.0 + 180.0)).abs() < 1e-9,
+            "{a:?}"
+        );
         let ramp = table(|_, _, p| [1.0 + p.min(179 - p) as f64; 3]);
         assert_eq!(asymmetry(&ramp, LookupRule::Floor).mean, 0.0);
         assert!(asymmetry(&ramp, LookupRule::Linear).mean > 0.01);
@@ -254,18 +278,27 @@ mod tests {
 
     #[test]
     fn gaps_above_the_horizon_are_told_from_those_below() {
-        let t = table(
-            |h, d, p| if (h, d, p) == (10, 10, 0) || (h, d) == (89, 89) { [-1.0; 3] } else { [1.0; 3] },
-        );
+        let t = table(|h, d, p| {
+            if (h, d, p) == (10, 10, 0) || (h, d) == (89, 89) {
+                [-1.0; 3]
+            } else {
+                [1.0; 3]
+            }
+        });
         let facts = table_facts(&t);
         assert_eq!(facts.invalid.negative, 181);
         // Of row (89, 89) only the bins about φd = 90° stand for directions above the horizon.
-        let above = (0..180).filter(|&p| (89f64 / 90.0).powi(2) * 90.0 < 90.0 && above_at_corner(p)).count();
+        let above = (0..180)
+            .filter(|&p| (89f64 / 90.0).powi(2) * 90.0 < 90.0 && above_at_corner(p))
+            .count();
         assert_eq!(facts.invalid_above_horizon, 1 + above as u64);
     }
 
     fn above_at_corner(p: u32) -> bool {
-        let (h, d) = (((89f64 / 90.0).powi(2) * 90.0).to_radians(), 89f64.to_radians());
+        let (h, d) = (
+            ((89f64 / 90.0).powi(2) * 90.0).to_radians(),
+            89f64.to_radians(),
+        );
         1.0 / (h.tan() * d.tan()) >= f64::from(p).to_radians().cos().abs()
     }
 
@@ -281,7 +314,13 @@ mod tests {
 
     #[test]
     fn runs_above_one_are_joined() {
-        let at = |d: usize| Rgb::splat(if (2..5).contains(&d) || d == 89 { 1.5 } else { 0.5 });
+        let at = |d: usize| {
+            Rgb::splat(if (2..5).contains(&d) || d == 89 {
+                1.5
+            } else {
+                0.5
+            })
+        };
         let out = above_one(&(0..90).map(at).collect::<Vec<_>>());
         assert_eq!(out.ranges_degrees, [[2, 4], [89, 89]]);
         assert_eq!((out.greatest, out.greatest_at_degrees), (1.5, 2));

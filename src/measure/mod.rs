@@ -18,6 +18,10 @@ pub mod profile;
 mod reproduction;
 pub mod views;
 
-pub use albedo::{AlbedoEstimate, albedo_by_degree, directional_albedo, directional_albedo_with_error};
+pub use albedo::{
+    AlbedoEstimate, albedo_by_degree, directional_albedo, directional_albedo_with_error,
+};
 pub use facts::{Albedo, AlbedoAboveOne, Asymmetry, Facts, TableFacts, facts, table_facts};
-pub use reproduction::{DrawQuality, ValueErrors, colour_error, draw_quality, size_within, value_errors};
+pub use reproduction::{
+    DrawQuality, ValueErrors, colour_error, draw_quality, size_within, value_errors,
+};

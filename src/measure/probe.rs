@@ -69,7 +69,13 @@ pub(super) fn run(sampler: &dyn DirectionSampler, brdf: &dyn Brdf, wo: Vec3, see
 }
 
 impl Probe {
-    fn draw(&mut self, sampler: &dyn DirectionSampler, brdf: &dyn Brdf, wo: Vec3, draw: DirectionSample) {
+    fn draw(
+        &mut self,
+        sampler: &dyn DirectionSampler,
+        brdf: &dyn Brdf,
+        wo: Vec3,
+        draw: DirectionSample,
+    ) {
         let DirectionSample { wi, pdf } = draw;
         let weight = brdf.eval_cos(wo, wi) / pdf;
         if !(is_direction(wi) && pdf > 0.0 && pdf.is_finite() && weight.is_finite()) {
@@ -78,7 +84,11 @@ impl Probe {
         }
         let difference = f64::from((sampler.pdf(wo, wi) - pdf).abs() / pdf);
         // A NaN is no agreement.
-        let difference = if difference.is_nan() { f64::INFINITY } else { difference };
+        let difference = if difference.is_nan() {
+            f64::INFINITY
+        } else {
+            difference
+        };
         if difference > AGREEMENT {
             self.differs.add(wi, pdf);
         }
@@ -96,7 +106,14 @@ impl Probe {
 
     /// Below the horizon, and for directions that are none, there are no draws and no density.
     fn outside(&mut self, sampler: &dyn DirectionSampler, wo: Vec3) {
-        let none = [-Vec3::Z, Vec3::X, Vec3::new(0.6, 0.0, -0.8), Vec3::ZERO, Vec3::NAN, Vec3::INFINITY];
+        let none = [
+            -Vec3::Z,
+            Vec3::X,
+            Vec3::new(0.6, 0.0, -0.8),
+            Vec3::ZERO,
+            Vec3::NAN,
+            Vec3::INFINITY,
+        ];
         for bad in none {
             for (wo, wi) in [(wo, bad), (bad, Vec3::Z)] {
                 let pdf = sampler.pdf(wo, wi);
@@ -113,8 +130,16 @@ impl Probe {
 
 /// Points on the edges, in the corners and in the middle of the unit square, where maps tend to divide by zero.
 fn corners() -> impl Iterator<Item = Vec2> {
-    let ends = [0.0, 1.0 / (1u32 << 24) as f32, 0.25, 0.5, 0.75, 1.0f32.next_down()];
-    ends.into_iter().flat_map(move |x| ends.into_iter().map(move |y| Vec2::new(x, y)))
+    let ends = [
+        0.0,
+        1.0 / (1u32 << 24) as f32,
+        0.25,
+        0.5,
+        0.75,
+        1.0f32.next_down(),
+    ];
+    ends.into_iter()
+        .flat_map(move |x| ends.into_iter().map(move |y| Vec2::new(x, y)))
 }
 
 /// Directions over the whole hemisphere, down to the horizon, and ever closer to the mirror direction.
@@ -134,5 +159,7 @@ fn directions(wo: Vec3, seed: u64) -> impl Iterator<Item = Vec3> {
             _ => near_mirror(s, t),
         }
     };
-    (0..DIRECTIONS).map(direction).filter(|wi| is_direction(*wi))
+    (0..DIRECTIONS)
+        .map(direction)
+        .filter(|wi| is_direction(*wi))
 }

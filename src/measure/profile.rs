@@ -25,7 +25,12 @@ pub struct ProfileSettings {
 
 impl Default for ProfileSettings {
     fn default() -> Self {
-        Self { draws: 100_000, timed_calls: 100_000, seed: 1, importance: Importance::Mean }
+        Self {
+            draws: 100_000,
+            timed_calls: 100_000,
+            seed: 1,
+            importance: Importance::Mean,
+        }
     }
 }
 
@@ -69,18 +74,28 @@ impl SamplerFigures {
 
     /// Largest of the angles' relative standard deviations.
     pub fn worst_relstd(&self) -> f64 {
-        self.angles.iter().map(|a| a.spread.relstd).fold(0.0, f64::max)
+        self.angles
+            .iter()
+            .map(|a| a.spread.relstd)
+            .fold(0.0, f64::max)
     }
 
     /// Largest share of the albedo, over the angles, where the density is 0.
     pub fn worst_holes(&self) -> f64 {
-        self.angles.iter().map(|a| a.spread.holes).fold(0.0, f64::max)
+        self.angles
+            .iter()
+            .map(|a| a.spread.holes)
+            .fold(0.0, f64::max)
     }
 
     /// The bias that is farthest from 0 in standard errors.
     pub fn worst_bias(&self) -> Bias {
         let errors = |b: &Bias| b.relative.abs() / b.standard_error.max(f64::MIN_POSITIVE);
-        self.angles.iter().map(|a| a.bias).max_by(|a, b| errors(a).total_cmp(&errors(b))).unwrap_or_default()
+        self.angles
+            .iter()
+            .map(|a| a.bias)
+            .max_by(|a, b| errors(a).total_cmp(&errors(b)))
+            .unwrap_or_default()
     }
 }
 
@@ -168,7 +183,10 @@ fn angle_figures(
 ) -> AngleFigures {
     let wo = spherical(theta_o_deg.to_radians(), phi_o_deg.to_radians()).as_vec3();
     let quadrature = Quadrature::new(wo, POINTS_PER_BIN);
-    let draws = Draws { count: settings.draws, seed: settings.seed };
+    let draws = Draws {
+        count: settings.draws,
+        seed: settings.seed,
+    };
     AngleFigures {
         theta_o_deg,
         phi_o_deg,

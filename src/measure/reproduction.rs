@@ -41,12 +41,21 @@ pub struct DrawQuality {
 
 /// Differences of `found` from `expected`.
 pub fn value_errors(found: &dyn Brdf, expected: &dyn Brdf) -> ValueErrors {
-    let errors = (0..PAIRS).into_par_iter().filter_map(|i| relative_error(found, expected, i));
+    let errors = (0..PAIRS)
+        .into_par_iter()
+        .filter_map(|i| relative_error(found, expected, i));
     let mut errors: Vec<f64> = errors.collect();
     errors.sort_by(f64::total_cmp);
-    let quantile = |q: f64| errors.get((q * errors.len() as f64) as usize).copied().unwrap_or_default();
+    let quantile = |q: f64| {
+        errors
+            .get((q * errors.len() as f64) as usize)
+            .copied()
+            .unwrap_or_default()
+    };
     let degrees = (0..86u32).into_par_iter().map(|k| 0.5 + f64::from(k));
-    let albedo: Vec<f64> = degrees.map(|deg| albedo_error(found, expected, deg)).collect();
+    let albedo: Vec<f64> = degrees
+        .map(|deg| albedo_error(found, expected, deg))
+        .collect();
     ValueErrors {
         median: quantile(0.5),
         percentile_95: quantile(0.95),
@@ -57,14 +66,22 @@ pub fn value_errors(found: &dyn Brdf, expected: &dyn Brdf) -> ValueErrors {
 /// How well a file's own density, or a table's, draws from the material it was made from.
 pub fn draw_quality(sampler: &dyn DirectionSampler, brdf: &dyn Brdf) -> DrawQuality {
     let spread = |degrees: f64| {
-        weight_spread(sampler, brdf, &quadrature(degrees, POINTS_PER_BIN[0]), Importance::Luminance)
+        weight_spread(
+            sampler,
+            brdf,
+            &quadrature(degrees, POINTS_PER_BIN[0]),
+            Importance::Luminance,
+        )
     };
     let spreads: Vec<_> = LIMIT_ANGLES_DEG.into_par_iter().map(spread).collect();
     let relstd = spreads.iter().map(|s| s.relstd);
     DrawQuality {
         least_relstd: relstd.clone().fold(f64::INFINITY, f64::min),
         largest_relstd: relstd.fold(0.0, f64::max),
-        failed: spreads.iter().map(|s| 1.0 - s.pdf_integral).fold(0.0, f64::max),
+        failed: spreads
+            .iter()
+            .map(|s| 1.0 - s.pdf_integral)
+            .fold(0.0, f64::max),
     }
 }
 
@@ -87,7 +104,10 @@ pub fn size_within(brdf: &dyn Brdf, limit: f64) -> Result<(BsdfSize, BsdfFile)> 
         100.0 * limit,
         100.0 * least
     );
-    Err(Error::argument(reached, "allow more, or export with --lookup linear, which a file follows best"))
+    Err(Error::argument(
+        reached,
+        "allow more, or export with --lookup linear, which a file follows best",
+    ))
 }
 
 /// Largest difference of a colour in `found` from that in `expected`, over the largest channel there, for files of the same
@@ -95,12 +115,18 @@ pub fn size_within(brdf: &dyn Brdf, limit: f64) -> Result<(BsdfSize, BsdfFile)> 
 pub fn colour_error(found: &BsdfFile, expected: &BsdfFile) -> f64 {
     let (found, expected) = (found.colour.to_rgb(), expected.colour.to_rgb());
     let square: usize = expected.shape[3..].iter().product();
-    let slices = found.values.chunks(3 * square).zip(expected.values.chunks(3 * square));
+    let slices = found
+        .values
+        .chunks(3 * square)
+        .zip(expected.values.chunks(3 * square));
     let mut largest = 0.0f32;
     for (found, expected) in slices {
         for k in 0..square.min(found.len() / 3).min(expected.len() / 3) {
             let channels = [k, k + square, k + 2 * square];
-            let scale = channels.map(|c| expected[c]).into_iter().fold(0.0, f32::max);
+            let scale = channels
+                .map(|c| expected[c])
+                .into_iter()
+                .fold(0.0, f32::max);
             if scale > 0.0 {
                 let differences = channels.map(|c| (found[c] - expected[c]).abs() / scale);
                 largest = differences.into_iter().fold(largest, f32::max);
@@ -125,9 +151,16 @@ fn albedo_error(found: &dyn Brdf, expected: &dyn Brdf, degrees: f64) -> f64 {
         quadrature.integrate(|wi: Vec3| f64::from(color::mean(brdf.eval_cos(quadrature.wo(), wi))))
     };
     let (found, expected) = (albedo(found), albedo(expected));
-    if expected > 0.0 { (found / expected - 1.0).abs() } else { 0.0 }
+    if expected > 0.0 {
+        (found / expected - 1.0).abs()
+    } else {
+        0.0
+    }
 }
 
 fn quadrature(degrees: f64, points_per_bin: usize) -> Quadrature {
-    Quadrature::new(spherical(degrees.to_radians(), 0.0).as_vec3(), points_per_bin)
+    Quadrature::new(
+        spherical(degrees.to_radians(), 0.0).as_vec3(),
+        points_per_bin,
+    )
 }

@@ -28,7 +28,10 @@ pub fn ideal_density(brdf: &dyn Brdf, theta_o: f64) -> Curve {
     if albedo <= 0.0 {
         return Vec::new();
     }
-    lobe(brdf, theta_o).into_iter().map(|(angle, f)| (angle, f / albedo)).collect()
+    lobe(brdf, theta_o)
+        .into_iter()
+        .map(|(angle, f)| (angle, f / albedo))
+        .collect()
 }
 
 /// Density of a sampler in sr⁻¹ over the polar angle of `wi`, for `wo` at `theta_o` degrees, 0 to below 90.
@@ -38,14 +41,20 @@ pub fn density(sampler: &dyn DirectionSampler, theta_o: f64) -> Curve {
 
 fn over_plane(theta_o: f64, value: impl Fn(Vec3, Vec3) -> f32) -> Curve {
     let wo = spherical(-theta_o.to_radians(), 0.0).as_vec3();
-    let at = |angle: f64| (angle, f64::from(value(wo, spherical(angle.to_radians(), 0.0).as_vec3())));
+    let at = |angle: f64| {
+        (
+            angle,
+            f64::from(value(wo, spherical(angle.to_radians(), 0.0).as_vec3())),
+        )
+    };
     angles(theta_o).into_iter().map(at).collect()
 }
 
 /// Every half degree, and, where MERL's bins of θh are finer, three angles in each of them around the mirror direction.
 fn angles(theta_o: f64) -> Vec<f64> {
     let even = (-179..=179).map(|i| f64::from(i) * 0.5);
-    let steps = (0..=3 * 40).map(|i| 2.0 * 90.0 * (f64::from(i) / (3.0 * THETA_H_BINS as f64)).powi(2));
+    let steps =
+        (0..=3 * 40).map(|i| 2.0 * 90.0 * (f64::from(i) / (3.0 * THETA_H_BINS as f64)).powi(2));
     let near = steps.flat_map(|step| [theta_o - step, theta_o + step]);
     let mut all: Vec<f64> = even.chain(near).filter(|a| a.abs() < 90.0).collect();
     all.sort_by(f64::total_cmp);
@@ -55,16 +64,19 @@ fn angles(theta_o: f64) -> Vec<f64> {
 
 /// Values of a table at φd = 90°: f_r in sr⁻¹, mean of the channels, NaN where invalid; `[theta_d, theta_h]`, θd from 89° down.
 pub fn slice(table: &MerlTable) -> Vec<f64> {
-    let value = |(theta_h, theta_d): (usize, usize)| match table.is_valid(theta_h, theta_d, SLICE_PHI_D) {
-        true => f64::from(color::mean(table.rgb(theta_h, theta_d, SLICE_PHI_D))),
-        false => f64::NAN,
-    };
+    let value =
+        |(theta_h, theta_d): (usize, usize)| match table.is_valid(theta_h, theta_d, SLICE_PHI_D) {
+            true => f64::from(color::mean(table.rgb(theta_h, theta_d, SLICE_PHI_D))),
+            false => f64::NAN,
+        };
     slice_bins().map(value).collect()
 }
 
 /// The same in colour: linear RGB of f_r in sr⁻¹, 0 where invalid.
 pub fn slice_rgb(table: &MerlTable) -> Vec<color::Rgb> {
-    slice_bins().map(|(theta_h, theta_d)| table.rgb(theta_h, theta_d, SLICE_PHI_D)).collect()
+    slice_bins()
+        .map(|(theta_h, theta_d)| table.rgb(theta_h, theta_d, SLICE_PHI_D))
+        .collect()
 }
 
 /// Bins of φd are degrees.
@@ -72,7 +84,9 @@ const SLICE_PHI_D: usize = 90;
 
 /// (θh, θd) of a slice, from the top left.
 fn slice_bins() -> impl Iterator<Item = (usize, usize)> {
-    (0..THETA_D_BINS).rev().flat_map(|theta_d| (0..THETA_H_BINS).map(move |theta_h| (theta_h, theta_d)))
+    (0..THETA_D_BINS)
+        .rev()
+        .flat_map(|theta_d| (0..THETA_H_BINS).map(move |theta_h| (theta_h, theta_d)))
 }
 
 /// Directional albedo, mean of the channels, at 0°, 1° … 89° by each lookup rule, in the order of [`LookupRule::ALL`].
@@ -101,7 +115,11 @@ pub fn sampled_directions(
     seed: u64,
 ) -> (Vec<DVec2>, usize) {
     let draws = sampler.sample_many(disc_wo(theta_o), count, seed);
-    let feet: Vec<DVec2> = draws.iter().flatten().map(|d| d.wi.truncate().as_dvec2()).collect();
+    let feet: Vec<DVec2> = draws
+        .iter()
+        .flatten()
+        .map(|d| d.wi.truncate().as_dvec2())
+        .collect();
     let failed = count - feet.len();
     (feet, failed)
 }
@@ -110,6 +128,9 @@ pub fn sampled_directions(
 /// rim; `wo` at x < 0. And the tree's own angle in degrees.
 pub fn leaf_outlines(sampler: &AdaptiveDisc, theta_o: f64) -> (Vec<Vec<DVec2>>, f64) {
     let tree = sampler.subdivision(theta_o.to_radians());
-    let outlines = tree.cells.iter().map(|c| tree.outline(c).into_iter().map(|p| -p).collect());
+    let outlines = tree
+        .cells
+        .iter()
+        .map(|c| tree.outline(c).into_iter().map(|p| -p).collect());
     (outlines.collect(), tree.theta_o.to_degrees())
 }

@@ -27,7 +27,10 @@ pub fn load(path: &Path) -> Result<MerlTable> {
         let count = CHUNK.min(cells - start);
         for (channel, buffer) in buffers.iter_mut().enumerate() {
             buffer.resize(8 * count, 0);
-            file.read_at((Header::BYTES + 8 * (channel * cells + start)) as u64, buffer)?;
+            file.read_at(
+                (Header::BYTES + 8 * (channel * cells + start)) as u64,
+                buffer,
+            )?;
         }
         let [red, green, blue] = &buffers;
         decode_cells([red, green, blue], |rgb| table.push(rgb));
@@ -62,8 +65,12 @@ fn read_header(file: &mut RegularFile) -> Result<Header> {
 ///
 /// Planes start at byte 12 of a file and are unaligned there, so they are read byte-wise rather than cast.
 pub fn decode_cells([red, green, blue]: [&[u8]; 3], mut push: impl FnMut([f64; 3])) {
-    for ((r, g), b) in
-        red.as_chunks::<8>().0.iter().zip(green.as_chunks::<8>().0).zip(blue.as_chunks::<8>().0)
+    for ((r, g), b) in red
+        .as_chunks::<8>()
+        .0
+        .iter()
+        .zip(green.as_chunks::<8>().0)
+        .zip(blue.as_chunks::<8>().0)
     {
         push([
             LittleEndian::read_f64(r) * SCALE[0],

@@ -25,7 +25,9 @@ static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
         materials: Vec<String>,
     }
     // The index is part of the crate; a test reads every name.
-    serde_json::from_str::<Index>(INDEX).map(|i| i.materials).unwrap_or_default()
+    serde_json::from_str::<Index>(INDEX)
+        .map(|i| i.materials)
+        .unwrap_or_default()
 });
 
 /// Names of the embedded materials, sorted.
@@ -56,7 +58,11 @@ struct Network {
 
 impl Network {
     fn read(bytes: &[u8]) -> Self {
-        let mut values = bytes.as_chunks::<4>().0.iter().map(|b| LittleEndian::read_f32(b));
+        let mut values = bytes
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|b| LittleEndian::read_f32(b));
         let mut next = || values.next().unwrap_or_default();
         Self {
             w1: std::array::from_fn(|_| std::array::from_fn(|_| next())),
@@ -79,7 +85,8 @@ impl Network {
                 }
             }
         });
-        let at = |h: usize, d: usize, p: usize| values[p + header.phi_d_bins * (d + THETA_D_BINS * h)];
+        let at =
+            |h: usize, d: usize, p: usize| values[p + header.phi_d_bins * (d + THETA_D_BINS * h)];
         MerlTable::from_fn(header, |h, d, p| at(h, d, p).map(f64::from))
     }
 
@@ -88,8 +95,10 @@ impl Network {
         let theta_h = (h as f64 / THETA_H_BINS as f64).powi(2) * FRAC_PI_2;
         let theta_d = d as f64 / THETA_D_BINS as f64 * FRAC_PI_2;
         let ((sh, ch), (sd, cd)) = (theta_h.sin_cos(), theta_d.sin_cos());
-        let azimuth: [(f64, f64); LANES] = std::array::from_fn(|k| ((phi + k) as f64 / 180.0 * PI).sin_cos());
-        let above: [bool; LANES] = std::array::from_fn(|k| ch * cd >= (sh * sd * azimuth[k].1).abs());
+        let azimuth: [(f64, f64); LANES] =
+            std::array::from_fn(|k| ((phi + k) as f64 / 180.0 * PI).sin_cos());
+        let above: [bool; LANES] =
+            std::array::from_fn(|k| ch * cd >= (sh * sd * azimuth[k].1).abs());
         if !above.contains(&true) {
             return;
         }
@@ -100,12 +109,20 @@ impl Network {
     }
 
     /// The network on `LANES` azimuths of one (θh, θd): its three outputs, before exponentiation.
-    fn forward(&self, [sh, ch, cd]: [f32; 3], sd: f64, azimuth: &[(f64, f64); LANES]) -> [Lanes; 3] {
+    fn forward(
+        &self,
+        [sh, ch, cd]: [f32; 3],
+        sd: f64,
+        azimuth: &[(f64, f64); LANES],
+    ) -> [Lanes; 3] {
         let x: Lanes = std::array::from_fn(|k| (sd * azimuth[k].1) as f32);
         let y: Lanes = std::array::from_fn(|k| (sd * azimuth[k].0) as f32);
         let first: [Lanes; HIDDEN] = std::array::from_fn(|j| {
-            let constant = self.b1[j] + sh * self.w1[0][j] + ch * self.w1[2][j] + cd * self.w1[5][j];
-            std::array::from_fn(|k| (constant + x[k] * self.w1[3][j] + y[k] * self.w1[4][j]).max(0.0))
+            let constant =
+                self.b1[j] + sh * self.w1[0][j] + ch * self.w1[2][j] + cd * self.w1[5][j];
+            std::array::from_fn(|k| {
+                (constant + x[k] * self.w1[3][j] + y[k] * self.w1[4][j]).max(0.0)
+            })
         });
         let second: [Lanes; HIDDEN] = std::array::from_fn(|j| {
             let mut sum = [self.b2[j]; LANES];

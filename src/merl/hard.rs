@@ -29,25 +29,57 @@ impl HardCase {
     pub const ALL: [Self; 19] = [
         case("black", "all zero", |_, _, _| [0.0; 3]),
         case("void", "all invalid", |_, _, _| [-1.0; 3]),
-        case("one-cell", "one bin is not zero", |h, d, p| grey((h, d, p) == (12, 30, 77), 2.0, 0.0)),
-        narrow("one-row", "light in the first bin of theta_h only", |h, _, _| grey(h == 0, 1e4, 0.0)),
-        case("one-channel", "only red is not zero", |_, _, _| [0.3, 0.0, 0.0]),
-        case("constant", "the same everywhere", |_, _, _| [0.2, 0.25, 0.3]),
+        case("one-cell", "one bin is not zero", |h, d, p| {
+            grey((h, d, p) == (12, 30, 77), 2.0, 0.0)
+        }),
+        narrow(
+            "one-row",
+            "light in the first bin of theta_h only",
+            |h, _, _| grey(h == 0, 1e4, 0.0),
+        ),
+        case("one-channel", "only red is not zero", |_, _, _| {
+            [0.3, 0.0, 0.0]
+        }),
+        case("constant", "the same everywhere", |_, _, _| {
+            [0.2, 0.25, 0.3]
+        }),
         case("bright", "albedo of 9", |_, _, _| [3.0; 3]),
-        narrow("peak", "a highlight of 1e8 times the mean value", |h, _, _| grey(h == 0, 1e6, 1e-4)),
-        torn("spikes", "one cell in 5000 is 1e12 times the others", |h, d, p| {
-            grey(noise(h, d, p, 0) < 1.0 / 5000.0, 1e10, 1e-2)
-        }),
-        case("islands", "zeros in 15 % of the cells, in patches", |h, d, p| {
-            grey(noise(h / 7, d / 9, p / 20, 0) < 0.15, 0.0, 0.2)
-        }),
-        case("holes", "a third of the cells is not a number", |h, d, p| {
-            if (h + d + p) % 3 == 0 { [f64::NAN; 3] } else { [0.1, 0.2, (h as f64 + 1.0) * 0.01] }
-        }),
-        case("poisoned", "negative, NaN and infinite cells among valid ones", poisoned),
-        case("asymmetric", "100 times brighter for phi_d below 90 degrees", |_, _, p| {
-            grey(p < 90, 0.6, 0.006)
-        }),
+        narrow(
+            "peak",
+            "a highlight of 1e8 times the mean value",
+            |h, _, _| grey(h == 0, 1e6, 1e-4),
+        ),
+        torn(
+            "spikes",
+            "one cell in 5000 is 1e12 times the others",
+            |h, d, p| grey(noise(h, d, p, 0) < 1.0 / 5000.0, 1e10, 1e-2),
+        ),
+        case(
+            "islands",
+            "zeros in 15 % of the cells, in patches",
+            |h, d, p| grey(noise(h / 7, d / 9, p / 20, 0) < 0.15, 0.0, 0.2),
+        ),
+        case(
+            "holes",
+            "a third of the cells is not a number",
+            |h, d, p| {
+                if (h + d + p) % 3 == 0 {
+                    [f64::NAN; 3]
+                } else {
+                    [0.1, 0.2, (h as f64 + 1.0) * 0.01]
+                }
+            },
+        ),
+        case(
+            "poisoned",
+            "negative, NaN and infinite cells among valid ones",
+            poisoned,
+        ),
+        case(
+            "asymmetric",
+            "100 times brighter for phi_d below 90 degrees",
+            |_, _, p| grey(p < 90, 0.6, 0.006),
+        ),
         HardCase {
             name: "asymmetric-360",
             about: "1000 times brighter for phi_d below 180 degrees, 360 bins of phi_d",
@@ -59,16 +91,24 @@ impl HardCase {
         case("noise", "white noise of ±100 %", |h, d, p| {
             [0, 1, 2].map(|channel| 0.4 * noise(h, d, p, channel))
         }),
-        case("checkerboard", "zero in every other cell", |h, d, p| grey((h + d + p) % 2 == 0, 0.4, 0.0)),
-        case("smallest", "cells between f32's smallest numbers, 1e-45 and 1e-38", |h, d, p| {
-            [10f64.powf(-38.0 - 6.8 * noise(h, d, p, 0)); 3]
+        case("checkerboard", "zero in every other cell", |h, d, p| {
+            grey((h + d + p) % 2 == 0, 0.4, 0.0)
         }),
-        case("largest", "cells within a part in a hundred of f32's largest, 3.4e38", |h, d, p| {
-            [f64::from(f32::MAX) * (1.0 - 0.01 * noise(h, d, p, 0)); 3]
-        }),
-        torn("every-magnitude", "cells spread evenly in the logarithm from 1e-38 to 1e38", |h, d, p| {
-            [10f64.powf(76.0 * noise(h / 5, d / 5, p / 10, 0) - 38.0); 3]
-        }),
+        case(
+            "smallest",
+            "cells between f32's smallest numbers, 1e-45 and 1e-38",
+            |h, d, p| [10f64.powf(-38.0 - 6.8 * noise(h, d, p, 0)); 3],
+        ),
+        case(
+            "largest",
+            "cells within a part in a hundred of f32's largest, 3.4e38",
+            |h, d, p| [f64::from(f32::MAX) * (1.0 - 0.01 * noise(h, d, p, 0)); 3],
+        ),
+        torn(
+            "every-magnitude",
+            "cells spread evenly in the logarithm from 1e-38 to 1e38",
+            |h, d, p| [10f64.powf(76.0 * noise(h / 5, d / 5, p / 10, 0) - 38.0); 3],
+        ),
     ];
 
     /// The case called `name`.
@@ -78,7 +118,9 @@ impl HardCase {
 
     /// Dimensions of the table.
     pub fn header(&self) -> Header {
-        Header { phi_d_bins: self.phi_d_bins }
+        Header {
+            phi_d_bins: self.phi_d_bins,
+        }
     }
 
     /// The table. Cells that are negative, NaN or infinite are invalid, as from a file.
@@ -95,8 +137,11 @@ impl HardCase {
         let bins = self.phi_d_bins;
         write_raw(self.header(), path, overwrite, |cell, channel| {
             let row = cell / bins;
-            let value =
-                (self.value)(row / super::THETA_D_BINS, row % super::THETA_D_BINS, cell % bins)[channel];
+            let value = (self.value)(
+                row / super::THETA_D_BINS,
+                row % super::THETA_D_BINS,
+                cell % bins,
+            )[channel];
             // As the table has it; dividing the f64 itself could come back as the neighbouring f32.
             f64::from(value as f32) / SCALE[channel]
         })
@@ -108,7 +153,14 @@ const fn case(
     about: &'static str,
     value: fn(usize, usize, usize) -> [f64; 3],
 ) -> HardCase {
-    HardCase { name, about, is_narrow: false, is_torn: false, phi_d_bins: 180, value }
+    HardCase {
+        name,
+        about,
+        is_narrow: false,
+        is_torn: false,
+        phi_d_bins: 180,
+        value,
+    }
 }
 
 const fn narrow(
@@ -116,7 +168,10 @@ const fn narrow(
     about: &'static str,
     value: fn(usize, usize, usize) -> [f64; 3],
 ) -> HardCase {
-    HardCase { is_narrow: true, ..case(name, about, value) }
+    HardCase {
+        is_narrow: true,
+        ..case(name, about, value)
+    }
 }
 
 const fn torn(
@@ -124,7 +179,10 @@ const fn torn(
     about: &'static str,
     value: fn(usize, usize, usize) -> [f64; 3],
 ) -> HardCase {
-    HardCase { is_torn: true, ..case(name, about, value) }
+    HardCase {
+        is_torn: true,
+        ..case(name, about, value)
+    }
 }
 
 fn grey(one: bool, yes: f64, no: f64) -> [f64; 3] {
@@ -133,7 +191,14 @@ fn grey(one: bool, yes: f64, no: f64) -> [f64; 3] {
 
 /// Every eleventh cell has a channel that no measurement gives.
 fn poisoned(h: usize, d: usize, p: usize) -> [f64; 3] {
-    let bad = [-0.5, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -0.0];
+    let bad = [
+        -0.5,
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        1e300,
+        -0.0,
+    ];
     let k = 180 * (90 * h + d) + p;
     let mut value = [0.1, 0.2, 0.3];
     if k.is_multiple_of(11) {
@@ -160,7 +225,13 @@ mod tests {
     #[test]
     fn files_hold_the_tables_and_what_is_wrong_with_them() {
         let folder = tempfile::tempdir().unwrap();
-        for name in ["poisoned", "every-magnitude", "smallest", "largest", "asymmetric-360"] {
+        for name in [
+            "poisoned",
+            "every-magnitude",
+            "smallest",
+            "largest",
+            "asymmetric-360",
+        ] {
             let case = HardCase::named(name).unwrap();
             let path = folder.path().join(name);
             case.write(&path, Overwrite::Refuse).unwrap();
@@ -173,7 +244,10 @@ mod tests {
     #[test]
     fn cases_are_what_they_are_called() {
         let census = HardCase::named("poisoned").unwrap().table().census();
-        assert!(census.nan > 0 && census.infinite > 0 && census.negative > 0, "{census:?}");
+        assert!(
+            census.nan > 0 && census.infinite > 0 && census.negative > 0,
+            "{census:?}"
+        );
         let share = |name: &str, of: fn(&glam::Vec4) -> bool| {
             let table = HardCase::named(name).unwrap().table();
             table.cells().iter().filter(|c| of(c)).count() as f64 / table.cells().len() as f64

@@ -56,7 +56,10 @@ impl Header {
             let (short, fix) = if file_bytes < expected {
                 (file_bytes, "fetch the file again: it is cut off")
             } else {
-                (expected, "remove what follows the table, or fetch the file again")
+                (
+                    expected,
+                    "remove what follows the table, or fetch the file again",
+                )
             };
             return Err(Error::invalid(
                 path,
@@ -82,7 +85,11 @@ impl Header {
     /// The header's twelve bytes.
     pub fn to_bytes(self) -> [u8; Self::BYTES] {
         let mut out = [0; Self::BYTES];
-        let dims = [THETA_H_BINS as i32, THETA_D_BINS as i32, self.phi_d_bins as i32];
+        let dims = [
+            THETA_H_BINS as i32,
+            THETA_D_BINS as i32,
+            self.phi_d_bins as i32,
+        ];
         LittleEndian::write_i32_into(&dims, &mut out);
         out
     }

@@ -49,7 +49,11 @@ pub(super) fn resample(rgl: &Rgl, point: BinPoint) -> MerlTable {
     let row = THETA_D_BINS * HEADER.phi_d_bins;
     values.par_chunks_mut(row).enumerate().for_each(|(h, row)| {
         for (k, value) in row.iter_mut().enumerate() {
-            *value = bin(rgl, [h, k / HEADER.phi_d_bins, k % HEADER.phi_d_bins], point);
+            *value = bin(
+                rgl,
+                [h, k / HEADER.phi_d_bins, k % HEADER.phi_d_bins],
+                point,
+            );
         }
     });
     let mut values = values.into_iter();
@@ -58,7 +62,12 @@ pub(super) fn resample(rgl: &Rgl, point: BinPoint) -> MerlTable {
 
 /// The value of a bin, −1 where it is below the horizon.
 fn bin(rgl: &Rgl, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
-    let at = |offsets: [f64; 3]| value(rgl, std::array::from_fn(|axis| bin[axis] as f64 + offsets[axis]));
+    let at = |offsets: [f64; 3]| {
+        value(
+            rgl,
+            std::array::from_fn(|axis| bin[axis] as f64 + offsets[axis]),
+        )
+    };
     let offset = if point == BinPoint::Edge { 0.0 } else { 0.5 };
     if let Some(value) = at([offset; 3]) {
         return value.to_array();
@@ -66,10 +75,15 @@ fn bin(rgl: &Rgl, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
     if point == BinPoint::Edge {
         return [-1.0; 3];
     }
-    let corners = (0..8).map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 0.05 } else { 0.95 }));
+    let corners =
+        (0..8).map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 0.05 } else { 0.95 }));
     let above: Vec<DVec3> = corners.filter_map(at).collect();
     let mean = above.iter().sum::<DVec3>() / above.len() as f64;
-    if above.is_empty() { [-1.0; 3] } else { mean.to_array() }
+    if above.is_empty() {
+        [-1.0; 3]
+    } else {
+        mean.to_array()
+    }
 }
 
 /// The value at coordinates in bins; `None` below the horizon.
@@ -79,5 +93,6 @@ fn value(rgl: &Rgl, [h, d, p]: [f64; 3]) -> Option<DVec3> {
     let wi = DQuat::from_rotation_y(theta_h) * spherical(theta_d, p.to_radians());
     let wo = reflect_about(wi, spherical(theta_h, 0.0));
     let (wo, wi) = (wo.as_vec3(), wi.as_vec3());
-    (wo.z > 0.0 && wi.z > 0.0).then(|| 0.5 * (rgl.value(wo, wi).as_dvec3() + rgl.value(wi, wo).as_dvec3()))
+    (wo.z > 0.0 && wi.z > 0.0)
+        .then(|| 0.5 * (rgl.value(wo, wi).as_dvec3() + rgl.value(wi, wo).as_dvec3()))
 }

@@ -45,12 +45,20 @@ impl Material {
     /// not exist.
     pub fn resolve(argument: &str) -> Result<Self> {
         if embedded::names().iter().any(|n| n == argument) {
-            return Ok(Self { name: argument.into(), source: Source::Embedded(argument.into()) });
+            return Ok(Self {
+                name: argument.into(),
+                source: Source::Embedded(argument.into()),
+            });
         }
         let path = Path::new(argument);
         if path.exists() {
-            let name = path.file_stem().map_or_else(|| argument.into(), |s| s.to_string_lossy().into_owned());
-            return Ok(Self { name, source: Source::File(path.to_owned()) });
+            let name = path
+                .file_stem()
+                .map_or_else(|| argument.into(), |s| s.to_string_lossy().into_owned());
+            return Ok(Self {
+                name,
+                source: Source::File(path.to_owned()),
+            });
         }
         if path.extension().is_some() || path.components().count() > 1 {
             return Err(Error::io(path, "open", std::io::ErrorKind::NotFound.into()));
@@ -77,7 +85,9 @@ impl Material {
     /// As [`BsdfFile::open`], for what begins as such a file.
     pub fn is_anisotropic(&self) -> Result<bool> {
         match &self.source {
-            Source::File(path) if looks_like_bsdf(path) => Ok(!BsdfFile::open(path)?.is_isotropic()),
+            Source::File(path) if looks_like_bsdf(path) => {
+                Ok(!BsdfFile::open(path)?.is_isotropic())
+            }
             Source::File(_) | Source::Embedded(_) => Ok(false),
         }
     }
@@ -106,7 +116,9 @@ impl Material {
     /// As [`load`], or as [`import_bsdf`]: [`Error::Unsupported`] for an anisotropic file.
     pub fn load(&self) -> Result<MerlTable> {
         match &self.source {
-            Source::File(path) if looks_like_bsdf(path) => Ok(import_bsdf(path, BinPoint::Centre)?.0),
+            Source::File(path) if looks_like_bsdf(path) => {
+                Ok(import_bsdf(path, BinPoint::Centre)?.0)
+            }
             Source::File(path) => load(path),
             Source::Embedded(name) => embedded::decode(name)
                 .ok_or_else(|| Error::argument(format!("no material {name}"), suggestion(name))),
@@ -142,11 +154,16 @@ fn digest_of(mut file: RegularFile) -> Result<sha2::digest::Output<Sha256>> {
 /// "did you mean …?", with the three nearest embedded names.
 fn suggestion(word: &str) -> String {
     let word = word.to_lowercase().replace(['_', ' '], "-");
-    let mut ranked: Vec<_> =
-        embedded::names().iter().map(|n| (strsim::jaro_winkler(&word, n), n.as_str())).collect();
+    let mut ranked: Vec<_> = embedded::names()
+        .iter()
+        .map(|n| (strsim::jaro_winkler(&word, n), n.as_str()))
+        .collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
     let nearest: Vec<_> = ranked.iter().take(3).map(|r| r.1).collect();
-    format!("did you mean {}? `merlkit list` shows all names", nearest.join(", "))
+    format!(
+        "did you mean {}? `merlkit list` shows all names",
+        nearest.join(", ")
+    )
 }
 
 #[cfg(test)]
@@ -164,6 +181,9 @@ mod tests {
     #[test]
     fn a_missing_path_is_named_as_a_path() {
         let message = Material::resolve("no/such.binary").unwrap_err().to_string();
-        assert!(message.starts_with("no/such.binary: cannot open"), "{message}");
+        assert!(
+            message.starts_with("no/such.binary: cannot open"),
+            "{message}"
+        );
     }
 }

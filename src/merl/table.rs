@@ -106,7 +106,11 @@ impl MerlTable {
     /// The raw value that a file stores for a channel of a cell: −1 where invalid.
     pub(super) fn raw(&self, cell: usize, channel: usize) -> f64 {
         let c = self.cells[cell];
-        if c.w == 0.0 { -1.0 } else { f64::from(c[channel]) / SCALE[channel] }
+        if c.w == 0.0 {
+            -1.0
+        } else {
+            f64::from(c[channel]) / SCALE[channel]
+        }
     }
 }
 
@@ -139,7 +143,11 @@ pub(super) struct TableBuilder {
 
 impl TableBuilder {
     pub(super) fn new(header: Header) -> Self {
-        Self { header, cells: Vec::with_capacity(header.cells()), census: Census::default() }
+        Self {
+            header,
+            cells: Vec::with_capacity(header.cells()),
+            census: Census::default(),
+        }
     }
 
     /// Adds the next cell: f_r, not a file's raw values.
@@ -169,6 +177,10 @@ impl TableBuilder {
 
     pub(super) fn finish(self) -> MerlTable {
         debug_assert_eq!(self.cells.len(), self.header.cells());
-        MerlTable { header: self.header, cells: self.cells, census: self.census }
+        MerlTable {
+            header: self.header,
+            cells: self.cells,
+            census: self.census,
+        }
     }
 }

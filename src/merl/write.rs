@@ -15,7 +15,9 @@ use crate::{Error, Result};
 /// # Errors
 /// As [`write_new`].
 pub fn write(table: &MerlTable, path: &Path, overwrite: Overwrite) -> Result<()> {
-    write_raw(table.header(), path, overwrite, |cell, channel| table.raw(cell, channel))
+    write_raw(table.header(), path, overwrite, |cell, channel| {
+        table.raw(cell, channel)
+    })
 }
 
 /// Writes `raw(cell, channel)`, in file order and in a file's units, as a MERL binary.
@@ -25,7 +27,9 @@ pub(super) fn write_raw(
     overwrite: Overwrite,
     raw: impl Fn(usize, usize) -> f64,
 ) -> Result<()> {
-    write_new(path, overwrite, |out| fill(header, out, &raw).map_err(|e| Error::io(path, "write", e)))
+    write_new(path, overwrite, |out| {
+        fill(header, out, &raw).map_err(|e| Error::io(path, "write", e))
+    })
 }
 
 fn fill<W: Write + ?Sized>(

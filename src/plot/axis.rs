@@ -43,12 +43,19 @@ pub struct Axis {
 impl Axis {
     /// An axis as long as the data need.
     pub fn new(title: impl Into<String>, scale: Scale) -> Self {
-        Self { title: title.into(), scale, range: None }
+        Self {
+            title: title.into(),
+            scale,
+            range: None,
+        }
     }
 
     /// The same from `low` to `high`; what lies outside is cut off.
     pub fn with_range(self, low: f64, high: f64) -> Self {
-        Self { range: Some((low, high)), ..self }
+        Self {
+            range: Some((low, high)),
+            ..self
+        }
     }
 }
 
@@ -77,16 +84,31 @@ const SPACING: [f64; 2] = [56.0, 30.0];
 
 impl Ruler {
     /// From `start` to `end`, in pixels; `None` if there is neither a range nor a value.
-    pub fn new(axis: &Axis, values: impl Iterator<Item = f64>, start: f64, end: f64) -> Option<Self> {
+    pub fn new(
+        axis: &Axis,
+        values: impl Iterator<Item = f64>,
+        start: f64,
+        end: f64,
+    ) -> Option<Self> {
         let scale = axis.scale;
-        let ruler = |low, high| Self { scale, low, high, start, end };
-        let given = axis.range.and_then(|(low, high)| Some((scale.place(low)?, scale.place(high)?)));
+        let ruler = |low, high| Self {
+            scale,
+            low,
+            high,
+            start,
+            end,
+        };
+        let given = axis
+            .range
+            .and_then(|(low, high)| Some((scale.place(low)?, scale.place(high)?)));
         if let Some((low, high)) = given.filter(|&(low, high)| is_wide(low, high)) {
             return Some(ruler(low, high));
         }
         let (low, high) = values
             .filter_map(|v| scale.place(v))
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                (low.min(v), high.max(v))
+            });
         (low <= high).then(|| {
             let (low, high) = widened(low, high);
             let (low, high) = match scale {
@@ -127,10 +149,15 @@ impl Ruler {
     fn linear_ticks(&self, most: f64) -> Vec<Tick> {
         let step = nice_step((self.high - self.low) / most);
         let first = (self.low / step - 1e-6).ceil();
-        let count = ((self.high - first * step) / step + 1e-6).floor().clamp(0.0, 100.0) as usize;
+        let count = ((self.high - first * step) / step + 1e-6)
+            .floor()
+            .clamp(0.0, 100.0) as usize;
         let tick = |i: usize| {
             let value = (first + i as f64) * step;
-            Tick { at: self.pixel(value), label: Some(number(value, step)) }
+            Tick {
+                at: self.pixel(value),
+                label: Some(number(value, step)),
+            }
         };
         (0..=count).map(tick).collect()
     }
@@ -139,7 +166,10 @@ impl Ruler {
         const ROUNDING: f64 = 1e-9;
         let decades = self.high - self.low;
         let every = (decades / most).ceil().max(1.0) as i32;
-        let (first, last) = ((self.low - ROUNDING).floor() as i32, (self.high + ROUNDING).floor() as i32);
+        let (first, last) = (
+            (self.low - ROUNDING).floor() as i32,
+            (self.high + ROUNDING).floor() as i32,
+        );
         let plain = first >= -3 && last <= 4;
         let within = |p: f64| p >= self.low - ROUNDING && p <= self.high + ROUNDING;
         let mut ticks = Vec::new();
@@ -148,14 +178,24 @@ impl Ruler {
             for digit in 1..10u8 {
                 let place = f64::from(exponent) + f64::from(digit).log10();
                 // Decades that have no label still have a tick, unless there are hundreds.
-                let shown = if digit == 1 { labelled || every <= 5 } else { every == 1 };
+                let shown = if digit == 1 {
+                    labelled || every <= 5
+                } else {
+                    every == 1
+                };
                 if !shown || !within(place) {
                     continue;
                 }
-                let named =
-                    if digit == 1 { labelled } else { decades <= most / 4.0 && matches!(digit, 2 | 5) };
+                let named = if digit == 1 {
+                    labelled
+                } else {
+                    decades <= most / 4.0 && matches!(digit, 2 | 5)
+                };
                 let label = named.then(|| power(digit, exponent, plain));
-                ticks.push(Tick { at: self.pixel(place), label });
+                ticks.push(Tick {
+                    at: self.pixel(place),
+                    label,
+                });
             }
         }
         ticks
@@ -167,8 +207,14 @@ impl Ruler {
         let mut put = |value: f64| {
             let at = self.pixel(value.sqrt());
             let far = |t: &Tick| (t.at - at).abs() >= spacing;
-            if value.sqrt() <= self.high * (1.0 + 1e-9) && value.sqrt() >= self.low && ticks.iter().all(far) {
-                ticks.push(Tick { at, label: Some(number(value, value)) });
+            if value.sqrt() <= self.high * (1.0 + 1e-9)
+                && value.sqrt() >= self.low
+                && ticks.iter().all(far)
+            {
+                ticks.push(Tick {
+                    at,
+                    label: Some(number(value, value)),
+                });
             }
         };
         put(0.0);
@@ -199,22 +245,35 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
 
 /// Ends moved outwards to multiples of a tick's step; to 0 where that is near.
 fn rounded(low: f64, high: f64) -> (f64, f64) {
-    let low = if low > 0.0 && low < 0.4 * high { 0.0 } else { low };
+    let low = if low > 0.0 && low < 0.4 * high {
+        0.0
+    } else {
+        low
+    };
     let step = nice_step((high - low) / 6.0);
-    ((low / step + 1e-6).floor() * step, (high / step - 1e-6).ceil() * step)
+    (
+        (low / step + 1e-6).floor() * step,
+        (high / step - 1e-6).ceil() * step,
+    )
 }
 
 /// The next of 1, 2, 5, 10 … from `place`, a logarithm, downwards.
 fn rounded_down(place: f64) -> f64 {
     let decade = (place + 1e-9).floor();
-    let below = [5f64, 2.0, 1.0].into_iter().map(|d| decade + d.log10()).find(|&p| p <= place + 1e-9);
+    let below = [5f64, 2.0, 1.0]
+        .into_iter()
+        .map(|d| decade + d.log10())
+        .find(|&p| p <= place + 1e-9);
     below.unwrap_or(decade)
 }
 
 /// The next of 1, 2, 5, 10 … from `place`, a logarithm, upwards.
 fn rounded_up(place: f64) -> f64 {
     let decade = (place + 1e-9).floor();
-    let above = [1f64, 2.0, 5.0].into_iter().map(|d| decade + d.log10()).find(|&p| p >= place - 1e-9);
+    let above = [1f64, 2.0, 5.0]
+        .into_iter()
+        .map(|d| decade + d.log10())
+        .find(|&p| p >= place - 1e-9);
     above.unwrap_or(decade + 1.0)
 }
 
@@ -246,7 +305,11 @@ fn scientific(value: f64) -> String {
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
     let exponent = superscript(exponent.parse().unwrap_or(0));
-    if mantissa == "1" { format!("10{exponent}") } else { minus(&format!("{mantissa}×10{exponent}")) }
+    if mantissa == "1" {
+        format!("10{exponent}")
+    } else {
+        minus(&format!("{mantissa}×10{exponent}"))
+    }
 }
 
 /// `digit` times ten to the `exponent`.
@@ -256,7 +319,11 @@ fn power(digit: u8, exponent: i32, plain: bool) -> String {
         return format!("{:.decimals$}", f64::from(digit) * 10f64.powi(exponent));
     }
     let ten = format!("10{}", superscript(exponent));
-    if digit == 1 { ten } else { format!("{digit}·{ten}") }
+    if digit == 1 {
+        ten
+    } else {
+        format!("{digit}·{ten}")
+    }
 }
 
 fn superscript(n: i32) -> String {
@@ -265,7 +332,10 @@ fn superscript(n: i32) -> String {
         '1' => '¹',
         '2' => '²',
         '3' => '³',
-        c => c.to_digit(10).and_then(|d| char::from_u32(0x2070 + d)).unwrap_or(c),
+        c => c
+            .to_digit(10)
+            .and_then(|d| char::from_u32(0x2070 + d))
+            .unwrap_or(c),
     };
     n.to_string().chars().map(raise).collect()
 }

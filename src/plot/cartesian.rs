@@ -30,9 +30,17 @@ impl Frame {
         let y = Ruler::new(axes.1, y, TOP + HEIGHT, TOP);
         let labels = y.iter().flat_map(Ruler::ticks).filter_map(|t| t.label);
         let left = 38.0 + labels.map(|l| width_of(&l, TEXT)).fold(10.0, f64::max);
-        let area = Area { x: left, y: TOP, width: WIDTH - left - right, height: HEIGHT };
+        let area = Area {
+            x: left,
+            y: TOP,
+            width: WIDTH - left - right,
+            height: HEIGHT,
+        };
         let x = Ruler::new(axes.0, x, area.x, area.right());
-        Self { area, rulers: x.zip(y) }
+        Self {
+            area,
+            rulers: x.zip(y),
+        }
     }
 
     /// Both pixels of a point; `None` if an axis can't hold it.
@@ -42,7 +50,13 @@ impl Frame {
     }
 
     /// Begins the picture: sheet, grid, axes and legend.
-    pub fn begin(&self, caption: &Caption, axes: (&Axis, &Axis), legend: &Legend, grid: bool) -> Svg {
+    pub fn begin(
+        &self,
+        caption: &Caption,
+        axes: (&Axis, &Axis),
+        legend: &Legend,
+        grid: bool,
+    ) -> Svg {
         let mut svg = Svg::new(TOP + HEIGHT + BELOW + legend.height() + 8.0, caption);
         if let Some((x, y)) = &self.rulers {
             self.draw_ticks(&mut svg, &x.ticks(), true, grid);
@@ -50,13 +64,22 @@ impl Frame {
         } else {
             svg.no_data(&self.area);
         }
-        let Area { x, y, width, height } = self.area;
+        let Area {
+            x,
+            y,
+            width,
+            height,
+        } = self.area;
         let [left, top, across, down] = [x, y, width, height].map(px);
         svg.push(&format!(
             "<rect x=\"{left}\" y=\"{top}\" width=\"{across}\" height=\"{down}\" fill=\"none\" stroke=\"{INK}\"/>"
         ));
         let title = |axis: &Axis, room: f64| shortened(&scaled(axis), TEXT, room);
-        svg.label((x + width / 2.0, self.area.bottom() + 37.0), Anchor::Middle, &title(axes.0, width + 60.0));
+        svg.label(
+            (x + width / 2.0, self.area.bottom() + 37.0),
+            Anchor::Middle,
+            &title(axes.0, width + 60.0),
+        );
         svg.label_upwards((18.0, y + height / 2.0), &title(axes.1, height + 30.0));
         legend.draw(&mut svg, self.area.bottom() + BELOW);
         svg

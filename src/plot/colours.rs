@@ -17,7 +17,11 @@ const VIRIDIS: [[u8; 3]; 9] = [
 /// 8-bit sRGB of a value in [0, 1], dark to light; values outside take the nearer end, NaN the dark one.
 pub fn viridis(value: f64) -> [u8; 3] {
     let last = VIRIDIS.len() - 1;
-    let at = if value > 0.0 { value.min(1.0) * last as f64 } else { 0.0 };
+    let at = if value > 0.0 {
+        value.min(1.0) * last as f64
+    } else {
+        0.0
+    };
     let i = (at as usize).min(last - 1);
     let t = at - i as f64;
     let mix = |c: usize| f64::from(VIRIDIS[i][c]) * (1.0 - t) + f64::from(VIRIDIS[i + 1][c]) * t;

@@ -49,7 +49,10 @@ impl Disc {
         // Points look alike in picture and legend; cells are grey squares and need no sample of a curve.
         let points = (!self.labels[1].is_empty()).then(|| entry(&self.labels[1], POINTS.0, false));
         let legend = Legend::new(points.into_iter().collect());
-        let lines = [&self.labels[0]].into_iter().filter(|l| !l.is_empty()).count() as f64;
+        let lines = [&self.labels[0]]
+            .into_iter()
+            .filter(|l| !l.is_empty())
+            .count() as f64;
         let below = CENTRE.1 + RADIUS + 12.0;
         let mut svg = Svg::new(below + 18.0 * lines + legend.height() + 8.0, &self.caption);
         self.draw_cells(&mut svg);
@@ -68,7 +71,12 @@ impl Disc {
             svg.label((58.0, below + 13.0), Anchor::Start, &self.labels[0]);
             let square = format!("fill=\"#ffffff\" stroke=\"{CELLS}\"");
             svg.path(
-                &[(32.0, below + 3.0), (43.0, below + 3.0), (43.0, below + 14.0), (32.0, below + 14.0)],
+                &[
+                    (32.0, below + 3.0),
+                    (43.0, below + 3.0),
+                    (43.0, below + 14.0),
+                    (32.0, below + 14.0),
+                ],
                 true,
                 &square,
             );
@@ -81,8 +89,12 @@ impl Disc {
     fn draw_cells(&self, svg: &mut Svg) {
         let (mut outlines, mut dots) = (String::new(), BTreeSet::new());
         for cell in &self.cells {
-            let Some(corners) = cell.iter().map(|&p| pixel(p)).collect::<Option<Vec<_>>>() else { continue };
-            let Some(&first) = corners.first() else { continue };
+            let Some(corners) = cell.iter().map(|&p| pixel(p)).collect::<Option<Vec<_>>>() else {
+                continue;
+            };
+            let Some(&first) = corners.first() else {
+                continue;
+            };
             let reach = |p: &(f64, f64)| (p.0 - first.0).abs().max((p.1 - first.1).abs());
             if corners.iter().map(reach).fold(0.0, f64::max) < SMALLEST {
                 dots.insert((first.0.round() as i64, first.1.round() as i64));
@@ -96,7 +108,10 @@ impl Disc {
             ));
         }
         if !dots.is_empty() {
-            let data: String = dots.iter().map(|(x, y)| format!("M{x} {y}h1v1h-1Z")).collect();
+            let data: String = dots
+                .iter()
+                .map(|(x, y)| format!("M{x} {y}h1v1h-1Z"))
+                .collect();
             svg.push(&format!("<path d=\"{data}\" fill=\"{CELLS}\"/>"));
         }
     }
@@ -106,7 +121,9 @@ impl Disc {
         let on_disc = |p: &&(f64, f64)| p.0.hypot(p.1) <= 1.0 + 1e-6;
         let places = self.points.iter().filter(on_disc).filter_map(|&p| pixel(p));
         // Round line ends of no length are dots, of a few bytes each.
-        let data: String = places.map(|(x, y)| format!("M{} {}h0", px(x), px(y))).collect();
+        let data: String = places
+            .map(|(x, y)| format!("M{} {}h0", px(x), px(y)))
+            .collect();
         if !data.is_empty() {
             let colour = style.colour();
             svg.push(&format!(
@@ -135,6 +152,10 @@ fn draw_mark(svg: &mut Svg, mark: &DiscMark) {
         }
     }
     // Towards the middle of the sheet, where there is room.
-    let (dx, anchor) = if mark.at.0 > 0.5 { (-9.0, Anchor::End) } else { (9.0, Anchor::Start) };
+    let (dx, anchor) = if mark.at.0 > 0.5 {
+        (-9.0, Anchor::End)
+    } else {
+        (9.0, Anchor::Start)
+    };
     svg.label_above((x + dx, y - 6.0), anchor, &mark.label);
 }

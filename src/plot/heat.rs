@@ -65,15 +65,24 @@ impl Heat {
         };
         let frame = Frame::new(axes, std::iter::empty(), std::iter::empty(), right);
         if frame.rulers.is_none() {
-            return Err(Error::argument("an axis of a picture has no range", "give both axes a range"));
+            return Err(Error::argument(
+                "an axis of a picture has no range",
+                "give both axes a range",
+            ));
         }
         let mut svg = frame.begin(&self.caption, axes, &Legend::new(Vec::new()), false);
         match &self.pixels {
             Pixels::Picture { image, exposure } => {
                 let (width, height) = (image.width(), image.height());
-                embed(&mut svg, &frame.area, &encode_png(width, height, &encode_srgb(image, *exposure))?);
+                embed(
+                    &mut svg,
+                    &frame.area,
+                    &encode_png(width, height, &encode_srgb(image, *exposure))?,
+                );
             }
-            Pixels::Values { width, values, bar } => draw_values(&mut svg, &frame.area, *width, values, bar)?,
+            Pixels::Values { width, values, bar } => {
+                draw_values(&mut svg, &frame.area, *width, values, bar)?
+            }
         }
         Ok(svg.finish())
     }
@@ -91,7 +100,11 @@ fn draw_values(svg: &mut Svg, area: &Area, width: usize, values: &[f64], bar: &A
         return Ok(());
     };
     // The ruler lies along the bar: a value's pixel there tells its colour.
-    let colour = |&v: &f64| ruler.at(v).map_or([255; 3], |at| viridis((area.bottom() - at) / area.height));
+    let colour = |&v: &f64| {
+        ruler
+            .at(v)
+            .map_or([255; 3], |at| viridis((area.bottom() - at) / area.height))
+    };
     let bytes: Vec<u8> = values.iter().flat_map(colour).collect();
     embed(svg, area, &encode_png(width, values.len() / width, &bytes)?);
     draw_bar(svg, area, &ruler, bar)
@@ -99,13 +112,24 @@ fn draw_values(svg: &mut Svg, area: &Area, width: usize, values: &[f64], bar: &A
 
 /// The bar, its ticks and its title.
 fn draw_bar(svg: &mut Svg, area: &Area, ruler: &Ruler, axis: &Axis) -> Result<()> {
-    let bar = Area { x: area.right() + BAR_GAP, width: BAR, ..*area };
-    let shades: Vec<u8> = (0..SHADES).rev().flat_map(|i| viridis((i as f64 + 0.5) / SHADES as f64)).collect();
+    let bar = Area {
+        x: area.right() + BAR_GAP,
+        width: BAR,
+        ..*area
+    };
+    let shades: Vec<u8> = (0..SHADES)
+        .rev()
+        .flat_map(|i| viridis((i as f64 + 0.5) / SHADES as f64))
+        .collect();
     embed(svg, &bar, &encode_png(1, SHADES, &shades)?);
     let mut widest = 0f64;
     for tick in ruler.ticks() {
         let length = if tick.label.is_some() { 5.0 } else { 3.0 };
-        svg.line((bar.right(), tick.at), (bar.right() + length, tick.at), &format!("stroke=\"{INK}\""));
+        svg.line(
+            (bar.right(), tick.at),
+            (bar.right() + length, tick.at),
+            &format!("stroke=\"{INK}\""),
+        );
         if let Some(label) = tick.label {
             svg.label((bar.right() + 8.0, tick.at + 4.0), Anchor::Start, &label);
             widest = widest.max(width_of(&label, TEXT));

@@ -41,7 +41,10 @@ impl Legend {
             x += width + GAP;
         }
         let rows = if placed.is_empty() { 0 } else { row + 1 };
-        Self { entries: placed, rows }
+        Self {
+            entries: placed,
+            rows,
+        }
     }
 
     /// Pixels from its top to its end.
@@ -54,13 +57,21 @@ impl Legend {
         for (entry, x, row) in &self.entries {
             let middle = y + (*row as f64 + 0.5) * ROW;
             if entry.line {
-                svg.line((*x, middle), (x + SAMPLE - 8.0, middle), &entry.style.stroke());
+                svg.line(
+                    (*x, middle),
+                    (x + SAMPLE - 8.0, middle),
+                    &entry.style.stroke(),
+                );
             }
             if entry.mark {
                 let mark = entry.style.mark((x + (SAMPLE - 8.0) / 2.0, middle));
                 svg.push(&format!("<path d=\"{mark}\" {}/>", entry.style.marks()));
             }
-            svg.label((x + SAMPLE - 3.0, middle + 4.0), Anchor::Start, &entry.label);
+            svg.label(
+                (x + SAMPLE - 3.0, middle + 4.0),
+                Anchor::Start,
+                &entry.label,
+            );
         }
     }
 }

@@ -75,14 +75,22 @@ impl Lines {
     }
 
     fn all_x(&self) -> impl Iterator<Item = f64> {
-        self.series.iter().flat_map(|s| s.points.iter().map(|p| p.0).chain(s.band.iter().map(|b| b.0)))
+        self.series.iter().flat_map(|s| {
+            s.points
+                .iter()
+                .map(|p| p.0)
+                .chain(s.band.iter().map(|b| b.0))
+        })
     }
 
     fn all_y(&self) -> impl Iterator<Item = f64> {
         let of_band = |b: &(f64, f64, f64)| [b.1, b.2];
-        self.series
-            .iter()
-            .flat_map(move |s| s.points.iter().map(|p| p.1).chain(s.band.iter().flat_map(of_band)))
+        self.series.iter().flat_map(move |s| {
+            s.points
+                .iter()
+                .map(|p| p.1)
+                .chain(s.band.iter().flat_map(of_band))
+        })
     }
 }
 
@@ -104,7 +112,11 @@ impl Series {
             Some((below, above))
         };
         for run in runs(self.band.iter().map(edges)) {
-            let outline: Vec<_> = run.iter().map(|e| e.0).chain(run.iter().rev().map(|e| e.1)).collect();
+            let outline: Vec<_> = run
+                .iter()
+                .map(|e| e.0)
+                .chain(run.iter().rev().map(|e| e.1))
+                .collect();
             svg.path(&outline, true, &Style(self.style).translucent());
         }
     }
@@ -119,7 +131,11 @@ impl Series {
     }
 
     fn draw_marks(&self, frame: &Frame, svg: &mut Svg, order: usize) {
-        let inside = self.points.iter().filter_map(|&p| frame.at(p)).filter(|&p| frame.area.holds(p));
+        let inside = self
+            .points
+            .iter()
+            .filter_map(|&p| frame.at(p))
+            .filter(|&p| frame.area.holds(p));
         let points: Vec<_> = inside.collect();
         let chosen = match self.marks {
             Marks::None => Vec::new(),

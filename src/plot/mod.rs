@@ -46,6 +46,9 @@ pub struct Caption {
 impl Caption {
     /// A title and a description.
     pub fn new(title: impl Into<String>, description: impl Into<String>) -> Self {
-        Self { title: title.into(), description: description.into() }
+        Self {
+            title: title.into(),
+            description: description.into(),
+        }
     }
 }

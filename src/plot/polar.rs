@@ -45,8 +45,12 @@ impl Polar {
     /// The picture: 640 pixels wide, 440 or so high, more with a long legend.
     pub fn svg(&self) -> String {
         let listed = self.curves.iter().filter(|c| !c.label.is_empty());
-        let entry =
-            |c: &PolarCurve| Entry { label: c.label.clone(), style: Style(c.style), line: true, mark: false };
+        let entry = |c: &PolarCurve| Entry {
+            label: c.label.clone(),
+            style: Style(c.style),
+            line: true,
+            mark: false,
+        };
         let legend = Legend::new(listed.map(entry).collect());
         let mut svg = Svg::new(CENTRE.1 + BELOW + legend.height() + 8.0, &self.caption);
         let ruler = self.ruler();
@@ -67,18 +71,35 @@ impl Polar {
     }
 
     fn axis(&self) -> Axis {
-        let scale = if self.radius.scale == Scale::Linear { Scale::Linear } else { Scale::Root };
-        Axis { scale, ..self.radius.clone() }
+        let scale = if self.radius.scale == Scale::Linear {
+            Scale::Linear
+        } else {
+            Scale::Root
+        };
+        Axis {
+            scale,
+            ..self.radius.clone()
+        }
     }
 
     /// From the origin outwards; the origin is 0.
     fn ruler(&self) -> Option<Ruler> {
         let axis = self.axis();
         let radii = self.curves.iter().flat_map(|c| &c.points).map(|p| p.1);
-        let greatest = radii.filter(|r| r.is_finite() && *r > 0.0).fold(0.0, f64::max);
-        let range = axis.range.filter(|r| r.0 == 0.0).or((greatest > 0.0).then_some((0.0, greatest * 1.04)));
+        let greatest = radii
+            .filter(|r| r.is_finite() && *r > 0.0)
+            .fold(0.0, f64::max);
+        let range = axis
+            .range
+            .filter(|r| r.0 == 0.0)
+            .or((greatest > 0.0).then_some((0.0, greatest * 1.04)));
         range.and_then(|(low, high)| {
-            Ruler::new(&axis.with_range(low, high), std::iter::empty(), CENTRE.0, CENTRE.0 + RADIUS)
+            Ruler::new(
+                &axis.with_range(low, high),
+                std::iter::empty(),
+                CENTRE.0,
+                CENTRE.0 + RADIUS,
+            )
         })
     }
 
@@ -100,7 +121,13 @@ impl Polar {
     fn draw_directions(&self, svg: &mut Svg) {
         let single = self.wo.len() == 1;
         for &theta in self.wo.iter().filter(|t| (0.0..=90.0).contains(*t)) {
-            let name = |name: &str| if single { name.to_owned() } else { format!("{name} {theta}°") };
+            let name = |name: &str| {
+                if single {
+                    name.to_owned()
+                } else {
+                    format!("{name} {theta}°")
+                }
+            };
             let ends = [
                 (-theta, name("wo"), "stroke-dasharray=\"6 3\""),
                 (theta, name("mirror"), "stroke-dasharray=\"1.5 3\""),
@@ -108,11 +135,23 @@ impl Polar {
             // At the normal both are one.
             let ends = if theta == 0.0 { &ends[..1] } else { &ends[..] };
             for (angle, label, dash) in ends {
-                svg.line(CENTRE, around(*angle, RADIUS), &format!("stroke=\"{INK}\" {dash}"));
+                svg.line(
+                    CENTRE,
+                    around(*angle, RADIUS),
+                    &format!("stroke=\"{INK}\" {dash}"),
+                );
                 // Beside the line, on the normal's side.
                 let (x, y) = around(angle - angle.signum() * BESIDE, RADIUS - 14.0);
-                let anchor = if *angle < 0.0 { Anchor::Start } else { Anchor::End };
-                let anchor = if *angle == 0.0 { Anchor::Middle } else { anchor };
+                let anchor = if *angle < 0.0 {
+                    Anchor::Start
+                } else {
+                    Anchor::End
+                };
+                let anchor = if *angle == 0.0 {
+                    Anchor::Middle
+                } else {
+                    anchor
+                };
                 svg.label_above((x, y + 4.0), anchor, label);
             }
         }
@@ -138,7 +177,12 @@ fn around(angle: f64, distance: f64) -> (f64, f64) {
 /// Rings with their radii, spokes with their angles, and the surface.
 fn draw_grid(svg: &mut Svg, ruler: Option<&Ruler>) {
     let ring = |svg: &mut Svg, radius: f64, ink: &str| {
-        let (left, right, y, r) = (px(CENTRE.0 - radius), px(CENTRE.0 + radius), px(CENTRE.1), px(radius));
+        let (left, right, y, r) = (
+            px(CENTRE.0 - radius),
+            px(CENTRE.0 + radius),
+            px(CENTRE.1),
+            px(radius),
+        );
         svg.push(&format!(
             "<path d=\"M{left} {y}A{r} {r} 0 0 1 {right} {y}\" fill=\"none\" stroke=\"{ink}\"/>"
         ));
@@ -150,7 +194,11 @@ fn draw_grid(svg: &mut Svg, ruler: Option<&Ruler>) {
         }
         if let Some(label) = tick.label {
             svg.label((tick.at, CENTRE.1 + 18.0), Anchor::Middle, &label);
-            svg.line((tick.at, CENTRE.1), (tick.at, CENTRE.1 + 5.0), &format!("stroke=\"{INK}\""));
+            svg.line(
+                (tick.at, CENTRE.1),
+                (tick.at, CENTRE.1 + 5.0),
+                &format!("stroke=\"{INK}\""),
+            );
         }
     }
     ring(svg, RADIUS, INK);
@@ -167,5 +215,9 @@ fn draw_grid(svg: &mut Svg, ruler: Option<&Ruler>) {
             svg.label((x, y + 4.0), anchor, &format!("{}°", angle.abs()));
         }
     }
-    svg.line(around(-90.0, RADIUS), around(90.0, RADIUS), &format!("stroke=\"{INK}\""));
+    svg.line(
+        around(-90.0, RADIUS),
+        around(90.0, RADIUS),
+        &format!("stroke=\"{INK}\""),
+    );
 }

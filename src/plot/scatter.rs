@@ -60,7 +60,12 @@ impl Scatter {
         let mut svg = frame.begin(&self.caption, axes, &self.legend(), true);
         let placed = self.place(&frame);
         if self.front {
-            let front: Vec<_> = placed.iter().flatten().filter(|p| p.on_front).map(|p| p.at).collect();
+            let front: Vec<_> = placed
+                .iter()
+                .flatten()
+                .filter(|p| p.on_front)
+                .map(|p| p.at)
+                .collect();
             draw_front(&mut svg, &frame.area, front);
         }
         for (group, points) in self.groups.iter().zip(&placed) {
@@ -76,21 +81,43 @@ impl Scatter {
     }
 
     fn legend(&self) -> Legend {
-        let entry =
-            |g: &Group| Entry { label: g.label.clone(), style: Style(g.style), line: false, mark: true };
-        Legend::new(self.groups.iter().filter(|g| !g.label.is_empty()).map(entry).collect())
+        let entry = |g: &Group| Entry {
+            label: g.label.clone(),
+            style: Style(g.style),
+            line: false,
+            mark: true,
+        };
+        Legend::new(
+            self.groups
+                .iter()
+                .filter(|g| !g.label.is_empty())
+                .map(entry)
+                .collect(),
+        )
     }
 
     fn place<'a>(&'a self, frame: &Frame) -> Vec<Vec<Placed<'a>>> {
         let drawable = |p: &&ScatterPoint| frame.at((p.x, p.y)).is_some();
-        let all: Vec<(f64, f64)> =
-            self.groups.iter().flat_map(|g| &g.points).filter(drawable).map(|p| (p.x, p.y)).collect();
+        let all: Vec<(f64, f64)> = self
+            .groups
+            .iter()
+            .flat_map(|g| &g.points)
+            .filter(drawable)
+            .map(|p| (p.x, p.y))
+            .collect();
         let front = front(&all);
         let place = |p: &'a ScatterPoint| {
             let at = frame.at((p.x, p.y))?;
-            Some(Placed { at, label: &p.label, on_front: front.contains(&(p.x, p.y)) })
+            Some(Placed {
+                at,
+                label: &p.label,
+                on_front: front.contains(&(p.x, p.y)),
+            })
         };
-        self.groups.iter().map(|g| g.points.iter().filter_map(place).collect()).collect()
+        self.groups
+            .iter()
+            .map(|g| g.points.iter().filter_map(place).collect())
+            .collect()
     }
 }
 
@@ -110,20 +137,30 @@ fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 /// Steps from the upper edge along the front to the right edge.
 fn draw_front(svg: &mut Svg, area: &Area, mut front: Vec<(f64, f64)>) {
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((&first, &last)) = front.first().zip(front.last()) else { return };
+    let Some((&first, &last)) = front.first().zip(front.last()) else {
+        return;
+    };
     let mut steps = vec![(first.0, area.y), first];
     for pair in front.windows(2) {
         steps.extend([(pair[1].0, pair[0].1), pair[1]]);
     }
     steps.push((area.right(), last.1));
     svg.open_window(area);
-    svg.path(&steps, false, &format!("fill=\"none\" stroke=\"{INK}\" stroke-dasharray=\"5 3\""));
+    svg.path(
+        &steps,
+        false,
+        &format!("fill=\"none\" stroke=\"{INK}\" stroke-dasharray=\"5 3\""),
+    );
     svg.close_window();
 }
 
 /// Labels where they cover neither points nor each other, and nowhere else.
 fn draw_labels(svg: &mut Svg, area: &Area, placed: &[Vec<Placed<'_>>], front_only: bool) {
-    let points: Vec<&Placed<'_>> = placed.iter().flatten().filter(|p| area.holds(p.at)).collect();
+    let points: Vec<&Placed<'_>> = placed
+        .iter()
+        .flatten()
+        .filter(|p| area.holds(p.at))
+        .collect();
     let mut taken: Vec<Area> = points.iter().map(|p| around(p.at)).collect();
     for (own, p) in points.iter().enumerate() {
         if p.label.is_empty() || (front_only && !p.on_front) {
@@ -131,7 +168,11 @@ fn draw_labels(svg: &mut Svg, area: &Area, placed: &[Vec<Placed<'_>>], front_onl
         }
         let fits = |(_, _, room): &((f64, f64), Anchor, Area)| {
             let inside = area.holds((room.x, room.y)) && area.holds((room.right(), room.bottom()));
-            inside && taken.iter().enumerate().all(|(i, t)| i == own || !overlap(t, room))
+            inside
+                && taken
+                    .iter()
+                    .enumerate()
+                    .all(|(i, t)| i == own || !overlap(t, room))
         };
         if let Some((at, anchor, room)) = places(p).into_iter().find(fits) {
             svg.label_above(at, anchor, p.label);
@@ -141,7 +182,12 @@ fn draw_labels(svg: &mut Svg, area: &Area, placed: &[Vec<Placed<'_>>], front_onl
 }
 
 fn around((x, y): (f64, f64)) -> Area {
-    Area { x: x - 4.0, y: y - 4.0, width: 8.0, height: 8.0 }
+    Area {
+        x: x - 4.0,
+        y: y - 4.0,
+        width: 8.0,
+        height: 8.0,
+    }
 }
 
 fn overlap(a: &Area, b: &Area) -> bool {
@@ -151,11 +197,20 @@ fn overlap(a: &Area, b: &Area) -> bool {
 /// Where a label may stand, the best place first, and the room it takes there.
 fn places(p: &Placed<'_>) -> Vec<((f64, f64), Anchor, Area)> {
     let (width, (x, y)) = (width_of(p.label, TEXT), p.at);
-    let room = |left: f64, baseline: f64| Area { x: left, y: baseline - 10.0, width, height: 13.0 };
+    let room = |left: f64, baseline: f64| Area {
+        x: left,
+        y: baseline - 10.0,
+        width,
+        height: 13.0,
+    };
     let mut out = Vec::new();
     // Left of a point and below it none can beat it, so that there is room.
     for dy in [15.0, 4.0, -6.0] {
-        out.push(((x - 7.0, y + dy), Anchor::End, room(x - 7.0 - width, y + dy)));
+        out.push((
+            (x - 7.0, y + dy),
+            Anchor::End,
+            room(x - 7.0 - width, y + dy),
+        ));
     }
     for dy in [4.0, -6.0, 15.0] {
         out.push(((x + 7.0, y + dy), Anchor::Start, room(x + 7.0, y + dy)));

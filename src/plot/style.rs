@@ -3,7 +3,9 @@
 use super::svg::px;
 
 /// Okabe and Ito's colours but yellow, which is too pale for lines on white.
-const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
+const COLOURS: [&str; 7] = [
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",
+];
 /// Lengths of dashes and gaps, pixels; the first is a whole line.
 const DASHES: [&str; 5] = ["", "8 4", "2 3", "10 3 2 3", "14 5"];
 const MARKS: usize = 6;
@@ -26,7 +28,9 @@ impl Style {
             dash => format!(" stroke-dasharray=\"{dash}\""),
         };
         let colour = self.colour();
-        format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.8\" stroke-linejoin=\"round\"{dash}")
+        format!(
+            "fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.8\" stroke-linejoin=\"round\"{dash}"
+        )
     }
 
     /// Attributes of a surface that lets others show through.
@@ -36,7 +40,10 @@ impl Style {
 
     /// Attributes of a group of marks.
     pub fn marks(self) -> String {
-        format!("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"0.8\"", self.colour())
+        format!(
+            "fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"0.8\"",
+            self.colour()
+        )
     }
 
     /// Path of the mark at a place: disc, square, triangle, diamond, triangle on its head, cross.
@@ -49,7 +56,10 @@ impl Style {
         match self.0 % MARKS {
             0 => {
                 let (left, r, d) = (px(x - r), px(r), px(2.0 * r));
-                format!("M{left} {}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0Z", px(y))
+                format!(
+                    "M{left} {}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0Z",
+                    px(y)
+                )
             }
             1 => polygon(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
             2 => polygon(&[(0.0, -1.2), (1.1, 0.8), (-1.1, 0.8)]),

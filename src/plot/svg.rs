@@ -68,14 +68,18 @@ impl Svg {
     /// A white sheet of [`WIDTH`] × `height` pixels with its title.
     pub fn new(height: f64, caption: &Caption) -> Self {
         let (width, height) = (px(WIDTH), px(height));
-        let mut svg = Self { text: String::new() };
+        let mut svg = Self {
+            text: String::new(),
+        };
         svg.push(&format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"{TEXT}\" fill=\"{INK}\">"
         ));
         svg.push(&format!("<title>{}</title>", escape(&caption.title)));
         svg.push(&format!("<desc>{}</desc>", escape(&caption.description)));
-        svg.push(&format!("<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>"));
+        svg.push(&format!(
+            "<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>"
+        ));
         let title = shortened(&caption.title, TITLE_TEXT, WIDTH - 40.0);
         svg.push(&format!(
             "<text x=\"{}\" y=\"22\" font-size=\"{TITLE_TEXT}\" text-anchor=\"middle\">{}</text>",
@@ -94,7 +98,9 @@ impl Svg {
     /// A straight line; `style` are further attributes.
     pub fn line(&mut self, from: (f64, f64), to: (f64, f64), style: &str) {
         let (x1, y1, x2, y2) = (px(from.0), px(from.1), px(to.0), px(to.1));
-        self.push(&format!("<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\" {style}/>"));
+        self.push(&format!(
+            "<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\" {style}/>"
+        ));
     }
 
     /// A polyline, or with `close` a polygon; nothing for fewer than two points.
@@ -102,7 +108,10 @@ impl Svg {
         if points.len() < 2 {
             return;
         }
-        self.push(&format!("<path d=\"{}\" {style}/>", path_data(points, close)));
+        self.push(&format!(
+            "<path d=\"{}\" {style}/>",
+            path_data(points, close)
+        ));
     }
 
     /// Text with its baseline at `at`.
@@ -124,7 +133,9 @@ impl Svg {
 
     fn styled_label(&mut self, (x, y): (f64, f64), anchor: Anchor, style: &str, text: &str) {
         let (x, y, anchor, text) = (px(x), px(y), anchor.name(), escape(text));
-        self.push(&format!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\"{style}>{text}</text>"));
+        self.push(&format!(
+            "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\"{style}>{text}</text>"
+        ));
     }
 
     /// Begins a part of which nothing shows outside `area`; coordinates stay those of the picture. Without an `id` to clip
@@ -144,7 +155,11 @@ impl Svg {
 
     /// "no data" in the middle of `area`.
     pub fn no_data(&mut self, area: &Area) {
-        self.label((area.x + area.width / 2.0, area.y + area.height / 2.0), Anchor::Middle, "no data");
+        self.label(
+            (area.x + area.width / 2.0, area.y + area.height / 2.0),
+            Anchor::Middle,
+            "no data",
+        );
     }
 
     /// The finished text.
@@ -172,7 +187,11 @@ pub(super) fn px(x: f64) -> String {
     let x = if x.is_nan() { 0.0 } else { x.clamp(-FAR, FAR) };
     let text = format!("{x:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.into() }
+    if text == "-0" {
+        "0".into()
+    } else {
+        text.into()
+    }
 }
 
 /// Text as XML content or attribute; characters that XML 1.0 has no place for become U+FFFD.
@@ -194,7 +213,10 @@ pub(crate) fn escape(text: &str) -> String {
 
 /// About how many pixels a text is wide. Fonts differ; this is generous for the usual ones.
 pub(super) fn width_of(text: &str, size: f64) -> f64 {
-    size * text.chars().map(|c| if c < '\u{2e80}' { 0.58 } else { 1.0 }).sum::<f64>()
+    size * text
+        .chars()
+        .map(|c| if c < '\u{2e80}' { 0.58 } else { 1.0 })
+        .sum::<f64>()
 }
 
 /// As much of a text as is at most `width` pixels wide.

@@ -80,20 +80,36 @@ impl Refined {
     pub fn tile_errors_against(&self, truth: &Film) -> Result<Vec<f64>> {
         let (width, height) = (self.film.width(), self.film.height());
         if (truth.width(), truth.height()) != (width, height) {
-            let what = format!("a reference of {} × {} pixels", truth.width(), truth.height());
-            return Err(Error::argument(what, format!("give one of {width} × {height}")));
+            let what = format!(
+                "a reference of {} × {} pixels",
+                truth.width(),
+                truth.height()
+            );
+            return Err(Error::argument(
+                what,
+                format!("give one of {width} × {height}"),
+            ));
         }
         let at = |&i: &usize| {
             let (x, y) = (i % width, i / width);
             let mean = truth.mean(x, y);
             (mean, (self.film.mean(x, y) - mean).powf(2.0))
         };
-        Ok(self.tiles.iter().map(|tile| relative(tile.pixels.iter().map(at))).collect())
+        Ok(self
+            .tiles
+            .iter()
+            .map(|tile| relative(tile.pixels.iter().map(at)))
+            .collect())
     }
 
     fn mean_error(&self, errors: impl Iterator<Item = f64>) -> f64 {
         let pixels = |t: &Tile| t.pixels.len() as f64;
-        let squares: f64 = self.tiles.iter().zip(errors).map(|(t, e)| pixels(t) * e * e).sum();
+        let squares: f64 = self
+            .tiles
+            .iter()
+            .zip(errors)
+            .map(|(t, e)| pixels(t) * e * e)
+            .sum();
         (squares / self.tiles.iter().map(pixels).sum::<f64>().max(1.0)).sqrt()
     }
 }
@@ -118,13 +134,33 @@ pub fn render_to_error(
 ) -> Result<Refined> {
     let count = settings.pixels()?;
     check(error, settings)?;
-    let points = if settings.points == PointSet::Lattice { PointSet::Sobol } else { settings.points };
-    let settings = &Settings { points, ..*settings };
-    let refiner = Refiner { tracer: Tracer::new(scene, plan, settings), settings, target: error };
-    let shown: Vec<bool> = (0..count).into_par_iter().map(|i| refiner.shows_object(i)).collect();
+    let points = if settings.points == PointSet::Lattice {
+        PointSet::Sobol
+    } else {
+        settings.points
+    };
+    let settings = &Settings {
+        points,
+        ..*settings
+    };
+    let refiner = Refiner {
+        tracer: Tracer::new(scene, plan, settings),
+        settings,
+        target: error,
+    };
+    let shown: Vec<bool> = (0..count)
+        .into_par_iter()
+        .map(|i| refiner.shows_object(i))
+        .collect();
     let mut pixels: Vec<Pixel> = (0..count)
         .into_par_iter()
-        .map(|i| if shown[i] { Pixel::default() } else { refiner.background(i) })
+        .map(|i| {
+            if shown[i] {
+                Pixel::default()
+            } else {
+                refiner.background(i)
+            }
+        })
         .collect();
     let tiles = tiles(&shown, settings);
     let background = (count - tiles.iter().map(Vec::len).sum::<usize>()) as u64;
@@ -138,22 +174,40 @@ pub fn render_to_error(
     let start = background * FIRST * REPLICATES as u64;
     let (mut tiles, mut paths, mut traced) = (Vec::new(), start, start);
     for (tile, outcome) in refined {
-        outcome.pixels.iter().for_each(|&(i, pixel)| pixels[i] = pixel);
+        outcome
+            .pixels
+            .iter()
+            .for_each(|&(i, pixel)| pixels[i] = pixel);
         paths += outcome.paths;
         traced += outcome.traced;
-        tiles.push(Tile { pixels: tile, error: outcome.error, reached: outcome.reached });
+        tiles.push(Tile {
+            pixels: tile,
+            error: outcome.error,
+            reached: outcome.reached,
+        });
     }
-    Ok(Refined { film: Film::new(settings.width, settings.height, pixels), tiles, paths, traced })
+    Ok(Refined {
+        film: Film::new(settings.width, settings.height, pixels),
+        tiles,
+        paths,
+        traced,
+    })
 }
 
 fn check(error: f64, settings: &Settings) -> Result<()> {
     if !(error > 0.0 && error.is_finite()) {
-        return Err(Error::argument(format!("a target error of {error}"), "give one above 0, 0.05 for 5 %"));
+        return Err(Error::argument(
+            format!("a target error of {error}"),
+            "give one above 0, 0.05 for 5 %",
+        ));
     }
     let least = FIRST * REPLICATES as u64;
     if settings.samples < least {
         let what = format!("at most {} samples a pixel", settings.samples);
-        return Err(Error::argument(what, format!("allow {least}: with less there is no error to estimate")));
+        return Err(Error::argument(
+            what,
+            format!("allow {least}: with less there is no error to estimate"),
+        ));
     }
     Ok(())
 }
@@ -195,7 +249,11 @@ fn relative(pairs: impl Iterator<Item = (DVec3, DVec3)>) -> f64 {
         square += s.element_sum();
         count += 3.0;
     }
-    if mean > 0.0 { (square * count).sqrt() / mean } else { 0.0 }
+    if mean > 0.0 {
+        (square * count).sqrt() / mean
+    } else {
+        0.0
+    }
 }
 
 struct Refiner<'a> {
@@ -225,8 +283,15 @@ struct Half {
 
 impl Half {
     fn of(tile: &[usize], first: usize) -> Self {
-        let pixels = tile.iter().skip(first).step_by(2).map(|&i| (i, Replicates::default()));
-        Self { pixels: pixels.collect(), ..Self::default() }
+        let pixels = tile
+            .iter()
+            .skip(first)
+            .step_by(2)
+            .map(|&i| (i, Replicates::default()));
+        Self {
+            pixels: pixels.collect(),
+            ..Self::default()
+        }
     }
 
     fn has_stopped(&self) -> bool {
@@ -234,7 +299,12 @@ impl Half {
     }
 
     fn error(&self) -> f64 {
-        relative(self.pixels.iter().map(|(_, r)| r.pixel()).map(|p| (p.mean, p.error.powf(2.0))))
+        relative(
+            self.pixels
+                .iter()
+                .map(|(_, r)| r.pixel())
+                .map(|p| (p.mean, p.error.powf(2.0))),
+        )
     }
 
     fn stop(&mut self, reached: bool) {
@@ -244,7 +314,10 @@ impl Half {
     }
 
     fn traced(&self) -> u64 {
-        self.pixels.iter().map(|(_, r)| r.count * REPLICATES as u64).sum()
+        self.pixels
+            .iter()
+            .map(|(_, r)| r.count * REPLICATES as u64)
+            .sum()
     }
 }
 
@@ -256,7 +329,10 @@ impl Refiner<'_> {
     fn shows_object(&self, pixel: usize) -> bool {
         (0..9u32).any(|i| {
             let within = DVec2::new(f64::from(i % 3), f64::from(i / 3)) / 2.0;
-            self.tracer.scene.hit(&self.tracer.ray(self.place(pixel), within), None).is_some()
+            self.tracer
+                .scene
+                .hit(&self.tracer.ray(self.place(pixel), within), None)
+                .is_some()
         })
     }
 
@@ -291,7 +367,11 @@ impl Refiner<'_> {
     fn decide(&self, halves: &mut [Half; 2], last: bool) {
         let errors = [&halves[0], &halves[1]].map(Half::error);
         let alone = halves[1].pixels.is_empty();
-        for (i, half) in halves.iter_mut().enumerate().filter(|(_, h)| !h.has_stopped()) {
+        for (i, half) in halves
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, h)| !h.has_stopped())
+        {
             let reached = errors[if alone { i } else { 1 - i }] <= self.target;
             if reached || last {
                 half.stop(reached);
@@ -307,14 +387,25 @@ impl Refiner<'_> {
         let (sums, from) = (&mut replicates.sums, replicates.count);
         let paths = (0..REPLICATES as u64).flat_map(|r| {
             let seed = mix(seed ^ mix(1 + r));
-            (from..count).map(move |index| (r, PathId { pixel, seed, index, count }))
+            (from..count).map(move |index| {
+                (
+                    r,
+                    PathId {
+                        pixel,
+                        seed,
+                        index,
+                        count,
+                    },
+                )
+            })
         });
         let mut owners = paths.clone().map(|(r, _)| r as usize);
-        self.tracer.trace(paths.map(|(_, path)| path), |_, radiance| {
-            if let Some(r) = owners.next() {
-                sums[r] += radiance;
-            }
-        });
+        self.tracer
+            .trace(paths.map(|(_, path)| path), |_, radiance| {
+                if let Some(r) = owners.next() {
+                    sums[r] += radiance;
+                }
+            });
         replicates.count = count;
     }
 }
@@ -333,7 +424,10 @@ impl Replicates {
         let n = REPLICATES as f64;
         let mean = means.iter().sum::<DVec3>() / n;
         let squares: DVec3 = means.iter().map(|m| (m - mean).powf(2.0)).sum();
-        Pixel { mean, error: (squares / (n * (n - 1.0))).map(f64::sqrt) }
+        Pixel {
+            mean,
+            error: (squares / (n * (n - 1.0))).map(f64::sqrt),
+        }
     }
 }
 
@@ -343,14 +437,24 @@ mod tests {
 
     #[test]
     fn tiles_hold_every_shown_pixel_once_and_few_stand_alone() {
-        let settings = Settings { width: 70, height: 50, samples: 16, seed: 0, points: PointSet::Sobol };
+        let settings = Settings {
+            width: 70,
+            height: 50,
+            samples: 16,
+            seed: 0,
+            points: PointSet::Sobol,
+        };
         for radius2 in [9usize, 400, 700] {
-            let inside = |i: usize| (i % 70).abs_diff(35).pow(2) + (i / 70).abs_diff(25).pow(2) < radius2;
+            let inside =
+                |i: usize| (i % 70).abs_diff(35).pow(2) + (i / 70).abs_diff(25).pow(2) < radius2;
             let shown: Vec<bool> = (0..70 * 50).map(inside).collect();
             let tiles = tiles(&shown, &settings);
             let mut pixels: Vec<usize> = tiles.iter().flatten().copied().collect();
             pixels.sort_unstable();
-            assert_eq!(pixels, (0..70 * 50).filter(|&i| shown[i]).collect::<Vec<_>>());
+            assert_eq!(
+                pixels,
+                (0..70 * 50).filter(|&i| shown[i]).collect::<Vec<_>>()
+            );
             assert!(tiles.len() == 1 || tiles.iter().all(|t| t.len() >= FEW));
         }
         assert!(tiles(&[false; 70 * 50], &settings).is_empty());
@@ -367,7 +471,10 @@ mod tests {
 
     #[test]
     fn relative_errors_are_those_of_the_definition() {
-        let pairs = [(DVec3::splat(1.0), DVec3::splat(0.01)), (DVec3::splat(3.0), DVec3::splat(0.03))];
+        let pairs = [
+            (DVec3::splat(1.0), DVec3::splat(0.01)),
+            (DVec3::splat(3.0), DVec3::splat(0.03)),
+        ];
         assert!((relative(pairs.into_iter()) - 0.02f64.sqrt() / 2.0).abs() < 1e-15);
         assert_eq!(relative([(DVec3::ZERO, DVec3::ZERO)].into_iter()), 0.0);
     }

@@ -47,29 +47,48 @@ pub fn render_allocated(
     settings: &Settings,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Result<Film> {
-    let Settings { width, height, samples, .. } = *settings;
+    let Settings {
+        width,
+        height,
+        samples,
+        ..
+    } = *settings;
     let count = settings.pixels()?;
     if samples < LEAST_ALLOCATED {
-        let fix = format!("give {LEAST_ALLOCATED} or more: some of them look where to send the rest");
-        return Err(Error::argument(format!("{samples} samples a pixel to share out"), fix));
+        let fix =
+            format!("give {LEAST_ALLOCATED} or more: some of them look where to send the rest");
+        return Err(Error::argument(
+            format!("{samples} samples a pixel to share out"),
+            fix,
+        ));
     }
     let tracer = Tracer::new(scene, plan, settings);
     let ahead = (samples / AHEAD).max(FEWEST);
     let mut looks = vec![Tally::default(); count];
-    looks.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        let seed = |x| mix(settings.pixel_seed([x, y]) ^ mix(LOOK));
-        tally(&tracer, y, row, |x| (seed(x), ahead));
-    });
+    looks
+        .par_chunks_mut(width)
+        .enumerate()
+        .for_each(|(y, row)| {
+            let seed = |x| mix(settings.pixel_seed([x, y]) ^ mix(LOOK));
+            tally(&tracer, y, row, |x| (seed(x), ahead));
+        });
     let numbers = share_out(&looks, width, samples - ahead);
     let mut pixels = vec![Pixel::default(); count];
-    pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        let mut tallies = vec![Tally::default(); row.len()];
-        tally(&tracer, y, &mut tallies, |x| (settings.pixel_seed([x, y]), numbers[y * width + x]));
-        for (pixel, (tally, look)) in row.iter_mut().zip(tallies.iter().zip(&looks[y * width..])) {
-            *pixel = together(look, tally);
-        }
-        progress(width);
-    });
+    pixels
+        .par_chunks_mut(width)
+        .enumerate()
+        .for_each(|(y, row)| {
+            let mut tallies = vec![Tally::default(); row.len()];
+            tally(&tracer, y, &mut tallies, |x| {
+                (settings.pixel_seed([x, y]), numbers[y * width + x])
+            });
+            for (pixel, (tally, look)) in
+                row.iter_mut().zip(tallies.iter().zip(&looks[y * width..]))
+            {
+                *pixel = together(look, tally);
+            }
+            progress(width);
+        });
     Ok(Film::new(width, height, pixels))
 }
 
@@ -77,7 +96,12 @@ pub fn render_allocated(
 fn tally(tracer: &Tracer<'_>, y: usize, row: &mut [Tally], plan: impl Fn(usize) -> (u64, u64)) {
     let paths = (0..row.len()).flat_map(|x| {
         let (seed, count) = plan(x);
-        (0..count).map(move |index| PathId { pixel: [x, y], seed, index, count })
+        (0..count).map(move |index| PathId {
+            pixel: [x, y],
+            seed,
+            index,
+            count,
+        })
     });
     tracer.trace(paths, |path, radiance| row[path.pixel[0]].add(radiance));
 }
@@ -88,20 +112,34 @@ fn together(look: &Tally, rest: &Tally) -> Pixel {
     let (a, b) = (weight(look), weight(rest));
     let (x, y) = (look.pixel(), rest.pixel());
     let error = (x.error * a).powf(2.0) + (y.error * b).powf(2.0);
-    Pixel { mean: (x.mean * a + y.mean * b) / (a + b), error: error.map(f64::sqrt) / (a + b) }
+    Pixel {
+        mean: (x.mean * a + y.mean * b) / (a + b),
+        error: error.map(f64::sqrt) / (a + b),
+    }
 }
 
 /// Numbers of paths, `mean` on average over each colour as far as [`LEAST`] and [`MOST`] allow.
 fn share_out(looks: &[Tally], width: usize, mean: u64) -> Vec<u64> {
     let mut numbers = vec![0; looks.len()];
     for colour in [0, 1] {
-        let of = |colour: usize| (0..looks.len()).filter(move |i| (i % width + i / width) % 2 == colour);
+        let of =
+            |colour: usize| (0..looks.len()).filter(move |i| (i % width + i / width) % 2 == colour);
         // A picture of one pixel has no other colour.
-        let other = if of(1 - colour).next().is_some() { 1 - colour } else { colour };
-        let (sum, seen) = of(other).fold((0.0, 0.0), |(sum, n), i| (sum + brightness(&looks[i]), n + 1.0));
+        let other = if of(1 - colour).next().is_some() {
+            1 - colour
+        } else {
+            colour
+        };
+        let (sum, seen) = of(other).fold((0.0, 0.0), |(sum, n), i| {
+            (sum + brightness(&looks[i]), n + 1.0)
+        });
         let dark = DARK * sum / seen;
         let score = |pixel: usize| score(looks, width, pixel, dark, other);
-        let scores: Vec<f64> = of(colour).collect::<Vec<_>>().into_par_iter().map(score).collect();
+        let scores: Vec<f64> = of(colour)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(score)
+            .collect();
         for (pixel, number) in of(colour).zip(in_proportion(&scores, mean as f64)) {
             numbers[pixel] = number.round() as u64;
         }
@@ -123,7 +161,11 @@ fn in_proportion(scores: &[f64], mean: f64) -> Vec<f64> {
         let (mut rest, mut open) = (mean * scores.len() as f64, 0.0);
         for &score in scores {
             let number = number(score, scale);
-            if number > least && number < most { open += score } else { rest -= number }
+            if number > least && number < most {
+                open += score
+            } else {
+                rest -= number
+            }
         }
         if open == 0.0 || rest <= 0.0 {
             break;
@@ -169,14 +211,20 @@ mod tests {
     /// Looks of eight paths that are apart by `spread` about `mean`.
     fn look(mean: f64, spread: f64) -> Tally {
         let mut tally = Tally::default();
-        (0..8).for_each(|i| tally.add(DVec3::splat(mean + if i % 2 == 0 { spread } else { -spread })));
+        (0..8).for_each(|i| {
+            tally.add(DVec3::splat(
+                mean + if i % 2 == 0 { spread } else { -spread },
+            ))
+        });
         tally
     }
 
     #[test]
     fn noisy_places_get_more_and_the_sum_stays() {
         let noisy = |i: usize| i % 20 >= 10;
-        let looks: Vec<Tally> = (0..20 * 20).map(|i| look(1.0, if noisy(i) { 0.5 } else { 0.05 })).collect();
+        let looks: Vec<Tally> = (0..20 * 20)
+            .map(|i| look(1.0, if noisy(i) { 0.5 } else { 0.05 }))
+            .collect();
         let numbers = share_out(&looks, 20, 50);
         let mean = numbers.iter().sum::<u64>() as f64 / 400.0;
         assert!((mean / 50.0 - 1.0).abs() < 0.02, "{mean}");
@@ -197,17 +245,30 @@ mod tests {
 
     #[test]
     fn pictures_without_noise_or_light_are_even() {
-        for looks in [vec![look(0.0, 0.0); 12], vec![look(2.0, 0.0); 12], vec![look(2.0, 0.0); 1]] {
-            assert!(share_out(&looks, 4.min(looks.len()), 30).iter().all(|&n| n == 30));
+        for looks in [
+            vec![look(0.0, 0.0); 12],
+            vec![look(2.0, 0.0); 12],
+            vec![look(2.0, 0.0); 1],
+        ] {
+            assert!(
+                share_out(&looks, 4.min(looks.len()), 30)
+                    .iter()
+                    .all(|&n| n == 30)
+            );
         }
     }
 
     #[test]
     fn bounds_leave_the_mean_as_it_is() {
         for (noisy, mean) in [(1.0, 30.0), (1e3, 30.0), (1e6, 12.0)] {
-            let scores: Vec<f64> = (0..1000).map(|i| if i % 50 == 0 { noisy } else { 1.0 }).collect();
+            let scores: Vec<f64> = (0..1000)
+                .map(|i| if i % 50 == 0 { noisy } else { 1.0 })
+                .collect();
             let numbers = in_proportion(&scores, mean);
-            assert!((numbers.iter().sum::<f64>() / (1000.0 * mean) - 1.0).abs() < 1e-9, "{noisy}");
+            assert!(
+                (numbers.iter().sum::<f64>() / (1000.0 * mean) - 1.0).abs() < 1e-9,
+                "{noisy}"
+            );
             assert!(numbers.iter().all(|n| (LEAST..=MOST * mean).contains(n)));
         }
     }

@@ -28,7 +28,12 @@ impl Camera {
         let right = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
         let half = (self.vertical_angle * 0.5).tan();
         let up = right.cross(forward);
-        Lens { eye: self.eye, forward, across: right * half * aspect, up: up * half }
+        Lens {
+            eye: self.eye,
+            forward,
+            across: right * half * aspect,
+            up: up * half,
+        }
     }
 }
 
@@ -44,7 +49,11 @@ pub(super) struct Lens {
 impl Lens {
     /// The ray through a point of the picture, in [0, 1]² from its upper left corner.
     pub(super) fn ray(&self, p: DVec2) -> Ray {
-        let direction = self.forward + (2.0 * p.x - 1.0) * self.across + (1.0 - 2.0 * p.y) * self.up;
-        Ray { origin: self.eye, direction: direction.normalize_or(self.forward) }
+        let direction =
+            self.forward + (2.0 * p.x - 1.0) * self.across + (1.0 - 2.0 * p.y) * self.up;
+        Ray {
+            origin: self.eye,
+            direction: direction.normalize_or(self.forward),
+        }
     }
 }

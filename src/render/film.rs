@@ -22,7 +22,11 @@ pub(super) struct Pixel {
 
 impl Film {
     pub(super) fn new(width: usize, height: usize, pixels: Vec<Pixel>) -> Self {
-        Self { width, height, pixels }
+        Self {
+            width,
+            height,
+            pixels,
+        }
     }
 
     /// Columns.
@@ -53,11 +57,17 @@ impl Film {
     /// None for a film that [`super::render()`] returned.
     pub fn to_image(&self) -> Result<Image> {
         let pixel = |p: &Pixel| p.mean.as_vec3().min(Rgb::splat(f32::MAX));
-        Image::new(self.width, self.height, self.pixels.iter().map(pixel).collect())
+        Image::new(
+            self.width,
+            self.height,
+            self.pixels.iter().map(pixel).collect(),
+        )
     }
 
     fn pixel(&self, x: usize, y: usize) -> Option<&Pixel> {
-        (x < self.width).then(|| self.pixels.get(y * self.width + x)).flatten()
+        (x < self.width)
+            .then(|| self.pixels.get(y * self.width + x))
+            .flatten()
     }
 }
 
@@ -93,7 +103,10 @@ impl Tally {
 
     pub(super) fn pixel(&self) -> Pixel {
         let error2 = self.squares / (self.count * (self.count - 1.0)).max(1.0);
-        Pixel { mean: self.mean, error: error2.max(DVec3::ZERO).map(f64::sqrt) }
+        Pixel {
+            mean: self.mean,
+            error: error2.max(DVec3::ZERO).map(f64::sqrt),
+        }
     }
 }
 
@@ -110,7 +123,10 @@ mod tests {
         let p = tally.pixel();
         assert!(p.mean.abs_diff_eq(DVec3::new(4.0, 3.0, 0.0), 1e-15));
         // Variance 38/3, over four samples.
-        assert!(p.error.abs_diff_eq(DVec3::new((38.0f64 / 12.0).sqrt(), 0.0, 0.0), 1e-15));
+        assert!(
+            p.error
+                .abs_diff_eq(DVec3::new((38.0f64 / 12.0).sqrt(), 0.0, 0.0), 1e-15)
+        );
         let film = Film::new(1, 1, vec![p]);
         assert_eq!(film.mean(1, 0), DVec3::ZERO);
         assert_eq!(film.to_image().unwrap().at(0, 0), Rgb::new(4.0, 3.0, 0.0));

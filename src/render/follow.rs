@@ -68,23 +68,37 @@ impl<'a> Tracer<'a> {
     pub(super) fn follow(&self, starts: &[Start]) -> Vec<DVec3> {
         let begin = |(lane, start): (usize, &Start)| {
             let hit = self.scene.hit(&start.ray, None);
-            Path { lane, ray: start.ray, hit, throughput: DVec3::ONE }
+            Path {
+                lane,
+                ray: start.ray,
+                hit,
+                throughput: DVec3::ONE,
+            }
         };
         let mut paths: Vec<Path> = starts.iter().enumerate().map(begin).collect();
         let mut sums = self.emitted(paths.iter().map(|p| (&p.ray, p.hit)), |_, _| 1.0);
         for bounce in 0..self.scene.depth {
-            let vertices: Vec<Vertex<'a>> = paths.iter().filter_map(|path| self.vertex(path)).collect();
+            let vertices: Vec<Vertex<'a>> =
+                paths.iter().filter_map(|path| self.vertex(path)).collect();
             paths.clear();
             for run in vertices.chunk_by(|a, b| std::ptr::eq(a.surface, b.surface)) {
                 let lit = self.lit(run, bounce, starts);
-                run.iter().zip(lit).for_each(|(vertex, lit)| sums[vertex.lane] += vertex.throughput * lit);
+                run.iter()
+                    .zip(lit)
+                    .for_each(|(vertex, lit)| sums[vertex.lane] += vertex.throughput * lit);
                 self.go_on(run, bounce, starts, &mut sums, &mut paths);
             }
             if paths.is_empty() {
                 break;
             }
         }
-        let kept = |sum: DVec3| if sum.max_element() <= BRIGHTEST { sum } else { DVec3::ZERO };
+        let kept = |sum: DVec3| {
+            if sum.max_element() <= BRIGHTEST {
+                sum
+            } else {
+                DVec3::ZERO
+            }
+        };
         sums.into_iter().map(kept).collect()
     }
 
@@ -93,8 +107,17 @@ impl<'a> Tracer<'a> {
         let surface = self.scene.surface(hit.object)?;
         let frame = surface.frame(hit.normal.as_vec3());
         let wo = frame.to_local(-path.ray.direction.as_vec3());
-        let &Path { lane, throughput, .. } = path;
-        is_upper(wo).then_some(Vertex { lane, throughput, hit, frame, wo, surface })
+        let &Path {
+            lane, throughput, ..
+        } = path;
+        is_upper(wo).then_some(Vertex {
+            lane,
+            throughput,
+            hit,
+            frame,
+            wo,
+            surface,
+        })
     }
 
     /// Draws a direction from each vertex of a surface, adds what it finds, and keeps the paths that go on.
@@ -110,16 +133,25 @@ impl<'a> Tracer<'a> {
         if !(self.directions && (self.hits_count || follows)) {
             return;
         }
-        let points: Vec<Vec2> = run.iter().map(|v| starts[v.lane].numbers.direction(bounce)).collect();
+        let points: Vec<Vec2> = run
+            .iter()
+            .map(|v| starts[v.lane].numbers.direction(bounce))
+            .collect();
         let (mut found, mut next) = (Vec::with_capacity(run.len()), Vec::with_capacity(run.len()));
         for (vertex, step) in run.iter().zip(self.steps(run, &points)) {
-            let Some((step, throughput)) = step.map(|step| (step, vertex.throughput * step.weight)) else {
+            let Some((step, throughput)) = step.map(|step| (step, vertex.throughput * step.weight))
+            else {
                 continue;
             };
             if throughput != DVec3::ZERO && throughput.is_finite() {
                 let hit = self.next_hit(&step.ray, vertex.hit.object);
                 found.push((step, hit));
-                next.push(Path { lane: vertex.lane, ray: step.ray, hit, throughput });
+                next.push(Path {
+                    lane: vertex.lane,
+                    ray: step.ray,
+                    hit,
+                    throughput,
+                });
             }
         }
         if self.hits_count {
@@ -129,7 +161,8 @@ impl<'a> Tracer<'a> {
         }
         if follows {
             let kept = next.into_iter().filter_map(|mut path| {
-                self.survives(&mut path.throughput, bounce, &starts[path.lane].numbers).then_some(path)
+                self.survives(&mut path.throughput, bounce, &starts[path.lane].numbers)
+                    .then_some(path)
             });
             paths.extend(kept);
         }
@@ -137,13 +170,21 @@ impl<'a> Tracer<'a> {
 
     /// Radiance of lights with an extent that drawn directions find up to what they hit, each as far as it counts.
     pub(super) fn found(&self, steps: &[(Step, Option<Hit>)]) -> Vec<DVec3> {
-        let weight = |i: usize, pdf| if self.mis { self.heuristic.weight(steps[i].0.pdf, pdf) } else { 1.0 };
+        let weight = |i: usize, pdf| {
+            if self.mis {
+                self.heuristic.weight(steps[i].0.pdf, pdf)
+            } else {
+                1.0
+            }
+        };
         self.emitted(steps.iter().map(|(step, hit)| (&step.ray, *hit)), weight)
     }
 
     /// What a drawn direction meets; nothing, where the plan says that nothing can be in the way.
     pub(super) fn next_hit(&self, ray: &Ray, leaving: usize) -> Option<Hit> {
-        (self.shadows || self.interreflection).then(|| self.scene.hit(ray, Some(leaving))).flatten()
+        (self.shadows || self.interreflection)
+            .then(|| self.scene.hit(ray, Some(leaving)))
+            .flatten()
     }
 
     /// Radiance of lights with an extent along rays, up to what they hit; each light's by `weight` of the ray's place and the
@@ -154,8 +195,11 @@ impl<'a> Tracer<'a> {
         weight: impl Fn(usize, f64) -> f64,
     ) -> Vec<DVec3> {
         let count = rays.len();
-        let (mut from, mut along, mut reach) =
-            (Vec::with_capacity(count), Vec::with_capacity(count), Vec::with_capacity(count));
+        let (mut from, mut along, mut reach) = (
+            Vec::with_capacity(count),
+            Vec::with_capacity(count),
+            Vec::with_capacity(count),
+        );
         for (ray, hit) in rays {
             from.push(ray.origin);
             along.push(ray.direction);
@@ -176,14 +220,24 @@ impl<'a> Tracer<'a> {
 
     /// Radiance that vertices of a surface reflect from light that is evaluated, sampled or resampled.
     fn lit(&self, run: &[Vertex<'_>], bounce: u32, starts: &[Start]) -> Vec<DVec3> {
-        let mut sums =
-            if self.resampling { self.resampled(run, bounce, starts) } else { vec![DVec3::ZERO; run.len()] };
+        let mut sums = if self.resampling {
+            self.resampled(run, bounce, starts)
+        } else {
+            vec![DVec3::ZERO; run.len()]
+        };
         for (i, light) in self.scene.lights.iter().enumerate() {
             if light.is_delta() {
-                self.lit_by(run, light.as_ref(), &vec![DVec2::ZERO; run.len()], &mut sums);
+                self.lit_by(
+                    run,
+                    light.as_ref(),
+                    &vec![DVec2::ZERO; run.len()],
+                    &mut sums,
+                );
             } else if self.light_sampling {
-                let points: Vec<DVec2> =
-                    run.iter().map(|v| starts[v.lane].numbers.light(bounce, i)).collect();
+                let points: Vec<DVec2> = run
+                    .iter()
+                    .map(|v| starts[v.lane].numbers.light(bounce, i))
+                    .collect();
                 self.lit_by(run, light.as_ref(), &points, &mut sums);
             }
         }
@@ -192,12 +246,17 @@ impl<'a> Tracer<'a> {
 
     /// Adds what each vertex reflects of the light in the direction that a point chooses.
     fn lit_by(&self, run: &[Vertex<'_>], light: &dyn Light, points: &[DVec2], sums: &mut [DVec3]) {
-        let Some(Vertex { surface, .. }) = run.first() else { return };
+        let Some(Vertex { surface, .. }) = run.first() else {
+            return;
+        };
         let from: Vec<DVec3> = run.iter().map(|v| v.hit.at).collect();
         let mut samples = vec![None; run.len()];
         light.sample_many(&from, points, &mut samples);
-        let (mut lit, mut wo, mut wi) =
-            (Vec::with_capacity(run.len()), Vec::with_capacity(run.len()), Vec::with_capacity(run.len()));
+        let (mut lit, mut wo, mut wi) = (
+            Vec::with_capacity(run.len()),
+            Vec::with_capacity(run.len()),
+            Vec::with_capacity(run.len()),
+        );
         for (index, (vertex, sample)) in run.iter().zip(&samples).enumerate() {
             let Some(s) = sample else { continue };
             let local = vertex.frame.to_local(s.wi.as_vec3());
@@ -217,20 +276,28 @@ impl<'a> Tracer<'a> {
         let mut reflected = vec![Rgb::ZERO; lit.len()];
         surface.brdf.eval_cos_pairs(&wo, &wi, &mut reflected);
         let mut other = vec![0.0; lit.len()];
-        if let Some(sampler) = surface.sampler.as_ref().filter(|_| self.mis && !light.is_delta()) {
+        if let Some(sampler) = surface
+            .sampler
+            .as_ref()
+            .filter(|_| self.mis && !light.is_delta())
+        {
             sampler.pdf_pairs(&wo, &wi, &mut other);
         }
         for ((lit, reflected), other) in lit.iter().zip(reflected).zip(other) {
             let reflected = reflected.as_dvec3() * lit.radiance;
             let vertex = &run[lit.index];
             if reflected != DVec3::ZERO && !self.is_hidden(vertex, lit) {
-                sums[lit.index] += reflected * (self.heuristic.weight(lit.pdf, f64::from(other)) / lit.pdf);
+                sums[lit.index] +=
+                    reflected * (self.heuristic.weight(lit.pdf, f64::from(other)) / lit.pdf);
             }
         }
     }
 
     fn is_hidden(&self, vertex: &Vertex<'_>, lit: &Lit) -> bool {
-        let ray = Ray { origin: vertex.hit.at, direction: lit.towards };
+        let ray = Ray {
+            origin: vertex.hit.at,
+            direction: lit.towards,
+        };
         self.shadows && self.scene.is_hidden(&ray, vertex.hit.object, lit.distance)
     }
 
@@ -243,15 +310,29 @@ impl<'a> Tracer<'a> {
         let wo: Vec<Vec3> = run.iter().map(|v| v.wo).collect();
         let mut samples = vec![None; run.len()];
         sampler.sample_pairs(&wo, points, &mut samples);
-        let wi: Vec<Vec3> = samples.iter().map(|s| s.map_or(Vec3::ZERO, |s| s.wi)).collect();
+        let wi: Vec<Vec3> = samples
+            .iter()
+            .map(|s| s.map_or(Vec3::ZERO, |s| s.wi))
+            .collect();
         let mut reflected = vec![Rgb::ZERO; run.len()];
         surface.brdf.eval_cos_pairs(&wo, &wi, &mut reflected);
         let step = |((vertex, sample), reflected): ((&Vertex<'_>, &Option<_>), Rgb)| {
             let sample: &crate::sampler::DirectionSample = sample.as_ref()?;
             let pdf = f64::from(sample.pdf);
-            let direction = vertex.frame.to_world(sample.wi).as_dvec3().try_normalize()?;
-            let ray = Ray { origin: vertex.hit.at, direction };
-            Some(Step { ray, pdf, weight: reflected.as_dvec3() / pdf })
+            let direction = vertex
+                .frame
+                .to_world(sample.wi)
+                .as_dvec3()
+                .try_normalize()?;
+            let ray = Ray {
+                origin: vertex.hit.at,
+                direction,
+            };
+            Some(Step {
+                ray,
+                pdf,
+                weight: reflected.as_dvec3() / pdf,
+            })
         };
         run.iter().zip(&samples).zip(reflected).map(step).collect()
     }

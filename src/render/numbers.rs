@@ -29,13 +29,23 @@ impl Settings {
 impl Numbers {
     /// Those of a path.
     pub(super) fn new(scene: &Scene, points: PointSet, path: PathId) -> Self {
-        let PathId { seed, index, count, .. } = path;
+        let PathId {
+            seed, index, count, ..
+        } = path;
         let sets_per_vertex = 1 + (scene.lights.len() as u32).div_ceil(2);
-        Self { points, seed, index, count, sets_per_vertex, candidates: scene.strategy.candidates() }
+        Self {
+            points,
+            seed,
+            index,
+            count,
+            sets_per_vertex,
+            candidates: scene.strategy.candidates(),
+        }
     }
 
     fn pair(&self, set: u32, second: bool) -> Vec2 {
-        self.points.pair_of(self.count, self.seed, self.index, set, second)
+        self.points
+            .pair_of(self.count, self.seed, self.index, set, second)
     }
 
     /// A point of the pixel.
@@ -58,7 +68,10 @@ impl Numbers {
     pub(super) fn light(&self, vertex: u32, light: usize) -> DVec2 {
         let (set, second) = match (vertex, light) {
             (0, 0) => (0, true),
-            _ => (2 + vertex * self.sets_per_vertex + light as u32 / 2, light % 2 == 1),
+            _ => (
+                2 + vertex * self.sets_per_vertex + light as u32 / 2,
+                light % 2 == 1,
+            ),
         };
         self.pair(set, second).as_dvec2()
     }
@@ -67,6 +80,12 @@ impl Numbers {
     pub(super) fn candidate(&self, vertex: u32, candidate: u32) -> Vec2 {
         let candidates = u64::from(self.candidates);
         let index = self.index * candidates + u64::from(candidate);
-        self.points.pair_of(self.count.saturating_mul(candidates), mix(!self.seed), index, vertex, true)
+        self.points.pair_of(
+            self.count.saturating_mul(candidates),
+            mix(!self.seed),
+            index,
+            vertex,
+            true,
+        )
     }
 }

@@ -34,8 +34,15 @@ impl Settings {
     /// # Errors
     /// [`Error::Argument`] for a picture without pixels or samples, or of more than [`MAX_PIXELS`] pixels.
     pub(super) fn pixels(&self) -> Result<usize> {
-        let Self { width, height, samples, .. } = *self;
-        let count = width.checked_mul(height).filter(|&n| n > 0 && n <= MAX_PIXELS && samples > 0);
+        let Self {
+            width,
+            height,
+            samples,
+            ..
+        } = *self;
+        let count = width
+            .checked_mul(height)
+            .filter(|&n| n > 0 && n <= MAX_PIXELS && samples > 0);
         count.ok_or_else(|| {
             Error::argument(
                 format!("a picture of {width} × {height} pixels with {samples} samples each"),
@@ -62,10 +69,13 @@ pub fn render(
     let Settings { width, height, .. } = *settings;
     let tracer = Tracer::new(scene, plan, settings);
     let mut pixels = vec![Pixel::default(); settings.pixels()?];
-    pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        tracer.row(y, row);
-        progress(width);
-    });
+    pixels
+        .par_chunks_mut(width)
+        .enumerate()
+        .for_each(|(y, row)| {
+            tracer.row(y, row);
+            progress(width);
+        });
     Ok(Film::new(width, height, pixels))
 }
 
@@ -109,7 +119,9 @@ impl<'a> Tracer<'a> {
         Self {
             scene,
             settings,
-            lens: scene.camera.lens(settings.width as f64 / settings.height as f64),
+            lens: scene
+                .camera
+                .lens(settings.width as f64 / settings.height as f64),
             directions: plan.is_on(Effect::Directions),
             light_sampling,
             hits_count: found && !resampling,
@@ -127,15 +139,26 @@ impl<'a> Tracer<'a> {
         let count = self.settings.samples;
         let paths = (0..row.len()).flat_map(|x| {
             let seed = self.settings.pixel_seed([x, y]);
-            (0..count).map(move |index| PathId { pixel: [x, y], seed, index, count })
+            (0..count).map(move |index| PathId {
+                pixel: [x, y],
+                seed,
+                index,
+                count,
+            })
         });
         let mut tallies = vec![Tally::default(); row.len()];
         self.trace(paths, |path, radiance| tallies[path.pixel[0]].add(radiance));
-        row.iter_mut().zip(&tallies).for_each(|(pixel, tally)| *pixel = tally.pixel());
+        row.iter_mut()
+            .zip(&tallies)
+            .for_each(|(pixel, tally)| *pixel = tally.pixel());
     }
 
     /// Estimates of the radiance that arrives along `paths`, given to `each` in their order.
-    pub(super) fn trace(&self, mut paths: impl Iterator<Item = PathId>, mut each: impl FnMut(PathId, DVec3)) {
+    pub(super) fn trace(
+        &self,
+        mut paths: impl Iterator<Item = PathId>,
+        mut each: impl FnMut(PathId, DVec3),
+    ) {
         let mut ids = Vec::with_capacity(BUNDLE);
         let mut starts = Vec::with_capacity(BUNDLE);
         loop {
@@ -154,12 +177,16 @@ impl<'a> Tracer<'a> {
 
     fn start(&self, path: PathId) -> Start {
         let numbers = Numbers::new(self.scene, self.settings.points, path);
-        Start { ray: self.ray(path.pixel, numbers.pixel()), numbers }
+        Start {
+            ray: self.ray(path.pixel, numbers.pixel()),
+            numbers,
+        }
     }
 
     /// The ray through a point of a pixel, in [0, 1]² from its upper left corner.
     pub(super) fn ray(&self, [x, y]: [usize; 2], within: DVec2) -> Ray {
         let size = DVec2::new(self.settings.width as f64, self.settings.height as f64);
-        self.lens.ray((DVec2::new(x as f64, y as f64) + within) / size)
+        self.lens
+            .ray((DVec2::new(x as f64, y as f64) + within) / size)
     }
 }

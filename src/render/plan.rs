@@ -79,8 +79,14 @@ impl EffectPlan {
         let facts = Facts::of(spec);
         Self {
             effects: Effect::ALL.map(|effect| facts.decide(effect)),
-            materials: (0..spec.materials.len()).map(|i| material(spec, facts, i)).collect(),
-            lights: spec.lights.iter().map(|light| self::light(facts, light)).collect(),
+            materials: (0..spec.materials.len())
+                .map(|i| material(spec, facts, i))
+                .collect(),
+            lights: spec
+                .lights
+                .iter()
+                .map(|light| self::light(facts, light))
+                .collect(),
         }
     }
 
@@ -188,10 +194,15 @@ impl Facts {
     }
 
     fn directions(self) -> Decision {
-        match (self.extended && self.strategy != Strategy::Light, self.interreflection().on) {
+        match (
+            self.extended && self.strategy != Strategy::Light,
+            self.interreflection().on,
+        ) {
             (true, _) => on("a light has an extent that directions can hit"),
             (false, true) => on("objects light one another"),
-            (false, false) if self.extended => off("the lights are sampled, and nothing else is lit"),
+            (false, false) if self.extended => {
+                off("the lights are sampled, and nothing else is lit")
+            }
             (false, false) => off("delta lights only: no direction drawn by chance can hit them"),
         }
     }

@@ -13,12 +13,20 @@ impl Tracer<'_> {
     /// kept, with a probability in proportion to its weight, is traced, and stands for all: f·cos·L over its target, times
     /// the mean weight, L now being what it really finds. Nothing is found that the target doesn't hold, so this is unbiased
     /// in every channel; p cancels.
-    pub(super) fn resampled(&self, run: &[Vertex<'_>], bounce: u32, starts: &[Start]) -> Vec<DVec3> {
+    pub(super) fn resampled(
+        &self,
+        run: &[Vertex<'_>],
+        bounce: u32,
+        starts: &[Start],
+    ) -> Vec<DVec3> {
         let numbers = |v: &Vertex<'_>| &starts[v.lane].numbers;
         let open = |v| Reservoir::new(f64::from(numbers(v).chances(bounce).y));
         let mut reservoirs: Vec<Reservoir<Step>> = run.iter().map(open).collect();
         for candidate in 0..self.scene.strategy.candidates() {
-            let points: Vec<Vec2> = run.iter().map(|v| numbers(v).candidate(bounce, candidate)).collect();
+            let points: Vec<Vec2> = run
+                .iter()
+                .map(|v| numbers(v).candidate(bounce, candidate))
+                .collect();
             let steps = self.steps(run, &points);
             for (reservoir, offer) in reservoirs.iter_mut().zip(self.targets(&steps)) {
                 reservoir.offer(offer);
@@ -26,12 +34,17 @@ impl Tracer<'_> {
         }
         let mut sums = vec![DVec3::ZERO; run.len()];
         let (mut found, mut scales) = (Vec::new(), Vec::new());
-        for (i, kept) in reservoirs.into_iter().enumerate().filter_map(|(i, r)| Some((i, r.kept()?))) {
+        for (i, kept) in reservoirs
+            .into_iter()
+            .enumerate()
+            .filter_map(|(i, r)| Some((i, r.kept()?)))
+        {
             let hit = self.next_hit(&kept.candidate.ray, run[i].hit.object);
             found.push((kept.candidate, hit));
             scales.push((i, kept.mean_weight / kept.weight));
         }
-        for (((step, _), radiance), (i, scale)) in found.iter().zip(self.found(&found)).zip(scales) {
+        for (((step, _), radiance), (i, scale)) in found.iter().zip(self.found(&found)).zip(scales)
+        {
             sums[i] = step.weight * radiance * scale;
         }
         sums
@@ -42,9 +55,17 @@ impl Tracer<'_> {
         let drawn: Vec<_> = steps.iter().flatten().map(|step| (*step, None)).collect();
         let mut found = self.found(&drawn).into_iter();
         let target = |step: &Step, found: DVec3| {
-            if step.weight == DVec3::ZERO { 0.0 } else { (step.weight * found).element_sum() / 3.0 }
+            if step.weight == DVec3::ZERO {
+                0.0
+            } else {
+                (step.weight * found).element_sum() / 3.0
+            }
         };
-        let offer = |step: &Option<Step>| step.as_ref().zip(found.next()).map(|(s, f)| (*s, target(s, f)));
+        let offer = |step: &Option<Step>| {
+            step.as_ref()
+                .zip(found.next())
+                .map(|(s, f)| (*s, target(s, f)))
+        };
         steps.iter().map(offer).collect()
     }
 }

@@ -6,8 +6,8 @@ use glam::{DVec3, Vec3};
 
 use super::shape::enter_floor;
 use super::{
-    Camera, Effect, EffectPlan, EnvironmentSource, Lambert, LightSpec, Ray, SceneSpec, Sphere, SphereSpec,
-    Strategy,
+    Camera, Effect, EffectPlan, EnvironmentSource, Lambert, LightSpec, Ray, SceneSpec, Sphere,
+    SphereSpec, Strategy,
 };
 use crate::brdf::Brdf;
 use crate::color::Rgb;
@@ -29,7 +29,11 @@ pub struct Surface {
 impl Surface {
     /// The local frame at a normal. An anisotropic surface lies as if turned on a lathe: its x runs horizontally, about +y.
     pub(super) fn frame(&self, normal: Vec3) -> Frame {
-        if self.brdf.is_isotropic() { Frame::about(normal) } else { Frame::around(normal, Vec3::Y) }
+        if self.brdf.is_isotropic() {
+            Frame::about(normal)
+        } else {
+            Frame::around(normal, Vec3::Y)
+        }
     }
 }
 
@@ -79,14 +83,32 @@ impl Scene {
         // Lights first: a missing file should be told of before materials and samplers take their time.
         let lights = load_lights(spec, plan)?;
         let mut surfaces = load_surfaces(spec, plan, surface)?;
-        let sphere = |s: &SphereSpec| Object { shape: Shape::Sphere(s.shape), surface: s.material };
+        let sphere = |s: &SphereSpec| Object {
+            shape: Shape::Sphere(s.shape),
+            surface: s.material,
+        };
         let mut objects: Vec<Object> = spec.spheres.iter().map(sphere).collect();
         if let Some(reflectance) = spec.floor {
-            objects.push(Object { shape: Shape::Floor, surface: surfaces.len() });
+            objects.push(Object {
+                shape: Shape::Floor,
+                surface: surfaces.len(),
+            });
             surfaces.push(Some(floor(reflectance)));
         }
-        let SceneSpec { camera, depth, strategy, .. } = *spec;
-        Ok(Self { camera, depth, strategy, lights, objects, surfaces })
+        let SceneSpec {
+            camera,
+            depth,
+            strategy,
+            ..
+        } = *spec;
+        Ok(Self {
+            camera,
+            depth,
+            strategy,
+            lights,
+            objects,
+            surfaces,
+        })
     }
 
     /// The first object that `ray` meets, except `leaving`: shapes are convex, so a ray that leaves one never meets it
@@ -97,7 +119,10 @@ impl Scene {
             if Some(i) == leaving {
                 continue;
             }
-            if let Some(d) = object.enter(ray).filter(|d| nearest.is_none_or(|(_, best)| *d < best)) {
+            if let Some(d) = object
+                .enter(ray)
+                .filter(|d| nearest.is_none_or(|(_, best)| *d < best))
+            {
                 nearest = Some((i, d));
             }
         }
@@ -107,7 +132,10 @@ impl Scene {
     /// Whether something stands between `ray`'s origin on `leaving` and `distance`.
     pub(super) fn is_hidden(&self, ray: &Ray, leaving: usize, distance: f64) -> bool {
         let blocks = |object: &Object| object.enter(ray).is_some_and(|d| d < distance);
-        self.objects.iter().enumerate().any(|(i, object)| i != leaving && blocks(object))
+        self.objects
+            .iter()
+            .enumerate()
+            .any(|(i, object)| i != leaving && blocks(object))
     }
 
     /// The surface of an object; `None` if it was not loaded, because no light falls on it.
@@ -121,7 +149,12 @@ impl Scene {
             Shape::Sphere(sphere) => sphere.normal(at),
             Shape::Floor => DVec3::Y,
         };
-        Hit { object, at, normal, distance }
+        Hit {
+            object,
+            at,
+            normal,
+            distance,
+        }
     }
 }
 
@@ -136,7 +169,9 @@ impl Object {
 
 fn floor(reflectance: f32) -> Surface {
     Surface {
-        brdf: Arc::new(Lambert { reflectance: Rgb::splat(reflectance) }),
+        brdf: Arc::new(Lambert {
+            reflectance: Rgb::splat(reflectance),
+        }),
         sampler: Some(Arc::new(Cosine)),
     }
 }
@@ -167,7 +202,11 @@ fn load_lights(spec: &SceneSpec, plan: &EffectPlan) -> Result<Vec<Box<dyn Light>
         true => SkySampling::Importance,
         false => SkySampling::Uniform,
     };
-    let used = spec.lights.iter().zip(plan.lights()).filter(|(_, decision)| decision.on);
+    let used = spec
+        .lights
+        .iter()
+        .zip(plan.lights())
+        .filter(|(_, decision)| decision.on);
     used.map(|(light, _)| load(light, sampling)).collect()
 }
 
@@ -200,18 +239,32 @@ fn check(spec: &SceneSpec) -> Result<()> {
     };
     if let Some(i) = spec.spheres.iter().position(|s| !sphere_fits(s)) {
         let what = format!("sphere {i} has no finite centre, no radius or no material");
-        return Err(Error::argument(what, "give a finite centre, a radius > 0 and the index of a material"));
+        return Err(Error::argument(
+            what,
+            "give a finite centre, a radius > 0 and the index of a material",
+        ));
     }
     if spec.floor.is_some_and(|r| !(0.0..=1.0).contains(&r)) {
-        return Err(Error::argument("the floor's reflectance is not in [0, 1]", "give 0.4, for example"));
+        return Err(Error::argument(
+            "the floor's reflectance is not in [0, 1]",
+            "give 0.4, for example",
+        ));
     }
     if spec.strategy.candidates() == 0 {
-        return Err(Error::argument("no candidates to resample", "give at least 1"));
+        return Err(Error::argument(
+            "no candidates to resample",
+            "give at least 1",
+        ));
     }
     if let Some(i) = spec.lights.iter().position(|light| !light_fits(light)) {
-        let what =
-            format!("light {i} ({}) has a value that is negative or not finite", spec.lights[i].kind());
-        return Err(Error::argument(what, "give finite positions and radiance ≥ 0"));
+        let what = format!(
+            "light {i} ({}) has a value that is negative or not finite",
+            spec.lights[i].kind()
+        );
+        return Err(Error::argument(
+            what,
+            "give finite positions and radiance ≥ 0",
+        ));
     }
     Ok(())
 }

@@ -62,22 +62,51 @@ mod tests {
 
     #[test]
     fn rays_enter_spheres_from_outside_only() {
-        let ball = Sphere { centre: DVec3::new(0.0, 0.0, -5.0), radius: 2.0 };
+        let ball = Sphere {
+            centre: DVec3::new(0.0, 0.0, -5.0),
+            radius: 2.0,
+        };
         let ray = |origin, direction| Ray { origin, direction };
         assert_eq!(ball.enter(&ray(DVec3::ZERO, -DVec3::Z)), Some(3.0));
         assert_eq!(ball.enter(&ray(DVec3::ZERO, DVec3::Z)), None);
         assert_eq!(ball.enter(&ray(ball.centre, DVec3::Z)), None);
         assert_eq!(ball.enter(&ray(DVec3::new(2.1, 0.0, 0.0), -DVec3::Z)), None);
-        let far = ball.enter(&ray(DVec3::new(1.0, 0.0, 1e7), -DVec3::Z)).unwrap();
+        let far = ball
+            .enter(&ray(DVec3::new(1.0, 0.0, 1e7), -DVec3::Z))
+            .unwrap();
         assert!((far - (1e7 + 5.0 - 3.0f64.sqrt())).abs() < 1e-8);
     }
 
     #[test]
     fn the_floor_is_entered_from_above_only() {
         let down = DVec3::new(0.6, -0.8, 0.0);
-        assert_eq!(enter_floor(&Ray { origin: DVec3::Y * 2.0, direction: down }), Some(2.5));
-        assert_eq!(enter_floor(&Ray { origin: -DVec3::Y, direction: down }), None);
-        assert_eq!(enter_floor(&Ray { origin: -DVec3::Y, direction: DVec3::Y }), None);
-        assert_eq!(enter_floor(&Ray { origin: DVec3::Y, direction: DVec3::X }), None);
+        assert_eq!(
+            enter_floor(&Ray {
+                origin: DVec3::Y * 2.0,
+                direction: down
+            }),
+            Some(2.5)
+        );
+        assert_eq!(
+            enter_floor(&Ray {
+                origin: -DVec3::Y,
+                direction: down
+            }),
+            None
+        );
+        assert_eq!(
+            enter_floor(&Ray {
+                origin: -DVec3::Y,
+                direction: DVec3::Y
+            }),
+            None
+        );
+        assert_eq!(
+            enter_floor(&Ray {
+                origin: DVec3::Y,
+                direction: DVec3::X
+            }),
+            None
+        );
     }
 }

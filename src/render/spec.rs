@@ -118,7 +118,9 @@ impl LightSpec {
             Self::Directional(light) => light.irradiance,
             Self::Area(light) => light.radiance,
             Self::Environment(EnvironmentSource::Uniform(radiance)) => *radiance,
-            Self::Environment(EnvironmentSource::Studio | EnvironmentSource::File(_)) => return false,
+            Self::Environment(EnvironmentSource::Studio | EnvironmentSource::File(_)) => {
+                return false;
+            }
         };
         radiance == Rgb::ZERO
     }
@@ -131,7 +133,9 @@ impl LightSpec {
             Self::Area(_) => "area".into(),
             Self::Environment(EnvironmentSource::Studio) => "environment (built-in studio)".into(),
             Self::Environment(EnvironmentSource::Uniform(_)) => "environment (uniform)".into(),
-            Self::Environment(EnvironmentSource::File(path)) => format!("environment {}", path.display()),
+            Self::Environment(EnvironmentSource::File(path)) => {
+                format!("environment {}", path.display())
+            }
         }
     }
 }
@@ -156,7 +160,13 @@ impl SceneSpec {
                 names.len() - 1
             });
             let centre = DVec3::new(i as f64 * SPACING + 1.0 - half, 1.0, 0.0);
-            SphereSpec { shape: Sphere { centre, radius: 1.0 }, material }
+            SphereSpec {
+                shape: Sphere {
+                    centre,
+                    radius: 1.0,
+                },
+                material,
+            }
         });
         let spheres = spheres.collect();
         Self {
@@ -176,13 +186,19 @@ impl SceneSpec {
         let position = self.row_key();
         let distance2 = position.distance_squared(DVec3::Y);
         let intensity = Rgb::splat((std::f64::consts::TAU * distance2) as f32);
-        LightSpec::Point(Point { position, intensity })
+        LightSpec::Point(Point {
+            position,
+            intensity,
+        })
     }
 
     /// Parallel light from the upper left, in front; irradiance π.
     pub fn row_directional(&self) -> LightSpec {
         let towards = DVec3::new(-0.5, 1.0, 0.8).normalize();
-        LightSpec::Directional(Directional { towards, irradiance: Rgb::splat(std::f32::consts::PI) })
+        LightSpec::Directional(Directional {
+            towards,
+            irradiance: Rgb::splat(std::f32::consts::PI),
+        })
     }
 
     /// A rectangle to the upper left in front of the row, about as wide as it, turned towards its middle; irradiance there
@@ -194,7 +210,12 @@ impl SceneSpec {
         let size = 0.5 * centre.distance(DVec3::Y);
         let (edge_u, edge_v) = (across * size, back.cross(across) * -size);
         let radiance = Rgb::splat((std::f64::consts::TAU / 0.25) as f32);
-        LightSpec::Area(Area { corner: centre - 0.5 * (edge_u + edge_v), edge_u, edge_v, radiance })
+        LightSpec::Area(Area {
+            corner: centre - 0.5 * (edge_u + edge_v),
+            edge_u,
+            edge_v,
+            radiance,
+        })
     }
 
     fn row_key(&self) -> DVec3 {
@@ -210,5 +231,9 @@ fn frame_row(half_width: f64, aspect: f64) -> Camera {
     let (margin, target) = (1.12, DVec3::new(0.0, 0.95, 0.0));
     let distance = (margin * 1.1 / half).max(margin * half_width / (half * aspect)) + 1.0;
     let towards = DVec3::new(0.0, 0.22, 1.0).normalize();
-    Camera { eye: target + towards * distance, target, vertical_angle }
+    Camera {
+        eye: target + towards * distance,
+        target,
+        vertical_angle,
+    }
 }

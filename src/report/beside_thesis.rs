@@ -21,16 +21,28 @@ pub struct ThesisTable {
 
 impl ThesisTable {
     pub(super) fn new(title: &str, note: &str, sheet: Sheet) -> Option<Self> {
-        (!sheet.rows.is_empty()).then(|| Self { title: title.into(), note: note.into(), sheet })
+        (!sheet.rows.is_empty()).then(|| Self {
+            title: title.into(),
+            note: note.into(),
+            sheet,
+        })
     }
 }
 
 /// The tables that something measured stands beside: 5.9, 5.10, 6.23, 6.24 and the rankings of 6.14 and 6.22. Materials
 /// and numbers of samples that the thesis doesn't have are left out.
 pub fn beside_thesis(comparison: &Comparison) -> Vec<ThesisTable> {
-    let costs =
-        [uniform_memory(comparison), compressed(comparison), precomputation(comparison), drawing(comparison)];
-    costs.into_iter().chain(super::thesis_ranking::rankings(comparison)).flatten().collect()
+    let costs = [
+        uniform_memory(comparison),
+        compressed(comparison),
+        precomputation(comparison),
+        drawing(comparison),
+    ];
+    costs
+        .into_iter()
+        .chain(super::thesis_ranking::rankings(comparison))
+        .flatten()
+        .collect()
 }
 
 /// Ours of a sampler that the thesis has too.
@@ -43,16 +55,32 @@ struct Ours {
 
 impl From<&Curve> for Ours {
     fn from(c: &Curve) -> Self {
-        let Curve { label, table_bytes, build_seconds, ns_per_sample, .. } = c;
+        let Curve {
+            label,
+            table_bytes,
+            build_seconds,
+            ns_per_sample,
+            ..
+        } = c;
         let (table_bytes, build_seconds) = (*table_bytes, *build_seconds);
-        Self { label: label.clone(), table_bytes, build_seconds, ns_per_sample: Some(*ns_per_sample) }
+        Self {
+            label: label.clone(),
+            table_bytes,
+            build_seconds,
+            ns_per_sample: Some(*ns_per_sample),
+        }
     }
 }
 
 impl From<&Setting> for Ours {
     fn from(s: &Setting) -> Self {
         let label = s.knob.spec.label();
-        Self { label, table_bytes: s.table_bytes, build_seconds: s.build_seconds, ns_per_sample: None }
+        Self {
+            label,
+            table_bytes: s.table_bytes,
+            build_seconds: s.build_seconds,
+            ns_per_sample: None,
+        }
     }
 }
 
@@ -64,23 +92,40 @@ impl Ours {
 
 /// Cascade CDFs without compression, by size.
 fn whole_cdfs<'a>(comparison: &'a Comparison, material: Option<&str>) -> Vec<&'a Setting> {
-    let of = comparison.settings.iter().find(|s| material.is_none_or(|m| s.material == m));
-    let whole = |s: &&Setting| matches!(s.knob.spec, SamplerSpec::CascadeCdf(c) if c.tolerance.is_none());
+    let of = comparison
+        .settings
+        .iter()
+        .find(|s| material.is_none_or(|m| s.material == m));
+    let whole =
+        |s: &&Setting| matches!(s.knob.spec, SamplerSpec::CascadeCdf(c) if c.tolerance.is_none());
     let mut all: Vec<&Setting> = of.iter().flat_map(|s| &s.settings).filter(whole).collect();
     all.sort_by_key(|s| s.table_bytes);
     all
 }
 
 /// What of ours does what the thesis's method does.
-fn counterpart(comparison: &Comparison, material: &MaterialComparison, method: &str) -> Option<Ours> {
+fn counterpart(
+    comparison: &Comparison,
+    material: &MaterialComparison,
+    method: &str,
+) -> Option<Ours> {
     let curve = |of: &dyn Fn(&SamplerSpec) -> bool| {
-        let brdf = material.curves.iter().filter(|c| c.competitor.technique == Technique::Brdf);
-        brdf.into_iter().find(|c| of(&c.competitor.spec)).map(Ours::from)
+        let brdf = material
+            .curves
+            .iter()
+            .filter(|c| c.competitor.technique == Technique::Brdf);
+        brdf.into_iter()
+            .find(|c| of(&c.competitor.spec))
+            .map(Ours::from)
     };
     match method {
         "uniform" => curve(&|s| matches!(s, SamplerSpec::Cosine)),
-        "uniform CDF" => whole_cdfs(comparison, Some(&material.material)).last().map(|s| Ours::from(*s)),
-        "compressed CDF" => curve(&|s| matches!(s, SamplerSpec::CascadeCdf(c) if c.tolerance.is_some())),
+        "uniform CDF" => whole_cdfs(comparison, Some(&material.material))
+            .last()
+            .map(|s| Ours::from(*s)),
+        "compressed CDF" => {
+            curve(&|s| matches!(s, SamplerSpec::CascadeCdf(c) if c.tolerance.is_some()))
+        }
         "adaptive disc" => curve(&|s| matches!(s, SamplerSpec::AdaptiveDisc(d) if is_plain(d))),
         _ => curve(&|s| *s == SamplerSpec::HalfVector(HalfVectorSettings::default())),
     }
@@ -93,15 +138,32 @@ pub(super) fn is_plain(settings: &AdaptiveDiscSettings) -> bool {
 
 fn uniform_memory(comparison: &Comparison) -> Option<ThesisTable> {
     let whole = whole_cdfs(comparison, None);
-    let mut sheet = Sheet::new(&["cells of the thesis, θ × φ", "thesis KB", "ours", "ours KB", "ratio"]);
+    let mut sheet = Sheet::new(&[
+        "cells of the thesis, θ × φ",
+        "thesis KB",
+        "ours",
+        "ours KB",
+        "ratio",
+    ]);
     for (theta, phi, kb) in thesis_uniform_memory() {
         let fine = |s: &&&Setting| match s.knob.spec {
             SamplerSpec::CascadeCdf(c) => c.theta_h >= theta as usize && c.phi_h >= phi as usize,
             _ => false,
         };
-        let Some(ours) = whole.iter().find(fine).map(|s| Ours::from(*s)) else { continue };
-        let figures = [format!("{kb:.0}"), ours.label.clone(), figure(ours.kb()), ratio(kb, ours.kb())];
-        sheet.push(std::iter::once(format!("{theta} × {phi}")).chain(figures).collect());
+        let Some(ours) = whole.iter().find(fine).map(|s| Ours::from(*s)) else {
+            continue;
+        };
+        let figures = [
+            format!("{kb:.0}"),
+            ours.label.clone(),
+            figure(ours.kb()),
+            ratio(kb, ours.kb()),
+        ];
+        sheet.push(
+            std::iter::once(format!("{theta} × {phi}"))
+                .chain(figures)
+                .collect(),
+        );
     }
     let note = "Beside each resolution of the thesis the smallest of our whole CDFs that is as fine in both angles. A KB is \
                 1024 bytes, as in the thesis.";
@@ -111,7 +173,9 @@ fn uniform_memory(comparison: &Comparison) -> Option<ThesisTable> {
 fn compressed(comparison: &Comparison) -> Option<ThesisTable> {
     let mut sheet = Sheet::new(&COSTS);
     for material in &comparison.materials {
-        let Some(thesis) = cost_rows(&material.material).compressed else { continue };
+        let Some(thesis) = cost_rows(&material.material).compressed else {
+            continue;
+        };
         push_costs(&mut sheet, comparison, material, "compressed CDF", thesis);
     }
     let note = "The thesis compresses CDFs of 33792 KB by Douglas and Peucker's method; ours is built compressed. A KB is \
@@ -119,8 +183,17 @@ fn compressed(comparison: &Comparison) -> Option<ThesisTable> {
     ThesisTable::new("Table 5.10: compressed CDFs", note, sheet)
 }
 
-const COSTS: [&str; 9] =
-    ["material", "method", "ours", "thesis KB", "ours KB", "ratio", "thesis s", "ours s", "ratio"];
+const COSTS: [&str; 9] = [
+    "material",
+    "method",
+    "ours",
+    "thesis KB",
+    "ours KB",
+    "ratio",
+    "thesis s",
+    "ours s",
+    "ratio",
+];
 
 fn precomputation(comparison: &Comparison) -> Option<ThesisTable> {
     let mut sheet = Sheet::new(&COSTS);
@@ -148,9 +221,15 @@ fn push_costs(
     method: &str,
     (kb, seconds): (f64, f64),
 ) {
-    let Some(ours) = counterpart(comparison, material, method) else { return };
+    let Some(ours) = counterpart(comparison, material, method) else {
+        return;
+    };
     let memory = [format!("{kb:.0}"), figure(ours.kb()), ratio(kb, ours.kb())];
-    let time = [figure(seconds), figure(ours.build_seconds), ratio(seconds, ours.build_seconds)];
+    let time = [
+        figure(seconds),
+        figure(ours.build_seconds),
+        ratio(seconds, ours.build_seconds),
+    ];
     let start = [material.material.clone(), method.into(), ours.label];
     sheet.push(start.into_iter().chain(memory).chain(time).collect());
 }
@@ -162,13 +241,24 @@ fn drawing(comparison: &Comparison) -> Option<ThesisTable> {
     let mut sheet = Sheet::new(&["material", "method", "ours", "thesis s", "ours s", "ratio"]);
     for material in &comparison.materials {
         let mut methods = cost_rows(&material.material).sampling;
-        let disc = methods.iter().find(|m| m.0 == "adaptive disc").map(|m| (NEW, m.1));
+        let disc = methods
+            .iter()
+            .find(|m| m.0 == "adaptive disc")
+            .map(|m| (NEW, m.1));
         methods.extend(disc);
         for (method, thesis) in methods {
-            let Some(ours) = counterpart(comparison, material, method) else { continue };
-            let Some(seconds) = ours.ns_per_sample.map(|ns| ns * 1e-9 * DRAWN) else { continue };
+            let Some(ours) = counterpart(comparison, material, method) else {
+                continue;
+            };
+            let Some(seconds) = ours.ns_per_sample.map(|ns| ns * 1e-9 * DRAWN) else {
+                continue;
+            };
             let start = [material.material.clone(), method.into(), ours.label];
-            let figures = [format!("{thesis:.2}"), figure(seconds), ratio(thesis, seconds)];
+            let figures = [
+                format!("{thesis:.2}"),
+                figure(seconds),
+                ratio(thesis, seconds),
+            ];
             sheet.push(start.into_iter().chain(figures).collect());
         }
     }
@@ -190,5 +280,9 @@ pub(super) fn figure(value: f64) -> String {
 
 /// The thesis's over ours; nothing where ours is 0.
 fn ratio(thesis: f64, ours: f64) -> String {
-    if ours > 0.0 { figure(thesis / ours) } else { String::new() }
+    if ours > 0.0 {
+        figure(thesis / ours)
+    } else {
+        String::new()
+    }
 }

@@ -13,8 +13,8 @@ use crate::plot::{
     Axis, Caption, Disc, DiscMark, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale, Series,
 };
 use crate::sampler::{
-    AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, HalfVectorSettings, Sampler, SamplerSpec,
-    ShownCdf,
+    AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, HalfVectorSettings, Sampler,
+    SamplerSpec, ShownCdf,
 };
 use crate::{Error, Result};
 
@@ -45,7 +45,12 @@ impl ChartSubject {
         spec: Option<SamplerSpec>,
     ) -> Result<Self> {
         let sampler = spec.map(|s| s.build(&brdf)).transpose()?;
-        Ok(Self { name: name.into(), brdf, thetas, sampler })
+        Ok(Self {
+            name: name.into(),
+            brdf,
+            thetas,
+            sampler,
+        })
     }
 
     fn rule(&self) -> &'static str {
@@ -85,7 +90,11 @@ impl ChartSubject {
     }
 
     fn value_title(&self) -> &'static str {
-        if self.sampler.is_some() { "density [sr⁻¹]" } else { "f·cos θi [sr⁻¹]" }
+        if self.sampler.is_some() {
+            "density [sr⁻¹]"
+        } else {
+            "f·cos θi [sr⁻¹]"
+        }
     }
 
     fn lobe_caption(&self) -> Caption {
@@ -96,9 +105,17 @@ impl ChartSubject {
             }
             None => "f·cos θi, the mean of red, green and blue".into(),
         };
-        let of = self.sampler.as_ref().map_or(String::new(), |s| format!(" and {}", s.spec().name()));
+        let of = self
+            .sampler
+            .as_ref()
+            .map_or(String::new(), |s| format!(" and {}", s.spec().name()));
         Caption::new(
-            format!("{}: lobe{of} at θ = {} ({} lookup)", self.name, self.angles(), self.rule()),
+            format!(
+                "{}: lobe{of} at θ = {} ({} lookup)",
+                self.name,
+                self.angles(),
+                self.rule()
+            ),
             format!(
                 "Over the polar angle of the light direction wi in the plane of incidence, in sr⁻¹: {shown}. \
                  The viewer wo stands at −θ, its mirror direction at θ."
@@ -113,15 +130,26 @@ impl ChartSubject {
         let y = Axis::new(self.value_title(), Scale::Log);
         // The last decades are floors of samplers and horizons.
         let least = least(&curves).max(greatest * 1e-6);
-        let y = if greatest > 0.0 { y.with_range(least * 0.8, greatest * 1.5) } else { y };
+        let y = if greatest > 0.0 {
+            y.with_range(least * 0.8, greatest * 1.5)
+        } else {
+            y
+        };
         let series = curves.into_iter().map(|c| Series {
             label: c.label,
             points: c.curve,
             style: c.style,
             ..Series::default()
         });
-        let x = Axis::new("angle of wi in the plane of incidence [°]", Scale::Linear).with_range(-90.0, 90.0);
-        Lines { caption: self.lobe_caption(), x, y, series: series.collect() }.svg()
+        let x = Axis::new("angle of wi in the plane of incidence [°]", Scale::Linear)
+            .with_range(-90.0, 90.0);
+        Lines {
+            caption: self.lobe_caption(),
+            x,
+            y,
+            series: series.collect(),
+        }
+        .svg()
     }
 
     /// The same in polar coordinates.
@@ -130,16 +158,31 @@ impl ChartSubject {
         let mut curves = self.curves();
         if self.sampler.is_some() {
             cut(&mut curves);
-            caption.description.push_str(" Densities end at twice the greatest ideal one.");
+            caption
+                .description
+                .push_str(" Densities end at twice the greatest ideal one.");
         }
         // A narrow lobe on an even scale is a line, and nothing beside it.
         let mean = curves.iter().map(|c| mean(&c.curve)).sum::<f64>() / curves.len().max(1) as f64;
-        let scale = if greatest(&curves) > PEAKED * mean { Scale::Root } else { Scale::Linear };
+        let scale = if greatest(&curves) > PEAKED * mean {
+            Scale::Root
+        } else {
+            Scale::Linear
+        };
         let radius = Axis::new(self.value_title(), scale);
-        let curves =
-            curves.into_iter().map(|c| PolarCurve { label: c.label, points: c.curve, style: c.style });
+        let curves = curves.into_iter().map(|c| PolarCurve {
+            label: c.label,
+            points: c.curve,
+            style: c.style,
+        });
         let curves = curves.collect();
-        Polar { caption, radius, curves, wo: self.thetas.clone() }.svg()
+        Polar {
+            caption,
+            radius,
+            curves,
+            wo: self.thetas.clone(),
+        }
+        .svg()
     }
 
     /// The table at φd = 90° over θh and θd, as colours for values.
@@ -162,7 +205,13 @@ impl ChartSubject {
     pub fn slice_rgb(&self) -> Result<String> {
         let pixels = views::slice_rgb(self.brdf.table());
         let image = Image::new(THETA_H_BINS, THETA_D_BINS, pixels)?;
-        self.slice_of(Pixels::Picture { image, exposure: 0.0 }, "in its own colours, tone-mapped")
+        self.slice_of(
+            Pixels::Picture {
+                image,
+                exposure: 0.0,
+            },
+            "in its own colours, tone-mapped",
+        )
     }
 
     fn slice_of(&self, pixels: Pixels, how: &str) -> Result<String> {
@@ -174,7 +223,13 @@ impl ChartSubject {
         );
         let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
         let y = Axis::new("θd [°]", Scale::Linear).with_range(0.0, 90.0);
-        Heat { caption, x, y, pixels }.svg()
+        Heat {
+            caption,
+            x,
+            y,
+            pixels,
+        }
+        .svg()
     }
 
     /// The unit disc with `samples` directions of a seed by the sampler, cosine if there is none, for the first angle; of the
@@ -189,11 +244,20 @@ impl ChartSubject {
         };
         let leaves = match cells.len() {
             0 => String::new(),
-            count => format!("{count} squares of the tree at {tree:.1}°; a dot is one below a pixel"),
+            count => {
+                format!("{count} squares of the tree at {tree:.1}°; a dot is one below a pixel")
+            }
         };
-        let lost = if failed == 0 { String::new() } else { format!(", {failed} more failed") };
-        let drawn =
-            if samples == 0 { String::new() } else { format!("{} directions drawn{lost}", points.len()) };
+        let lost = if failed == 0 {
+            String::new()
+        } else {
+            format!(", {failed} more failed")
+        };
+        let drawn = if samples == 0 {
+            String::new()
+        } else {
+            format!("{} directions drawn{lost}", points.len())
+        };
         let spec = sampler.spec();
         let caption = Caption::new(
             format!("{}: {} at θ = {theta}°", self.name, spec.name()),
@@ -205,8 +269,14 @@ impl ChartSubject {
         );
         let pairs = |points: Vec<DVec2>| points.into_iter().map(|p| (p.x, p.y)).collect();
         let cells = cells.into_iter().map(pairs).collect();
-        Disc { caption, cells, points: pairs(points), marks: disc_marks(theta), labels: [leaves, drawn] }
-            .svg()
+        Disc {
+            caption,
+            cells,
+            points: pairs(points),
+            marks: disc_marks(theta),
+            labels: [leaves, drawn],
+        }
+        .svg()
     }
 
     /// CDF over θh before and after compression, with its knots.
@@ -221,7 +291,13 @@ impl ChartSubject {
         );
         let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
         let y = Axis::new("probability below θh", Scale::Linear).with_range(0.0, 1.0);
-        Ok(Lines { caption, x, y, series }.svg())
+        Ok(Lines {
+            caption,
+            x,
+            y,
+            series,
+        }
+        .svg())
     }
 
     /// CDF over φh, of the θh that halves the draws, before and after compression, with its knots.
@@ -242,7 +318,13 @@ impl ChartSubject {
         );
         let x = Axis::new("φh [°]", Scale::Linear).with_range(0.0, 360.0);
         let y = Axis::new("probability below φh", Scale::Linear).with_range(0.0, 1.0);
-        Ok(Lines { caption, x, y, series }.svg())
+        Ok(Lines {
+            caption,
+            x,
+            y,
+            series,
+        }
+        .svg())
     }
 
     /// A curve at each angle before and after compression, with its knots; and what tables they are of.
@@ -252,14 +334,24 @@ impl ChartSubject {
         span: impl Fn(&ShownCdf) -> String,
     ) -> Result<(Vec<Series>, String)> {
         let Some(Sampler::CascadeCdf(stored)) = &self.sampler else {
-            return Err(Error::argument("a CDF of another sampler", "choose cascade-cdf"));
+            return Err(Error::argument(
+                "a CDF of another sampler",
+                "choose cascade-cdf",
+            ));
         };
         let settings = *stored.settings();
-        let whole = CascadeCdf::build(&*self.brdf, CascadeCdfSettings { tolerance: None, ..settings })?;
+        let whole = CascadeCdf::build(
+            &*self.brdf,
+            CascadeCdfSettings {
+                tolerance: None,
+                ..settings
+            },
+        )?;
         let mut series = Vec::new();
         for (i, theta) in self.thetas.iter().map(|t| t.to_radians()).enumerate() {
             let (before, after) = (curve(&whole, theta), curve(stored, theta));
-            let degrees = |points: &[(f64, f64)]| points.iter().map(|p| (p.0.to_degrees(), p.1)).collect();
+            let degrees =
+                |points: &[(f64, f64)]| points.iter().map(|p| (p.0.to_degrees(), p.1)).collect();
             let at = |cdf: &ShownCdf| format!("θ = {:.1}°{}", cdf.theta_o.to_degrees(), span(cdf));
             let line = |label, points: &[(f64, f64)], style| Series {
                 label,
@@ -268,33 +360,66 @@ impl ChartSubject {
                 marks: Marks::None,
                 ..Series::default()
             };
-            series.push(line(format!("{}, {} knots", at(&before), before.knots.len()), &before.curve, 5 * i));
-            series.push(line(format!("{}, compressed", at(&after)), &after.curve, 5 * i + 1));
+            series.push(line(
+                format!("{}, {} knots", at(&before), before.knots.len()),
+                &before.curve,
+                5 * i,
+            ));
+            series.push(line(
+                format!("{}, compressed", at(&after)),
+                &after.curve,
+                5 * i + 1,
+            ));
             let label = format!("{}, its {} knots", at(&after), after.knots.len());
-            series.push(Series { marks: Marks::Only, ..line(label, &after.knots, 5 * i + 1) });
+            series.push(Series {
+                marks: Marks::Only,
+                ..line(label, &after.knots, 5 * i + 1)
+            });
         }
         let label = SamplerSpec::CascadeCdf(settings).label();
         Ok((
             series,
-            format!("the tables of {label} nearest to θ = {}, {} lookup", self.angles(), self.rule()),
+            format!(
+                "the tables of {label} nearest to θ = {}, {} lookup",
+                self.angles(),
+                self.rule()
+            ),
         ))
     }
 
     /// Directional albedo over θ by each of the three lookup rules.
     pub fn albedo(&self) -> String {
         let curves = views::albedo_by_rule(self.brdf.table());
-        let series = LookupRule::ALL.into_iter().zip(curves).enumerate().map(|(style, (rule, points))| {
-            Series { label: format!("{} lookup", rule.name()), points, style, ..Series::default() }
-        });
+        let series =
+            LookupRule::ALL
+                .into_iter()
+                .zip(curves)
+                .enumerate()
+                .map(|(style, (rule, points))| Series {
+                    label: format!("{} lookup", rule.name()),
+                    points,
+                    style,
+                    ..Series::default()
+                });
         let caption = Caption::new(
             format!("{}: directional albedo", self.name),
             "Fraction of light reflected, the mean of red, green and blue, over the polar angle of wo, by what the table says between its samples.",
         );
         let series: Vec<_> = series.collect();
-        let greatest = series.iter().flat_map(|s| &s.points).map(|p| p.1).fold(0.0, f64::max);
+        let greatest = series
+            .iter()
+            .flat_map(|s| &s.points)
+            .map(|p| p.1)
+            .fold(0.0, f64::max);
         let x = Axis::new("polar angle of wo [°]", Scale::Linear).with_range(0.0, 90.0);
         let y = Axis::new("directional albedo", Scale::Linear).with_range(0.0, greatest * 1.08);
-        Lines { caption, x, y, series }.svg()
+        Lines {
+            caption,
+            x,
+            y,
+            series,
+        }
+        .svg()
     }
 }
 
@@ -304,31 +429,53 @@ const PEAKED: f64 = 8.0;
 /// Ends densities at twice the greatest ideal one: a peak that runs away at the mirror direction would hide the rest. `curves`
 /// are ideal densities and samplers' by turns.
 fn cut(curves: &mut [Named]) {
-    let ideal = curves.iter().step_by(2).flat_map(|c| &c.curve).map(|p| p.1).fold(0.0, f64::max);
+    let ideal = curves
+        .iter()
+        .step_by(2)
+        .flat_map(|c| &c.curve)
+        .map(|p| p.1)
+        .fold(0.0, f64::max);
     if ideal > 0.0 {
-        curves.iter_mut().flat_map(|c| &mut c.curve).for_each(|p| p.1 = p.1.min(2.0 * ideal));
+        curves
+            .iter_mut()
+            .flat_map(|c| &mut c.curve)
+            .for_each(|p| p.1 = p.1.min(2.0 * ideal));
     }
 }
 
 fn greatest(curves: &[Named]) -> f64 {
-    curves.iter().flat_map(|c| &c.curve).map(|p| p.1).fold(0.0, f64::max)
+    curves
+        .iter()
+        .flat_map(|c| &c.curve)
+        .map(|p| p.1)
+        .fold(0.0, f64::max)
 }
 
 /// Mean over the angle: points are closer where the curve is high.
 fn mean(curve: &Curve) -> f64 {
-    curve.windows(2).map(|w| (w[1].0 - w[0].0) * 0.5 * (w[0].1 + w[1].1)).sum::<f64>() / 180.0
+    curve
+        .windows(2)
+        .map(|w| (w[1].0 - w[0].0) * 0.5 * (w[0].1 + w[1].1))
+        .sum::<f64>()
+        / 180.0
 }
 
 /// The least value above 0; 0 if there is none.
 fn least(curves: &[Named]) -> f64 {
-    let above = curves.iter().flat_map(|c| &c.curve).map(|p| p.1).filter(|&v| v > 0.0);
+    let above = curves
+        .iter()
+        .flat_map(|c| &c.curve)
+        .map(|p| p.1)
+        .filter(|&v| v > 0.0);
     above.reduce(f64::min).unwrap_or(0.0)
 }
 
 /// `wo` and its mirror direction on the disc.
 fn disc_marks(theta: f64) -> Vec<DiscMark> {
-    let mark =
-        |sign: f64, label: &str| DiscMark { at: (sign * theta.to_radians().sin(), 0.0), label: label.into() };
+    let mark = |sign: f64, label: &str| DiscMark {
+        at: (sign * theta.to_radians().sin(), 0.0),
+        label: label.into(),
+    };
     match theta {
         0.0 => vec![mark(0.0, "wo and mirror")],
         _ => vec![mark(-1.0, "wo"), mark(1.0, "mirror")],

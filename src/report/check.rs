@@ -45,15 +45,24 @@ impl CheckResult {
         let count = |check: Check| {
             let outcomes = self.report.outcomes.iter().filter(|o| o.check == check);
             let (passed, all) = outcomes.fold((0, 0), |(p, n), o| (p + u32::from(o.pass), n + 1));
-            if passed == all { format!("{passed} ok") } else { format!("{} of {all} FAILED", all - passed) }
+            if passed == all {
+                format!("{passed} ok")
+            } else {
+                format!("{} of {all} FAILED", all - passed)
+            }
         };
-        [self.material.clone(), self.sampler.clone()].into_iter().chain(checks.map(count)).collect()
+        [self.material.clone(), self.sampler.clone()]
+            .into_iter()
+            .chain(checks.map(count))
+            .collect()
     }
 
     /// A row for each failed check, with where and what.
     pub fn failures(&self, sheet: &mut Sheet) {
         for o in self.report.failures() {
-            let check = serde_json::to_value(o.check).ok().and_then(|v| v.as_str().map(str::to_owned));
+            let check = serde_json::to_value(o.check)
+                .ok()
+                .and_then(|v| v.as_str().map(str::to_owned));
             sheet.push(vec![
                 self.material.clone(),
                 self.sampler.clone(),
@@ -68,6 +77,14 @@ impl CheckResult {
 
     /// An empty sheet for [`Self::failures`].
     pub fn failure_sheet() -> Sheet {
-        Sheet::new(&["material", "sampler", "failed check", "wo θ, φ °", "value", "bound", "found"])
+        Sheet::new(&[
+            "material",
+            "sampler",
+            "failed check",
+            "wo θ, φ °",
+            "value",
+            "bound",
+            "found",
+        ])
     }
 }

@@ -18,17 +18,28 @@ pub struct ComparisonDocument<'a> {
 impl<'a> ComparisonDocument<'a> {
     /// With everything that a comparison has beside the thesis.
     pub fn new(comparison: &'a Comparison) -> Self {
-        Self { comparison, thesis: beside_thesis(comparison) }
+        Self {
+            comparison,
+            thesis: beside_thesis(comparison),
+        }
     }
 }
 
 /// What each competitor needs to reach each of [`TARGETS`] at the lit point: seconds of one estimate, precomputation shared
 /// by 10⁶ samples, and samples in brackets. The quickest first, by the time to 1 %.
 pub fn targets(material: &MaterialComparison) -> Sheet {
-    let mut heading = vec![material.material.clone(), "KB".into(), "build s".into(), "ns/sample".into()];
+    let mut heading = vec![
+        material.material.clone(),
+        "KB".into(),
+        "build s".into(),
+        "ns/sample".into(),
+    ];
     heading.extend(TARGETS.map(|t| format!("to {} %", t * 100.0)));
     heading.push("slope".into());
-    let mut sheet = Sheet { heading, rows: Vec::new() };
+    let mut sheet = Sheet {
+        heading,
+        rows: Vec::new(),
+    };
     for curve in by_time(&material.curves) {
         let mut row = vec![
             curve.label.clone(),
@@ -54,17 +65,31 @@ pub(super) fn by_time(curves: &[Curve]) -> Vec<&Curve> {
 /// "12 µs (340)", with "~" where the samples are extrapolated.
 fn cost(reach: &Reach) -> String {
     let about = if reach.extrapolated { "~" } else { "" };
-    format!("{about}{} ({})", duration(reach.seconds[1]), count(reach.samples))
+    format!(
+        "{about}{} ({})",
+        duration(reach.seconds[1]),
+        count(reach.samples)
+    )
 }
 
 /// Samples, as a whole number while it can be read.
 pub(super) fn count(samples: f64) -> String {
-    if samples < 1e6 { format!("{:.0}", samples.ceil()) } else { format!("{samples:.1e}") }
+    if samples < 1e6 {
+        format!("{:.0}", samples.ceil())
+    } else {
+        format!("{samples:.1e}")
+    }
 }
 
 /// Seconds in the unit that suits them.
 pub(super) fn duration(seconds: f64) -> String {
-    for (unit, name) in [(1e-9, "ns"), (1e-6, "µs"), (1e-3, "ms"), (1.0, "s"), (60.0, "min")] {
+    for (unit, name) in [
+        (1e-9, "ns"),
+        (1e-6, "µs"),
+        (1e-3, "ms"),
+        (1.0, "s"),
+        (60.0, "min"),
+    ] {
         if seconds < 1000.0 * unit || name == "min" {
             return format!("{} {name}", Rounded(seconds / unit));
         }
@@ -117,23 +142,48 @@ fn push_curve(sheet: &mut Sheet, material: &str, curve: &Curve) {
         let end = [samples, figure.into(), format!("{value:e}"), unit.into()];
         sheet.push(start.into_iter().chain(end).collect());
     };
-    line("", String::new(), "table", curve.table_bytes as f64, "bytes");
+    line(
+        "",
+        String::new(),
+        "table",
+        curve.table_bytes as f64,
+        "bytes",
+    );
     line("", String::new(), "build", curve.build_seconds, "s");
     line("", String::new(), "sample", curve.ns_per_sample, "ns");
-    for (points, errors, slope) in
-        [("random", &curve.random, curve.random_slope), ("sobol", &curve.sobol, curve.sobol_slope)]
-    {
+    for (points, errors, slope) in [
+        ("random", &curve.random, curve.random_slope),
+        ("sobol", &curve.sobol, curve.sobol_slope),
+    ] {
         line(points, String::new(), "slope", slope, "");
-        for ErrorPoint { samples, rmse, low, high } in errors {
+        for ErrorPoint {
+            samples,
+            rmse,
+            low,
+            high,
+        } in errors
+        {
             line(points, samples.to_string(), "relative rmse", *rmse, "");
             line(points, samples.to_string(), "relative rmse, low", *low, "");
-            line(points, samples.to_string(), "relative rmse, high", *high, "");
+            line(
+                points,
+                samples.to_string(),
+                "relative rmse, high",
+                *high,
+                "",
+            );
         }
     }
     for r in TARGETS.iter().filter_map(|&target| reach(curve, target)) {
         let note = if r.extrapolated { ", extrapolated" } else { "" };
         let target = format!("to {}{note}", r.error);
-        line("sobol", format!("{:e}", r.samples), &format!("{target}: samples"), r.samples, "");
+        line(
+            "sobol",
+            format!("{:e}", r.samples),
+            &format!("{target}: samples"),
+            r.samples,
+            "",
+        );
         for (shared, seconds) in SHARED_BY.iter().zip(r.seconds) {
             let figure = format!("{target}: precomputation shared by {shared}");
             line("sobol", format!("{:e}", r.samples), &figure, seconds, "s");
@@ -152,8 +202,19 @@ fn push_pictures(sheet: &mut Sheet, comparison: &Comparison) {
                 ("build", result.build_seconds, "s"),
             ];
             for (figure, value, unit) in figures {
-                let start = ["picture", &picture.material, picture.scene.name(), &result.label, "sobol"];
-                let end = [result.samples.to_string(), figure.into(), format!("{value:e}"), unit.into()];
+                let start = [
+                    "picture",
+                    &picture.material,
+                    picture.scene.name(),
+                    &result.label,
+                    "sobol",
+                ];
+                let end = [
+                    result.samples.to_string(),
+                    figure.into(),
+                    format!("{value:e}"),
+                    unit.into(),
+                ];
                 sheet.push(start.map(String::from).into_iter().chain(end).collect());
             }
         }
@@ -173,7 +234,12 @@ fn push_settings(sheet: &mut Sheet, comparison: &Comparison) {
             ];
             for (figure, value, unit) in figures {
                 let start = ["setting", &of.material, "", &who, ""];
-                let end = [String::new(), figure.into(), format!("{value:e}"), unit.into()];
+                let end = [
+                    String::new(),
+                    figure.into(),
+                    format!("{value:e}"),
+                    unit.into(),
+                ];
                 sheet.push(start.map(String::from).into_iter().chain(end).collect());
             }
         }

@@ -43,7 +43,12 @@ pub fn table_sheet() -> Sheet {
 }
 
 /// A file of values, of a half-vector table, or of both: its length, what it holds, and how its table draws if it has one.
-pub fn drawn_row(file: String, bytes: u64, holds: &str, draws: Option<&DrawQuality>) -> Vec<String> {
+pub fn drawn_row(
+    file: String,
+    bytes: u64,
+    holds: &str,
+    draws: Option<&DrawQuality>,
+) -> Vec<String> {
     let relstd = draws.map_or_else(|| "-".into(), relstd);
     vec![file, megabytes(bytes), holds.into(), relstd]
 }

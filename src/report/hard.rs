@@ -19,12 +19,22 @@ const LOOKUPS: &str = "(lookups)";
 
 impl HardSheets {
     /// Columns after the name of the row, in the order of [`HardCheck::ALL`].
-    pub const CHECKS: [&str; 8] =
-        ["values", "reciprocity", "draws", "pdf agreement", "pdf integral", "energy", "memory", "pictures"];
+    pub const CHECKS: [&str; 8] = [
+        "values",
+        "reciprocity",
+        "draws",
+        "pdf agreement",
+        "pdf integral",
+        "energy",
+        "memory",
+        "pictures",
+    ];
 
     /// Sheets of outcomes, rows in the order in which their names first appear.
     pub fn of(outcomes: &[HardOutcome]) -> Self {
-        let mut failures = Sheet::new(&["case", "lookup", "sampler", "check", "value", "bound", "found"]);
+        let mut failures = Sheet::new(&[
+            "case", "lookup", "sampler", "check", "value", "bound", "found",
+        ]);
         for o in outcomes.iter().filter(|o| !o.pass) {
             failures.push(vec![
                 o.case.into(),
@@ -45,10 +55,18 @@ impl HardSheets {
 }
 
 fn name_of(outcome: &HardOutcome) -> &'static str {
-    if outcome.sampler.is_empty() { LOOKUPS } else { outcome.sampler }
+    if outcome.sampler.is_empty() {
+        LOOKUPS
+    } else {
+        outcome.sampler
+    }
 }
 
-fn sheet(heading: &str, outcomes: &[HardOutcome], row_of: fn(&HardOutcome) -> &'static str) -> Sheet {
+fn sheet(
+    heading: &str,
+    outcomes: &[HardOutcome],
+    row_of: fn(&HardOutcome) -> &'static str,
+) -> Sheet {
     let mut sheet = Sheet::new(&[&[heading], &HardSheets::CHECKS[..]].concat());
     let mut names: Vec<&str> = Vec::new();
     for o in outcomes {
@@ -58,8 +76,10 @@ fn sheet(heading: &str, outcomes: &[HardOutcome], row_of: fn(&HardOutcome) -> &'
     }
     for name in names {
         let cells = HardCheck::ALL.map(|check| {
-            let of: Vec<&HardOutcome> =
-                outcomes.iter().filter(|o| row_of(o) == name && o.check == check).collect();
+            let of: Vec<&HardOutcome> = outcomes
+                .iter()
+                .filter(|o| row_of(o) == name && o.check == check)
+                .collect();
             cell(check, &of)
         });
         sheet.push([name.to_owned()].into_iter().chain(cells).collect());

@@ -32,7 +32,10 @@ impl Info {
         let [h, d] = asymmetry.greatest_at;
         let greatest = percent(asymmetry.greatest);
         line("φd asymmetry, mean", percent(asymmetry.mean));
-        line("φd asymmetry, greatest", format!("{greatest} (θh bin {h}, θd bin {d})"));
+        line(
+            "φd asymmetry, greatest",
+            format!("{greatest} (θh bin {h}, θd bin {d})"),
+        );
         sheet
     }
 
@@ -48,7 +51,10 @@ impl Info {
         line("  NaN", invalid.nan.to_string());
         line("  infinite", invalid.infinite.to_string());
         line("  negative", invalid.negative.to_string());
-        line("  above the horizon", table.invalid_above_horizon.to_string());
+        line(
+            "  above the horizon",
+            table.invalid_above_horizon.to_string(),
+        );
         line("least value, sr⁻¹", rgb(table.min));
         line("greatest value, sr⁻¹", rgb(table.max));
         line("peak / mean", format!("{:.1}", table.peak_to_mean));
@@ -60,8 +66,11 @@ impl Info {
         if a.ranges_degrees.is_empty() {
             return format!("nowhere ({greatest})");
         }
-        let ranges: Vec<_> =
-            a.ranges_degrees.iter().map(|[first, last]| format!("{first}°–{last}°")).collect();
+        let ranges: Vec<_> = a
+            .ranges_degrees
+            .iter()
+            .map(|[first, last]| format!("{first}°–{last}°"))
+            .collect();
         format!("{} ({greatest})", ranges.join(", "))
     }
 }

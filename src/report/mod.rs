@@ -42,13 +42,24 @@ pub const JSON_SCHEMA: u32 = 1;
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_json<T: Serialize + ?Sized>(out: &mut dyn Write, kind: &str, results: &T) -> io::Result<()> {
+pub fn write_json<T: Serialize + ?Sized>(
+    out: &mut dyn Write,
+    kind: &str,
+    results: &T,
+) -> io::Result<()> {
     #[derive(Serialize)]
     struct Document<'a, T: ?Sized> {
         schema: u32,
         kind: &'a str,
         results: &'a T,
     }
-    serde_json::to_writer_pretty(&mut *out, &Document { schema: JSON_SCHEMA, kind, results })?;
+    serde_json::to_writer_pretty(
+        &mut *out,
+        &Document {
+            schema: JSON_SCHEMA,
+            kind,
+            results,
+        },
+    )?;
     writeln!(out)
 }

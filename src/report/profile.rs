@@ -53,7 +53,11 @@ impl SamplerReport {
     /// What the figures of the sheet are, and how they were come by.
     pub fn legend(&self) -> String {
         let m = &self.measured;
-        let azimuths = if m.lookup.is_none() { " of 7 at four azimuths each" } else { "" };
+        let azimuths = if m.lookup.is_none() {
+            " of 7 at four azimuths each"
+        } else {
+            ""
+        };
         let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
             "{}: {}; loaded (or decoded) in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one (median of five runs over \
@@ -61,8 +65,10 @@ impl SamplerReport {
              angle{azimuths}; holes: share of the albedo where the density is 0, worst angle; bias: of the albedo from {} draws, seed {}, \
              at the angle where it is most standard errors (±) from 0; lost: failed draws.",
             m.material,
-            m.lookup
-                .map_or_else(|| "values of the file".to_owned(), |rule| format!("{} lookup", rule.name())),
+            m.lookup.map_or_else(
+                || "values of the file".to_owned(),
+                |rule| format!("{} lookup", rule.name())
+            ),
             1e3 * m.load.wall,
             m.material_bytes as f64 / 1e6,
             m.settings.draws,
@@ -150,8 +156,10 @@ impl SamplerReport {
 
 /// What the thesis's lines are, once for a whole report.
 pub fn thesis_legend() -> String {
-    let sizes: Vec<String> =
-        thesis_uniform_memory().iter().map(|(h, p, kb)| format!("{h} × {p} cells {kb} KB")).collect();
+    let sizes: Vec<String> = thesis_uniform_memory()
+        .iter()
+        .map(|(h, p, kb)| format!("{h} × {p} cells {kb} KB"))
+        .collect();
     format!(
         "Lines \"thesis\" are printed in R. Montes's thesis (2008), on an AMD Opteron; none was measured here. Their sample \
          column is the time spent on drawing for one picture of 450 × 200 pixels at 25 samples. Its uniform CDFs, any \
@@ -180,7 +188,8 @@ fn measured_line(s: &SamplerFigures) -> Vec<String> {
 }
 
 fn thesis_line(t: &ThesisFigures) -> Vec<String> {
-    let number = |x: Option<f64>, unit: &str| x.map_or_else(|| "–".into(), |x| format!("{x}{unit}"));
+    let number =
+        |x: Option<f64>, unit: &str| x.map_or_else(|| "–".into(), |x| format!("{x}{unit}"));
     let mut line = vec!["–".to_owned(); 13];
     line[0] = t.method.clone();
     line[1] = number(t.memory_kb, "");
@@ -195,5 +204,9 @@ fn kilobytes(bytes: usize) -> String {
 
 /// Three significant digits or so.
 fn figure(x: f64) -> String {
-    if x < 10.0 { format!("{x:.3}") } else { format!("{x:.1}") }
+    if x < 10.0 {
+        format!("{x:.3}")
+    } else {
+        format!("{x:.1}")
+    }
 }

@@ -16,7 +16,10 @@ pub struct Sheet {
 impl Sheet {
     /// A sheet without rows.
     pub fn new(heading: &[&str]) -> Self {
-        Self { heading: heading.iter().map(|&h| h.into()).collect(), rows: Vec::new() }
+        Self {
+            heading: heading.iter().map(|&h| h.into()).collect(),
+            rows: Vec::new(),
+        }
     }
 
     /// Adds a row.
@@ -55,6 +58,9 @@ mod tests {
         sheet.push(vec!["a,b".into(), "say \"c\"".into()]);
         let mut out = Vec::new();
         sheet.write_csv(&mut out).unwrap();
-        assert_eq!(String::from_utf8(out).unwrap(), "name,value\n\"a,b\",\"say \"\"c\"\"\"\n");
+        assert_eq!(
+            String::from_utf8(out).unwrap(),
+            "name,value\n\"a,b\",\"say \"\"c\"\"\"\n"
+        );
     }
 }

@@ -30,7 +30,12 @@ pub fn summary(reports: &[SamplerReport]) -> Sheet {
     for label in labels {
         let all: Vec<(&str, &SamplerFigures)> = reports
             .iter()
-            .flat_map(|r| r.measured.samplers.iter().map(|s| (r.measured.material.as_str(), s)))
+            .flat_map(|r| {
+                r.measured
+                    .samplers
+                    .iter()
+                    .map(|s| (r.measured.material.as_str(), s))
+            })
             .filter(|(_, s)| s.spec.label() == label)
             .collect();
         sheet.push(line(label, &all));
@@ -39,22 +44,37 @@ pub fn summary(reports: &[SamplerReport]) -> Sheet {
 }
 
 fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
-    let most = |of: &dyn Fn(&SamplerFigures) -> f64| all.iter().map(|(_, s)| of(s)).fold(0.0, f64::max);
+    let most =
+        |of: &dyn Fn(&SamplerFigures) -> f64| all.iter().map(|(_, s)| of(s)).fold(0.0, f64::max);
     let kilobytes = |s: &SamplerFigures| s.table_bytes as f64 / 1024.0;
-    let least = all.iter().map(|(_, s)| kilobytes(s)).fold(f64::INFINITY, f64::min);
-    let worst = all.iter().max_by(|a, b| a.1.relstd().total_cmp(&b.1.relstd()));
-    let off =
-        |s: &SamplerFigures| s.angles.iter().map(|a| (a.spread.pdf_integral - 1.0).abs()).fold(0.0, f64::max);
+    let least = all
+        .iter()
+        .map(|(_, s)| kilobytes(s))
+        .fold(f64::INFINITY, f64::min);
+    let worst = all
+        .iter()
+        .max_by(|a, b| a.1.relstd().total_cmp(&b.1.relstd()));
+    let off = |s: &SamplerFigures| {
+        s.angles
+            .iter()
+            .map(|a| (a.spread.pdf_integral - 1.0).abs())
+            .fold(0.0, f64::max)
+    };
     vec![
         label,
         format!("{least:.1}–{:.1}", most(&kilobytes)),
         format!("{:.3}", most(&|s| s.build.wall)),
         format!("{:.0}", most(&|s| s.calls.sample_ns)),
         format!("{:.3}", geometric_mean(all.iter().map(|(_, s)| s.relstd()))),
-        worst.map_or_else(String::new, |(name, s)| format!("{:.3} ({name})", s.relstd())),
+        worst.map_or_else(String::new, |(name, s)| {
+            format!("{:.3} ({name})", s.relstd())
+        }),
         format!("{:.3}", most(&SamplerFigures::worst_relstd)),
         format!("{:.3}", 100.0 * most(&SamplerFigures::worst_holes)),
-        format!("{:.1}", most(&|s| s.worst_bias().relative.abs() / s.worst_bias().standard_error)),
+        format!(
+            "{:.1}",
+            most(&|s| s.worst_bias().relative.abs() / s.worst_bias().standard_error)
+        ),
         format!("{:.3}", 100.0 * most(&off)),
         format!("{:.2}", 100.0 * most(&|s| s.calls.failed)),
     ]
@@ -64,7 +84,11 @@ fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
 fn geometric_mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = values.len();
     let product: f64 = values.map(f64::ln).sum();
-    if count > 0 { (product / count as f64).exp() } else { 0.0 }
+    if count > 0 {
+        (product / count as f64).exp()
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]

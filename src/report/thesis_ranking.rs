@@ -15,7 +15,11 @@ struct Pair {
 }
 
 const fn pair(thesis: &'static str, ours: &'static str, matches: fn(&Competitor) -> bool) -> Pair {
-    Pair { thesis, ours, matches }
+    Pair {
+        thesis,
+        ours,
+        matches,
+    }
 }
 
 fn brdf(c: &Competitor, of: impl Fn(&SamplerSpec) -> bool) -> bool {
@@ -30,16 +34,27 @@ fn is_half_vector(spec: &SamplerSpec) -> bool {
     *spec == SamplerSpec::HalfVector(HalfVectorSettings::default())
 }
 
-const FACTORED: Pair = pair("factored", "factored", |c| brdf(c, |s| matches!(s, SamplerSpec::Factored(_))));
+const FACTORED: Pair = pair("factored", "factored", |c| {
+    brdf(c, |s| matches!(s, SamplerSpec::Factored(_)))
+});
 const DISC: Pair = pair("adaptive_disc", "adaptive disc", |c| {
-    brdf(c, |s| matches!(s, SamplerSpec::AdaptiveDisc(d) if is_plain(d)))
+    brdf(
+        c,
+        |s| matches!(s, SamplerSpec::AdaptiveDisc(d) if is_plain(d)),
+    )
 });
 const HALF_VECTOR: Pair = pair("", "half-vector", |c| brdf(c, is_half_vector));
 
 const OF_SCENE_2: [Pair; 6] = [
-    pair("uniform", "cosine", |c| brdf(c, |s| *s == SamplerSpec::Cosine)),
-    pair("lobe_sphere", "lobe on the sphere", |c| lobe(c, LobeKind::CosineLobeSphere)),
-    pair("lobe_hemisphere", "lobe on the hemisphere", |c| lobe(c, LobeKind::CosineLobe)),
+    pair("uniform", "cosine", |c| {
+        brdf(c, |s| *s == SamplerSpec::Cosine)
+    }),
+    pair("lobe_sphere", "lobe on the sphere", |c| {
+        lobe(c, LobeKind::CosineLobeSphere)
+    }),
+    pair("lobe_hemisphere", "lobe on the hemisphere", |c| {
+        lobe(c, LobeKind::CosineLobe)
+    }),
     FACTORED,
     DISC,
     HALF_VECTOR,
@@ -54,7 +69,9 @@ const OF_SCENE_6: [Pair; 7] = [
     DISC,
     pair("adaptive_disc_ris", "adaptive disc with RIS", |_| false),
     HALF_VECTOR,
-    pair("", "half-vector with RIS", |c| matches!(c.technique, Technique::Ris(_)) && is_half_vector(&c.spec)),
+    pair("", "half-vector with RIS", |c| {
+        matches!(c.technique, Technique::Ris(_)) && is_half_vector(&c.spec)
+    }),
 ];
 
 /// Both rankings, where the scene was rendered at one of the thesis's numbers of samples.
@@ -81,9 +98,16 @@ pub(super) fn rankings(comparison: &Comparison) -> [Option<ThesisTable>; 2] {
     ]
 }
 
-fn ranking(comparison: &Comparison, scene: SceneKind, table: &'static str, pairs: &[Pair]) -> Sheet {
+fn ranking(
+    comparison: &Comparison,
+    scene: SceneKind,
+    table: &'static str,
+    pairs: &[Pair],
+) -> Sheet {
     let mut sheet = Sheet::new(&["whose", "samples"]);
-    sheet.heading.extend(pairs.iter().map(|p| p.ours.to_owned()));
+    sheet
+        .heading
+        .extend(pairs.iter().map(|p| p.ours.to_owned()));
     sheet.heading.push("order, the best first".into());
     for (samples, thesis) in errors_by_samples(table) {
         let ours: Vec<_> = comparison
@@ -96,7 +120,12 @@ fn ranking(comparison: &Comparison, scene: SceneKind, table: &'static str, pairs
             continue;
         }
         let of = |p: &Pair| thesis.iter().find(|t| t.0 == p.thesis).map(|t| t.1 / 100.0);
-        sheet.push(row("thesis", samples, pairs, &pairs.iter().map(of).collect::<Vec<_>>()));
+        sheet.push(row(
+            "thesis",
+            samples,
+            pairs,
+            &pairs.iter().map(of).collect::<Vec<_>>(),
+        ));
         for (material, errors) in ours {
             sheet.push(row(&material, samples, pairs, &errors));
         }
@@ -107,7 +136,10 @@ fn ranking(comparison: &Comparison, scene: SceneKind, table: &'static str, pairs
 /// Errors of a picture's counterparts at a number of samples; `None` without any.
 fn errors(picture: &PictureComparison, samples: u64, pairs: &[Pair]) -> Option<Vec<Option<f64>>> {
     let error = |pair: &Pair| {
-        let result = picture.results.iter().find(|r| r.samples == samples && (pair.matches)(&r.competitor));
+        let result = picture
+            .results
+            .iter()
+            .find(|r| r.samples == samples && (pair.matches)(&r.competitor));
         result.map(|r| r.errors.mean_relative)
     };
     let all: Vec<Option<f64>> = pairs.iter().map(error).collect();
@@ -115,14 +147,21 @@ fn errors(picture: &PictureComparison, samples: u64, pairs: &[Pair]) -> Option<V
 }
 
 fn row(whose: &str, samples: u64, pairs: &[Pair], errors: &[Option<f64>]) -> Vec<String> {
-    let least = errors.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let least = errors
+        .iter()
+        .flatten()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
     let cell = |e: &Option<f64>| match e {
         Some(e) if least > 0.0 => format!("{:.2} ({:.1} %)", e / least, e * 100.0),
         Some(e) => format!("{:.1} %", e * 100.0),
         None => "–".into(),
     };
-    let mut order: Vec<(&str, f64)> =
-        pairs.iter().zip(errors).filter_map(|(p, e)| Some((p.ours, (*e)?))).collect();
+    let mut order: Vec<(&str, f64)> = pairs
+        .iter()
+        .zip(errors)
+        .filter_map(|(p, e)| Some((p.ours, (*e)?)))
+        .collect();
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
     let names: Vec<&str> = order.iter().map(|o| o.0).collect();
     let mut row = vec![whose.to_owned(), samples.to_string()];

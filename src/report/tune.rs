@@ -7,13 +7,25 @@ use crate::measure::compare::{MOST_SAMPLES, Tried, Tuning};
 /// One line a sampler that was tried, the quickest first.
 pub fn tuning_sheet(material: &str, tuning: &Tuning) -> Sheet {
     let to = format!("to {} %", percent(tuning.wish.error));
-    let mut sheet =
-        Sheet::new(&[material, "KB", "build s", "ns/sample", "samples", &to, "within limits", "slope"]);
+    let mut sheet = Sheet::new(&[
+        material,
+        "KB",
+        "build s",
+        "ns/sample",
+        "samples",
+        &to,
+        "within limits",
+        "slope",
+    ]);
     for (i, tried) in tuning.tried.iter().enumerate() {
         let curve = &tried.curve;
         let mark = if tuning.chosen == Some(i) { "→ " } else { "" };
         let samples = tried.reach.map_or("never".into(), |r| {
-            format!("{}{:.0}", if r.extrapolated { "~" } else { "" }, r.samples.ceil())
+            format!(
+                "{}{:.0}",
+                if r.extrapolated { "~" } else { "" },
+                r.samples.ceil()
+            )
         });
         sheet.push(vec![
             format!("{mark}{}", curve.label),
@@ -58,8 +70,15 @@ pub fn tuning_summary(material: &str, tuning: &Tuning) -> String {
 }
 
 fn neighbour(how: &str, tried: &Tried) -> String {
-    let limits = if tried.allowed { "" } else { ", beyond the limits" };
-    let (samples, seconds) = (tried.reach.map_or(0.0, |r| r.samples), tried.seconds.unwrap_or_default());
+    let limits = if tried.allowed {
+        ""
+    } else {
+        ", beyond the limits"
+    };
+    let (samples, seconds) = (
+        tried.reach.map_or(0.0, |r| r.samples),
+        tried.seconds.unwrap_or_default(),
+    );
     format!(
         "{how}: {}, {:.1} KB, {:.0} samples, {}{limits}",
         tried.curve.label,
@@ -78,17 +97,26 @@ fn nearest(material: &str, tuning: &Tuning) -> String {
             percent(end.rmse),
             end.samples
         ),
-        None => format!("{material}: no sampler keeps the limits; allow more bytes or a longer build"),
+        None => {
+            format!("{material}: no sampler keeps the limits; allow more bytes or a longer build")
+        }
     }
 }
 
 /// Three significant digits of a share, in per cent.
 fn percent(share: f64) -> String {
     let value = share * 100.0;
-    let digits =
-        if value >= 100.0 || value <= 0.0 { 0.0 } else { (2.0 - value.log10().floor()).clamp(0.0, 12.0) };
+    let digits = if value >= 100.0 || value <= 0.0 {
+        0.0
+    } else {
+        (2.0 - value.log10().floor()).clamp(0.0, 12.0)
+    };
     let text = format!("{value:.*}", digits as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').into()
+    } else {
+        text
+    }
 }
 
 #[cfg(test)]
@@ -97,7 +125,13 @@ mod tests {
 
     #[test]
     fn shares_keep_three_digits() {
-        for (share, text) in [(0.01, "1"), (0.0123, "1.23"), (0.12345, "12.3"), (1.5, "150"), (0.0, "0")] {
+        for (share, text) in [
+            (0.01, "1"),
+            (0.0123, "1.23"),
+            (0.12345, "12.3"),
+            (1.5, "150"),
+            (0.0, "0"),
+        ] {
             assert_eq!(percent(share), text);
         }
     }

@@ -29,7 +29,9 @@ impl ByAzimuthSettings {
     /// Streaks ask for other tables than lobes: azimuths of half vectors three times as fine, both sides of `wo` told apart,
     /// and for the same bytes fewer polar angles. On a brushed metal of roughness 0.06 by 0.4 that halves the spread of weights.
     pub fn of(table: HalfVectorSettings) -> Self {
-        let preset = HalfVectorSettings::PRESETS.iter().any(|p| p.1 == table.with_mean());
+        let preset = HalfVectorSettings::PRESETS
+            .iter()
+            .any(|p| p.1 == table.with_mean());
         let table = if preset { finer(table) } else { table };
         Self { azimuths: 8, table }
     }
@@ -40,7 +42,10 @@ impl ByAzimuthSettings {
         if (2..=256).contains(&self.azimuths) {
             return Ok(());
         }
-        Err(Error::argument(format!("{} azimuths of wo", self.azimuths), "choose 2 to 256"))
+        Err(Error::argument(
+            format!("{} azimuths of wo", self.azimuths),
+            "choose 2 to 256",
+        ))
     }
 }
 
@@ -91,7 +96,10 @@ impl ByAzimuth {
         let symmetry = brdf.symmetry();
         if symmetry == Symmetry::Isotropic {
             let what = "tables by azimuth are for anisotropic materials, this one is isotropic";
-            return Err(Error::argument(what, "leave the azimuths out: one table serves all of them"));
+            return Err(Error::argument(
+                what,
+                "leave the azimuths out: one table serves all of them",
+            ));
         }
         settings.check()?;
         let step = step(symmetry, settings.azimuths);
@@ -111,7 +119,11 @@ impl ByAzimuth {
         symmetry: Symmetry,
         tables: Vec<HalfVectorTable>,
     ) -> Self {
-        Self { settings, symmetry, tables }
+        Self {
+            settings,
+            symmetry,
+            tables,
+        }
     }
 
     pub(super) fn stored(&self) -> Vec<&Stored> {
@@ -130,31 +142,50 @@ impl ByAzimuth {
         let azimuth = f64::from(folded.y).atan2(f64::from(folded.x)) - Symmetry::START;
         let at = (azimuth / step).max(0.0);
         // Rounding may pass the last azimuth; where they go round, behind it comes the first.
-        let first = (at as usize).min(if self.symmetry == Symmetry::Quarter { count - 2 } else { count - 1 });
+        let first = (at as usize).min(if self.symmetry == Symmetry::Quarter {
+            count - 2
+        } else {
+            count - 1
+        });
         let share = (at - first as f64).min(1.0);
         let turned = |k: usize, turns: f64| (&self.tables[k % count], Turn::by(turns * step));
         let tables = [turned(first, share), turned(first + 1, share - 1.0)];
-        Pair { square: Square::about(folded), signs, tables, share }
+        Pair {
+            square: Square::about(folded),
+            signs,
+            tables,
+            share,
+        }
     }
 }
 
 /// Radians between two azimuths that have a table: both ends have one where they are mirrors; elsewhere they meet.
 fn step(symmetry: Symmetry, count: usize) -> f64 {
-    let steps = if symmetry == Symmetry::Quarter { count - 1 } else { count };
+    let steps = if symmetry == Symmetry::Quarter {
+        count - 1
+    } else {
+        count
+    };
     symmetry.span() / steps as f64
 }
 
 /// Directions too near to the normal for f32 to square have the first azimuth, which every symmetry has.
 fn with_azimuth(wo: Vec3) -> Vec3 {
     let near = wo.x * wo.x + wo.y * wo.y < 1e-30;
-    if near { Vec3::new(-1e-12, -0.0, wo.z) } else { wo }
+    if near {
+        Vec3::new(-1e-12, -0.0, wo.z)
+    } else {
+        wo
+    }
 }
 
 impl Pair<'_> {
     fn pdf(&self, wi: Vec3) -> f32 {
         let place = self.square.place(wi);
         let widest = self.square.widest_at(place.cap);
-        let pdf = |(table, turn): Turned<'_>| f64::from(table.pdf_turned(&self.square, &place, widest, turn));
+        let pdf = |(table, turn): Turned<'_>| {
+            f64::from(table.pdf_turned(&self.square, &place, widest, turn))
+        };
         let [first, second] = self.tables.map(pdf);
         (first * (1.0 - self.share) + second * self.share) as f32
     }
@@ -164,7 +195,10 @@ impl Pair<'_> {
         let (table, turn) = self.tables[usize::from(second)];
         let u = Vec2::new((rest as f32).min(1f32.next_down()), u.y);
         let wi = table.draw_turned(&self.square, u, turn);
-        DirectionSample { wi: wi * self.signs, pdf: self.pdf(wi) }
+        DirectionSample {
+            wi: wi * self.signs,
+            pdf: self.pdf(wi),
+        }
     }
 }
 
@@ -187,7 +221,10 @@ impl DirectionSampler for ByAzimuth {
 
     fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
         let pair = unit_upper(wo).map(|wo| self.pair(wo));
-        points.iter().map(|&u| pair.as_ref().map(|pair| pair.sample(u))).collect()
+        points
+            .iter()
+            .map(|&u| pair.as_ref().map(|pair| pair.sample(u)))
+            .collect()
     }
 }
 
@@ -201,11 +238,19 @@ struct View<'a> {
 
 impl<'a> View<'a> {
     fn new(brdf: &'a dyn Brdf, azimuth: f64) -> Self {
-        Self { brdf, cos: azimuth.cos() as f32, sin: azimuth.sin() as f32 }
+        Self {
+            brdf,
+            cos: azimuth.cos() as f32,
+            sin: azimuth.sin() as f32,
+        }
     }
 
     fn on_surface(&self, w: Vec3) -> Vec3 {
-        Vec3::new(self.cos * w.x - self.sin * w.y, self.sin * w.x + self.cos * w.y, w.z)
+        Vec3::new(
+            self.cos * w.x - self.sin * w.y,
+            self.sin * w.x + self.cos * w.y,
+            w.z,
+        )
     }
 }
 

@@ -18,7 +18,9 @@ impl DirectionSampler for Cosine {
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        unit_upper(wo).and(unit_upper(wi)).map_or(0.0, |wi| wi.z * FRAC_1_PI)
+        unit_upper(wo)
+            .and(unit_upper(wi))
+            .map_or(0.0, |wi| wi.z * FRAC_1_PI)
     }
 
     fn bytes(&self) -> usize {

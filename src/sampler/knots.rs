@@ -62,15 +62,27 @@ impl ThetaKnots {
 
     /// The knot whose angle is nearest to `theta`, radians; the first for one that is not finite.
     pub fn nearest(self, theta: f64) -> usize {
-        let distance = |k: &usize| if theta.is_finite() { (self.theta(*k) - theta).abs() } else { *k as f64 };
-        (0..self.count).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+        let distance = |k: &usize| {
+            if theta.is_finite() {
+                (self.theta(*k) - theta).abs()
+            } else {
+                *k as f64
+            }
+        };
+        (0..self.count)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .unwrap_or(0)
     }
 
     /// Tables that serve the upper direction `wo`.
     #[inline]
     pub fn neighbours(self, wo: Vec3) -> Neighbours {
         if self.count == 1 {
-            return Neighbours { first: 0, second: 0, share: 0.0 };
+            return Neighbours {
+                first: 0,
+                second: 0,
+                share: 0.0,
+            };
         }
         let theta = approx::acos(f64::from(wo.z)).min(LAST);
         let step = FRAC_PI_2 / (self.count - 1) as f64;
@@ -78,12 +90,24 @@ impl ThetaKnots {
         let low = first as f64 * step;
         // Several knots stand at the last angle if the step is small: between those there is nothing to share.
         let width = self.theta(first + 1) - low;
-        let share = if width > 0.0 { ((theta - low) / width).clamp(0.0, 1.0) } else { 0.0 };
+        let share = if width > 0.0 {
+            ((theta - low) / width).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         match self.choice {
-            TableChoice::Mixture => Neighbours { first, second: first + 1, share },
+            TableChoice::Mixture => Neighbours {
+                first,
+                second: first + 1,
+                share,
+            },
             TableChoice::Nearest => {
                 let nearest = first + usize::from(share > 0.5);
-                Neighbours { first: nearest, second: nearest, share: 0.0 }
+                Neighbours {
+                    first: nearest,
+                    second: nearest,
+                    share: 0.0,
+                }
             }
         }
     }
@@ -113,7 +137,10 @@ mod tests {
             let n = knots.neighbours(spherical(f64::to_radians(degrees), 1.0).as_vec3());
             let theta = knots.theta(n.first) * (1.0 - n.share) + knots.theta(n.second) * n.share;
             // z rounded to f32 leaves angles near 0 uncertain by 10⁻⁴ rad.
-            assert!((theta.to_degrees() - degrees.min(89.5)).abs() < 2e-2, "{degrees}: {n:?}");
+            assert!(
+                (theta.to_degrees() - degrees.min(89.5)).abs() < 2e-2,
+                "{degrees}: {n:?}"
+            );
         }
     }
 
@@ -123,7 +150,10 @@ mod tests {
             let knots = ThetaKnots::new(count, TableChoice::Mixture).unwrap();
             for degrees in [0.0, 45.0, 89.25, 89.5, 89.75, 89.999] {
                 let n = knots.neighbours(spherical(f64::to_radians(degrees), 1.0).as_vec3());
-                assert!((0.0..=1.0).contains(&n.share), "{count} tables, {degrees}°: {n:?}");
+                assert!(
+                    (0.0..=1.0).contains(&n.share),
+                    "{count} tables, {degrees}°: {n:?}"
+                );
                 assert!(n.second < count);
             }
         }
@@ -133,7 +163,14 @@ mod tests {
     fn nearest_takes_one_table() {
         let knots = ThetaKnots::new(10, TableChoice::Nearest).unwrap();
         let n = knots.neighbours(spherical(f64::to_radians(16.0), 0.0).as_vec3());
-        assert_eq!(n, Neighbours { first: 2, second: 2, share: 0.0 });
+        assert_eq!(
+            n,
+            Neighbours {
+                first: 2,
+                second: 2,
+                share: 0.0
+            }
+        );
     }
 
     #[test]

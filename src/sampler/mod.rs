@@ -92,5 +92,7 @@ fn with_density(sampler: &impl DirectionSampler, wo: Vec3, wi: Vec3) -> Option<D
 
 /// The first `count` Owen-scrambled Sobol points of a seed.
 fn well_spread(count: usize, seed: u64) -> Vec<Vec2> {
-    (0..count as u64).map(|i| PointSet::Sobol.point(seed, i, 0)).collect()
+    (0..count as u64)
+        .map(|i| PointSet::Sobol.point(seed, i, 0))
+        .collect()
 }

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::{
-    AdaptiveDisc, AdaptiveDiscSettings, ByAzimuth, ByAzimuthSettings, CascadeCdf, CascadeCdfSettings,
-    Construction, Cosine, DirectionSample, DirectionSampler, Factored, FactoredSettings, HalfVectorSettings,
-    HalfVectorTable, LeafChoice, Lobe, LobeKind, LobeSettings, TableChoice, ThetaSpacing,
+    AdaptiveDisc, AdaptiveDiscSettings, ByAzimuth, ByAzimuthSettings, CascadeCdf,
+    CascadeCdfSettings, Construction, Cosine, DirectionSample, DirectionSampler, Factored,
+    FactoredSettings, HalfVectorSettings, HalfVectorTable, LeafChoice, Lobe, LobeKind,
+    LobeSettings, TableChoice, ThetaSpacing,
 };
 use crate::brdf::{Importance, MaterialBrdf, Measured};
 use crate::bsdf::Rgl;
@@ -41,7 +42,16 @@ impl SamplerSpec {
     pub fn baselines() -> [Self; 8] {
         let [a, b, c, d, e, f] = LobeKind::ALL.map(|kind| Self::Lobe(LobeSettings::fitted(kind)));
         let factored = Self::Factored(FactoredSettings::default());
-        [a, b, c, d, e, f, factored, Self::AdaptiveDisc(AdaptiveDiscSettings::rejection())]
+        [
+            a,
+            b,
+            c,
+            d,
+            e,
+            f,
+            factored,
+            Self::AdaptiveDisc(AdaptiveDiscSettings::rejection()),
+        ]
     }
 
     /// The method's name on the command line.
@@ -62,21 +72,35 @@ impl SamplerSpec {
     pub fn label(&self) -> String {
         let (mut label, published, notes) = match self {
             Self::Cosine | Self::File => return self.name().into(),
-            Self::AdaptiveDisc(s) => {
-                (disc_label(s), *s == AdaptiveDiscSettings::as_published(), disc_notes(s))
-            }
+            Self::AdaptiveDisc(s) => (
+                disc_label(s),
+                *s == AdaptiveDiscSettings::as_published(),
+                disc_notes(s),
+            ),
             Self::CascadeCdf(s) => {
-                let published = [true, false].map(CascadeCdfSettings::as_published).contains(s);
+                let published = [true, false]
+                    .map(CascadeCdfSettings::as_published)
+                    .contains(s);
                 (cascade_label(s), published, cascade_notes(s))
             }
             Self::HalfVector(s) => (half_vector_label(s), false, luminance_note(s.importance)),
             Self::Lobe(s) => (self.name().into(), false, luminance_note(s.importance)),
-            Self::Factored(s) => {
-                (format!("factored, {} tables", s.tables), false, luminance_note(s.importance))
-            }
-            Self::ByAzimuth(s) => (by_azimuth_label(s), false, luminance_note(s.table.importance)),
+            Self::Factored(s) => (
+                format!("factored, {} tables", s.tables),
+                false,
+                luminance_note(s.importance),
+            ),
+            Self::ByAzimuth(s) => (
+                by_azimuth_label(s),
+                false,
+                luminance_note(s.table.importance),
+            ),
         };
-        let notes = if published { vec!["as published".into()] } else { notes };
+        let notes = if published {
+            vec!["as published".into()]
+        } else {
+            notes
+        };
         for note in notes {
             label = format!("{label}, {note}");
         }
@@ -97,22 +121,31 @@ impl SamplerSpec {
             {
                 Err(self.refused_by_files())
             }
-            Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => Ok(()),
+            Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => {
+                Ok(())
+            }
         }
     }
 
     fn refused_by_tables(&self) -> Error {
         let (what, fix) = match self {
-            Self::ByAzimuth(_) => {
-                ("tables by azimuth are", "leave the azimuths out: one table serves all of them")
-            }
+            Self::ByAzimuth(_) => (
+                "tables by azimuth are",
+                "leave the azimuths out: one table serves all of them",
+            ),
             _ => ("the sampler file is", "choose another, as half-vector"),
         };
-        Error::argument(format!("{what} for anisotropic .bsdf files, and this material is isotropic"), fix)
+        Error::argument(
+            format!("{what} for anisotropic .bsdf files, and this material is isotropic"),
+            fix,
+        )
     }
 
     fn refused_by_files(&self) -> Error {
-        let what = format!("{} is for isotropic materials, and this one is anisotropic", self.name());
+        let what = format!(
+            "{} is for isotropic materials, and this one is anisotropic",
+            self.name()
+        );
         Error::argument(what, "choose the sampler half-vector, file or cosine")
     }
 
@@ -126,8 +159,12 @@ impl SamplerSpec {
             Self::AdaptiveDisc(settings) => {
                 Sampler::AdaptiveDisc(AdaptiveDisc::build(brdf.clone(), *settings)?)
             }
-            Self::CascadeCdf(settings) => Sampler::CascadeCdf(CascadeCdf::build(&**brdf, *settings)?),
-            Self::HalfVector(settings) => Sampler::HalfVector(HalfVectorTable::build(&**brdf, *settings)?),
+            Self::CascadeCdf(settings) => {
+                Sampler::CascadeCdf(CascadeCdf::build(&**brdf, *settings)?)
+            }
+            Self::HalfVector(settings) => {
+                Sampler::HalfVector(HalfVectorTable::build(&**brdf, *settings)?)
+            }
             Self::Lobe(settings) => Sampler::Lobe(Lobe::build(&**brdf, *settings)?),
             Self::Factored(settings) => Sampler::Factored(Factored::build(&**brdf, *settings)?),
             Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(&**brdf, *settings)?),
@@ -168,11 +205,15 @@ fn disc_label(s: &AdaptiveDiscSettings) -> String {
 
 fn cascade_label(s: &CascadeCdfSettings) -> String {
     let cells = format!("cascade-cdf {}×{}×{}", s.tables, s.theta_h, s.phi_h);
-    s.tolerance.map_or_else(|| format!("{cells} whole"), |t| format!("{cells} ±{t}"))
+    s.tolerance
+        .map_or_else(|| format!("{cells} whole"), |t| format!("{cells} ±{t}"))
 }
 
 fn half_vector_label(s: &HalfVectorSettings) -> String {
-    if let Some((size, _)) = HalfVectorSettings::PRESETS.iter().find(|p| p.1 == s.with_mean()) {
+    if let Some((size, _)) = HalfVectorSettings::PRESETS
+        .iter()
+        .find(|p| p.1 == s.with_mean())
+    {
         return format!("half-vector {size}");
     }
     let folded = if s.fold { " folded" } else { "" };
@@ -180,20 +221,31 @@ fn half_vector_label(s: &HalfVectorSettings) -> String {
 }
 
 fn by_azimuth_label(s: &ByAzimuthSettings) -> String {
-    let same = |p: &&(&str, HalfVectorSettings)| ByAzimuthSettings::of(p.1).table == s.table.with_mean();
-    let table = HalfVectorSettings::PRESETS.iter().find(same).map_or(s.table, |p| p.1);
+    let same =
+        |p: &&(&str, HalfVectorSettings)| ByAzimuthSettings::of(p.1).table == s.table.with_mean();
+    let table = HalfVectorSettings::PRESETS
+        .iter()
+        .find(same)
+        .map_or(s.table, |p| p.1);
     format!("{} at {} azimuths", half_vector_label(&table), s.azimuths)
 }
 
 fn luminance_note(importance: Importance) -> Vec<String> {
-    (importance != Importance::default()).then(|| "luminance".to_owned()).into_iter().collect()
+    (importance != Importance::default())
+        .then(|| "luminance".to_owned())
+        .into_iter()
+        .collect()
 }
 
 /// The settings that differ from the default and do not stand in the label.
 fn disc_notes(s: &AdaptiveDiscSettings) -> Vec<String> {
     let d = AdaptiveDiscSettings::default();
     let mut notes = common_notes(s.choice, s.floor, s.importance);
-    let leaves = if s.leaves == LeafChoice::Warp { "rejection-free" } else { "leaves by integral" };
+    let leaves = if s.leaves == LeafChoice::Warp {
+        "rejection-free"
+    } else {
+        "leaves by integral"
+    };
     notes.extend((s.leaves != d.leaves).then(|| leaves.to_owned()));
     notes.extend((s.carry != d.carry).then(|| "directions kept".to_owned()));
     notes.extend((s.n_max != d.n_max).then(|| format!("n_max {}", s.n_max)));
@@ -211,7 +263,8 @@ fn cascade_notes(s: &CascadeCdfSettings) -> Vec<String> {
 fn common_notes(choice: TableChoice, floor: f64, importance: Importance) -> Vec<String> {
     let mut notes = Vec::new();
     notes.extend((choice != TableChoice::default()).then(|| "nearest".to_owned()));
-    notes.extend((floor != AdaptiveDiscSettings::default().floor).then(|| format!("floor {floor}")));
+    notes
+        .extend((floor != AdaptiveDiscSettings::default().floor).then(|| format!("floor {floor}")));
     notes.extend(luminance_note(importance));
     notes
 }

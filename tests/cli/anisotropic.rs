@@ -18,9 +18,13 @@ const NAME: &str = "brushed.bsdf";
 /// A folder with the file in it, and the file.
 fn folder() -> (TempDir, Rgl) {
     let folder = tempfile::tempdir().unwrap();
-    let metal = Brushed { turned: 0.5, ..Brushed::STRONG };
+    let metal = Brushed {
+        turned: 0.5,
+        ..Brushed::STRONG
+    };
     let file = bsdf_of(&metal, Symmetry::Half, Resolution::COARSE);
-    file.write(&folder.path().join(NAME), Overwrite::Refuse).unwrap();
+    file.write(&folder.path().join(NAME), Overwrite::Refuse)
+        .unwrap();
     (folder, Rgl::new(file))
 }
 
@@ -36,19 +40,46 @@ fn values_and_draws_are_those_of_the_file() {
     let angle = |theta: f64, phi: f64| spherical(theta.to_radians(), phi.to_radians()).as_vec3();
     let expected = rgl.value(angle(40.0, 10.0), angle(35.0, 200.0)).to_array();
     let found = numbers(text.lines().nth(1).unwrap());
-    assert!(found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-4), "{found:?} {expected:?}");
+    assert!(
+        found
+            .iter()
+            .zip(expected)
+            .all(|(a, b)| (a / b - 1.0).abs() < 1e-4),
+        "{found:?} {expected:?}"
+    );
     let wo = angle(50.0, 70.0);
     for sampler in ["half-vector", "file", "cosine"] {
-        let arguments =
-            ["sample", NAME, "--theta", "50", "--phi", "70", "--count", "40", "--sampler", sampler];
+        let arguments = [
+            "sample",
+            NAME,
+            "--theta",
+            "50",
+            "--phi",
+            "70",
+            "--count",
+            "40",
+            "--sampler",
+            sampler,
+        ];
         let text = succeeds(run_in(folder.path(), &arguments, ""));
-        let drawn: Vec<_> = text.lines().skip(1).map(numbers).filter(|n| n[3] > 0.0).collect();
+        let drawn: Vec<_> = text
+            .lines()
+            .skip(1)
+            .map(numbers)
+            .filter(|n| n[3] > 0.0)
+            .collect();
         assert!(drawn.len() > 20, "{sampler}: {text}");
         for n in drawn {
-            let (wi, f) = (Vec3::from_slice(&n[..3]), rgl.value(wo, Vec3::from_slice(&n[..3])).x);
+            let (wi, f) = (
+                Vec3::from_slice(&n[..3]),
+                rgl.value(wo, Vec3::from_slice(&n[..3])).x,
+            );
             assert!((n[4] / f - 1.0).abs() < 1e-3, "{sampler}: {wi} {n:?} {f}");
             let own = rgl.density(wo, wi);
-            assert!(sampler != "file" || (n[3] / own - 1.0).abs() < 1e-3, "{wi}: {n:?} {own}");
+            assert!(
+                sampler != "file" || (n[3] / own - 1.0).abs() < 1e-3,
+                "{wi}: {n:?} {own}"
+            );
         }
     }
 }
@@ -58,41 +89,85 @@ fn built_tables_draw_the_same() {
     let (folder, _) = folder();
     let build = ["build", NAME, "--table-size", "2KB", "-o", "tables"];
     let text = succeeds(run_in(folder.path(), &build, ""));
-    assert!(text.contains("half-vector for brushed,") && !text.contains("lookup"), "{text}");
+    assert!(
+        text.contains("half-vector for brushed,") && !text.contains("lookup"),
+        "{text}"
+    );
     let draws = ["--theta", "30", "--phi", "200", "--count", "20"];
-    let sample =
-        |source: &[&str]| succeeds(run_in(folder.path(), &[&["sample"], source, &draws[..]].concat(), ""));
+    let sample = |source: &[&str]| {
+        succeeds(run_in(
+            folder.path(),
+            &[&["sample"], source, &draws[..]].concat(),
+            "",
+        ))
+    };
     assert_eq!(sample(&["tables"]), sample(&[NAME, "--table-size", "2KB"]));
     let info = succeeds(run_in(folder.path(), &["info", "tables"], ""));
-    assert!(info.contains("half-vector 2KB at 8 azimuths") && info.contains("none"), "{info}");
+    assert!(
+        info.contains("half-vector 2KB at 8 azimuths") && info.contains("none"),
+        "{info}"
+    );
 }
 
 #[test]
 fn checks_go_round_the_azimuth() {
     let (folder, _) = folder();
-    let arguments =
-        ["check", NAME, "--draws", "2000", "--sampler", "half-vector", "--azimuths", "3", "--json", "-"];
+    let arguments = [
+        "check",
+        NAME,
+        "--draws",
+        "2000",
+        "--sampler",
+        "half-vector",
+        "--azimuths",
+        "3",
+        "--json",
+        "-",
+    ];
     let results = json(&succeeds(run_in(folder.path(), &arguments, "")));
-    assert_eq!(results["results"][0]["sampler"], "half-vector 64KB at 3 azimuths");
+    assert_eq!(
+        results["results"][0]["sampler"],
+        "half-vector 64KB at 3 azimuths"
+    );
     let outcomes = results["results"][0]["outcomes"].as_array().unwrap();
     assert_eq!(outcomes.len(), 13 * 5 * 7);
-    assert!(outcomes.iter().any(|o| (o["phi_o_deg"].as_f64().unwrap() - 90.0).abs() < 1e-3));
+    assert!(
+        outcomes
+            .iter()
+            .any(|o| (o["phi_o_deg"].as_f64().unwrap() - 90.0).abs() < 1e-3)
+    );
 }
 
 #[test]
 fn reports_go_round_the_azimuth() {
     let (folder, rgl) = folder();
-    let arguments =
-        ["report", NAME, "--draws", "1000", "--table-size", "2KB", "--json", "json", "--csv", "csv"];
+    let arguments = [
+        "report",
+        NAME,
+        "--draws",
+        "1000",
+        "--table-size",
+        "2KB",
+        "--json",
+        "json",
+        "--csv",
+        "csv",
+    ];
     let shown = succeeds(run_in(folder.path(), &arguments, ""));
-    assert!(shown.contains("values of the file") && shown.contains("four azimuths"), "{shown}");
+    assert!(
+        shown.contains("values of the file") && shown.contains("four azimuths"),
+        "{shown}"
+    );
     for name in ["half-vector 2KB at 8 azimuths", "cosine", "file"] {
         assert!(shown.contains(&format!("| {name} ")), "{shown}");
     }
     let written = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let results = &json(&written("json"))["results"][0];
     assert!(results["lookup"].is_null());
-    assert_eq!(results["material_bytes"].as_u64().unwrap(), rgl.table_bytes() as u64);
+    assert_eq!(
+        results["material_bytes"].as_u64().unwrap(),
+        rgl.table_bytes() as u64
+    );
     let table = ByAzimuthSettings::of(HalfVectorSettings::PRESETS[0].1).table;
     for (sampler, bytes) in [(0, 8 * table.bytes()), (2, rgl.draw_bytes())] {
         let figures = &results["samplers"][sampler];
@@ -103,7 +178,10 @@ fn reports_go_round_the_azimuth() {
     let csv = written("csv");
     let rows: Vec<Vec<&str>> = csv.lines().map(|l| l.split(',').collect()).collect();
     let column = rows[0].iter().position(|c| *c == "phi_o_deg").unwrap();
-    assert!(rows.len() == 1 + 3 * 28 && rows[2][column] == "111.7" && rows[2][1].is_empty(), "{csv}");
+    assert!(
+        rows.len() == 1 + 3 * 28 && rows[2][column] == "111.7" && rows[2][1].is_empty(),
+        "{csv}"
+    );
 }
 
 /// Mean of a picture's pixels.
@@ -117,11 +195,27 @@ fn pictures_agree_whatever_draws_the_directions() {
     let (folder, _) = folder();
     let mut means = Vec::new();
     for sampler in ["half-vector", "file", "cosine"] {
-        let options = ["--sampler", sampler, "--size", "32x24", "--spp", "1024", "-o", sampler];
-        succeeds(run_in(folder.path(), &[&["render", NAME], &options[..]].concat(), ""));
+        let options = [
+            "--sampler",
+            sampler,
+            "--size",
+            "32x24",
+            "--spp",
+            "1024",
+            "-o",
+            sampler,
+        ];
+        succeeds(run_in(
+            folder.path(),
+            &[&["render", NAME], &options[..]].concat(),
+            "",
+        ));
         means.push(mean(&folder.path().join(format!("{sampler}.exr"))));
     }
-    assert!(means.iter().all(|m| (m / means[0] - 1.0).abs() < 0.01), "{means:?}");
+    assert!(
+        means.iter().all(|m| (m / means[0] - 1.0).abs() < 0.01),
+        "{means:?}"
+    );
 }
 
 #[test]
@@ -142,7 +236,10 @@ fn other_commands_say_what_works() {
             text.contains("brushed.bsdf: an anisotropic material, of 5 azimuths,"),
             "{arguments:?}: {text}"
         );
-        assert!(text.contains("eval, build, sample, check, report and render take"), "{arguments:?}: {text}");
+        assert!(
+            text.contains("eval, build, sample, check, report and render take"),
+            "{arguments:?}: {text}"
+        );
     }
 }
 
@@ -153,7 +250,13 @@ fn samplers_that_do_not_fit_are_refused() {
         let common = ["sample", material, "--theta", "20", "--count", "1"];
         fails(run_in(folder.path(), &[&common[..], options].concat(), ""))
     };
-    for name in ["ggx", "cascade-cdf", "adaptive-disc", "factored", "disc-rejection"] {
+    for name in [
+        "ggx",
+        "cascade-cdf",
+        "adaptive-disc",
+        "factored",
+        "disc-rejection",
+    ] {
         let text = sample(NAME, &["--sampler", name]);
         assert!(text.contains("half-vector, file or cosine"), "{text}");
     }
@@ -170,9 +273,33 @@ fn samplers_that_do_not_fit_are_refused() {
 fn what_one_of_several_materials_can_not_have_is_refused_first() {
     let (folder, _) = folder();
     for arguments in [
-        &["build", "nickel", NAME, "--sampler", "adaptive-disc", "-o", "out"][..],
-        &["check", "nickel", NAME, "--sampler", "adaptive-disc", "--json", "out"],
-        &["report", NAME, "nickel", "--sampler", "file", "--json", "out"],
+        &[
+            "build",
+            "nickel",
+            NAME,
+            "--sampler",
+            "adaptive-disc",
+            "-o",
+            "out",
+        ][..],
+        &[
+            "check",
+            "nickel",
+            NAME,
+            "--sampler",
+            "adaptive-disc",
+            "--json",
+            "out",
+        ],
+        &[
+            "report",
+            NAME,
+            "nickel",
+            "--sampler",
+            "file",
+            "--json",
+            "out",
+        ],
         &["export", "nickel", NAME, "--format", "header", "-o", "out"],
         &["compare", "nickel", NAME, "--quick", "-o", "out"],
     ] {

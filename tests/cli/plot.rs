@@ -2,7 +2,16 @@
 
 use crate::run::{fails, run, run_in, succeeds};
 
-const KINDS: [&str; 8] = ["lobe", "lobe-polar", "slice", "slice-rgb", "disc", "cdf", "cdf-azimuth", "albedo"];
+const KINDS: [&str; 8] = [
+    "lobe",
+    "lobe-polar",
+    "slice",
+    "slice-rgb",
+    "disc",
+    "cdf",
+    "cdf-azimuth",
+    "albedo",
+];
 
 /// Standard output, parsed.
 fn picture(arguments: &[&str]) -> String {
@@ -16,14 +25,25 @@ fn picture(arguments: &[&str]) -> String {
 fn every_kind_is_a_picture_and_the_same_each_time() {
     for kind in KINDS {
         // Few tables: these pictures show one.
-        let tables: &[&str] =
-            if ["disc", "cdf", "cdf-azimuth"].contains(&kind) { &["--tables", "3"] } else { &[] };
+        let tables: &[&str] = if ["disc", "cdf", "cdf-azimuth"].contains(&kind) {
+            &["--tables", "3"]
+        } else {
+            &[]
+        };
         let arguments = [&["teflon", "--kind", kind], tables].concat();
         let svg = picture(&arguments);
-        assert!(svg.contains("<title>teflon: ") && !svg.contains("no data"), "{kind}: {}", &svg[..400]);
+        assert!(
+            svg.contains("<title>teflon: ") && !svg.contains("no data"),
+            "{kind}: {}",
+            &svg[..400]
+        );
         // The others have nothing that threads share.
         if ["disc", "cdf", "cdf-azimuth", "albedo"].contains(&kind) {
-            assert_eq!(svg, picture(&[&arguments[..], &["--threads", "1"]].concat()), "{kind}");
+            assert_eq!(
+                svg,
+                picture(&[&arguments[..], &["--threads", "1"]].concat()),
+                "{kind}"
+            );
         }
     }
 }
@@ -33,7 +53,11 @@ fn options_change_what_is_drawn() {
     let lobe = ["nickel", "--kind", "lobe"];
     let with = |more: &[&str]| picture(&[&lobe, more].concat());
     assert_eq!(with(&[]), with(&["--theta", "30", "--lookup", "floor"]));
-    for more in [["--theta", "60"], ["--lookup", "centred"], ["--sampler", "half-vector"]] {
+    for more in [
+        ["--theta", "60"],
+        ["--lookup", "centred"],
+        ["--sampler", "half-vector"],
+    ] {
         assert_ne!(with(&[]), with(&more), "{more:?}");
     }
     assert_ne!(
@@ -42,14 +66,27 @@ fn options_change_what_is_drawn() {
     );
     let several = with(&["--theta", "0,30", "--theta", "60"]);
     assert!(
-        ["θ = 0°", "θ = 30°", "θ = 60°"].iter().all(|l| several.contains(&format!(">{l}<"))),
+        ["θ = 0°", "θ = 30°", "θ = 60°"]
+            .iter()
+            .all(|l| several.contains(&format!(">{l}<"))),
         "{several}"
     );
     let disc = ["nickel", "--kind", "disc", "--tables", "3"];
     let seeded = picture(&[&disc[..], &["--samples", "40", "--seed", "3"]].concat());
     assert!(seeded.contains("40 directions drawn"), "{seeded}");
-    assert_ne!(seeded, picture(&[&disc[..], &["--samples", "40", "--seed", "4"]].concat()));
-    let cosine = picture(&["nickel", "--kind", "disc", "--sampler", "cosine", "--samples", "0"]);
+    assert_ne!(
+        seeded,
+        picture(&[&disc[..], &["--samples", "40", "--seed", "4"]].concat())
+    );
+    let cosine = picture(&[
+        "nickel",
+        "--kind",
+        "disc",
+        "--sampler",
+        "cosine",
+        "--samples",
+        "0",
+    ]);
     assert!(cosine.contains("no data"), "{cosine}");
 }
 
@@ -76,11 +113,26 @@ fn mistakes_are_refused_with_what_to_do() {
         (&["--kind", "lobe", "--theta=-3"], "0 to below 90"),
         (&["--kind", "lobe", "--theta", "1,2,3,4,5"], "at most 4"),
         (&["--kind", "disc", "--theta", "1,2"], "at most 1"),
-        (&["--kind", "slice", "--theta", "3"], "--theta has no effect"),
-        (&["--kind", "albedo", "--lookup", "floor"], "--lookup has no effect"),
-        (&["--kind", "cdf", "--sampler", "cascade-cdf"], "--sampler has no effect"),
-        (&["--kind", "lobe", "--samples", "9"], "--samples has no effect"),
-        (&["--kind", "lobe", "--table-size", "2KB"], "name a --sampler"),
+        (
+            &["--kind", "slice", "--theta", "3"],
+            "--theta has no effect",
+        ),
+        (
+            &["--kind", "albedo", "--lookup", "floor"],
+            "--lookup has no effect",
+        ),
+        (
+            &["--kind", "cdf", "--sampler", "cascade-cdf"],
+            "--sampler has no effect",
+        ),
+        (
+            &["--kind", "lobe", "--samples", "9"],
+            "--samples has no effect",
+        ),
+        (
+            &["--kind", "lobe", "--table-size", "2KB"],
+            "name a --sampler",
+        ),
         (&["--kind", "cdf", "--n-max", "3"], "--n-max"),
         (&["--kind", "lobe", "-o", "lobe.jpg"], "SVG or PNG"),
         (&["--kind", "round"], "slice-rgb"),
@@ -98,7 +150,11 @@ fn png_is_written_by_builds_that_can() {
     let arguments = ["plot", "teflon", "--kind", "albedo", "-o", "a.png"];
     if cfg!(feature = "png-plots") {
         assert_eq!(succeeds(run_in(folder.path(), &arguments, "")), "");
-        assert!(std::fs::read(folder.path().join("a.png")).unwrap().starts_with(b"\x89PNG"));
+        assert!(
+            std::fs::read(folder.path().join("a.png"))
+                .unwrap()
+                .starts_with(b"\x89PNG")
+        );
     } else {
         assert!(fails(run_in(folder.path(), &arguments, "")).contains("--features png-plots"));
     }

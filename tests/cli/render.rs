@@ -8,8 +8,15 @@ const RENDER: [&str; 5] = ["render", "nickel", "--size", "24x24", "--force"];
 fn strategies_are_explained_and_differ() {
     let folder = tempfile::tempdir().unwrap();
     let picture = |options: &[&str]| {
-        let text = succeeds(run_in(folder.path(), &[&RENDER[..], &["--spp", "4"], options].concat(), ""));
-        (text, std::fs::read(folder.path().join("render.exr")).unwrap())
+        let text = succeeds(run_in(
+            folder.path(),
+            &[&RENDER[..], &["--spp", "4"], options].concat(),
+            "",
+        ));
+        (
+            text,
+            std::fs::read(folder.path().join("render.exr")).unwrap(),
+        )
     };
     let (text, ris) = picture(&["--strategy", "ris", "--explain"]);
     let line = |name: &str| text.lines().find(|l| l.contains(name)).unwrap().to_owned();
@@ -25,26 +32,42 @@ fn strategies_are_explained_and_differ() {
 #[test]
 fn a_target_error_is_reached_and_told() {
     let folder = tempfile::tempdir().unwrap();
-    let text = |options: &[&str]| succeeds(run_in(folder.path(), &[&RENDER[..], options].concat(), ""));
+    let text =
+        |options: &[&str]| succeeds(run_in(folder.path(), &[&RENDER[..], options].concat(), ""));
     let tenth = text(&["--target-error", "0.1"]);
-    assert!(tenth.contains("estimated relative error") && tenth.contains("reached the target"), "{tenth}");
+    assert!(
+        tenth.contains("estimated relative error") && tenth.contains("reached the target"),
+        "{tenth}"
+    );
     // But for the time, the same.
     let last = |text: &str| text.lines().last().unwrap().to_owned();
     assert_eq!(last(&text(&["--target-error", "10%"])), last(&tenth));
     let short = text(&["--target-error", "0.001", "--max-spp", "32"]);
-    assert!(short.contains("did not reach the target: raise --max-spp 32"), "{short}");
+    assert!(
+        short.contains("did not reach the target: raise --max-spp 32"),
+        "{short}"
+    );
 }
 
 #[test]
 fn points_and_places_of_paths_make_different_pictures_of_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let picture = |options: &[&str]| {
-        succeeds(run_in(folder.path(), &[&RENDER[..], &["--spp", "16"], options].concat(), ""));
+        succeeds(run_in(
+            folder.path(),
+            &[&RENDER[..], &["--spp", "16"], options].concat(),
+            "",
+        ));
         std::fs::read(folder.path().join("render.exr")).unwrap()
     };
     let lattice = picture(&[]);
     assert!(picture(&["--points", "lattice"]) == lattice);
-    let others = [&["--points", "sobol"][..], &["--points", "random"], &["--adaptive"]].map(picture);
+    let others = [
+        &["--points", "sobol"][..],
+        &["--points", "random"],
+        &["--adaptive"],
+    ]
+    .map(picture);
     assert!(others.iter().all(|other| other != &lattice) && others[0] != others[1]);
     assert!(picture(&["--adaptive"]) == others[2]);
 }
@@ -53,16 +76,34 @@ fn points_and_places_of_paths_make_different_pictures_of_the_same() {
 fn options_of_other_strategies_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for (options, expected) in [
-        (&["--candidates", "4"][..], "--candidates has no meaning with --strategy mis"),
-        (&["--strategy", "light", "--heuristic", "power"], "leave it out, or pass --strategy mis"),
+        (
+            &["--candidates", "4"][..],
+            "--candidates has no meaning with --strategy mis",
+        ),
+        (
+            &["--strategy", "light", "--heuristic", "power"],
+            "leave it out, or pass --strategy mis",
+        ),
         (&["--strategy", "ris", "--candidates", "0"], "1..=65536"),
         (&["--target-error=-1"], "a share above 0"),
         (&["--target-error", "0"], "a share above 0"),
-        (&["--target-error", "0.1", "--spp", "4"], "cannot be used with"),
+        (
+            &["--target-error", "0.1", "--spp", "4"],
+            "cannot be used with",
+        ),
         (&["--max-spp", "64"], "--target-error"),
-        (&["--target-error", "0.1", "--max-spp", "8"], "8 is not in 16.."),
-        (&["--target-error", "0.1", "--adaptive"], "cannot be used with"),
-        (&["--target-error", "0.1", "--points", "lattice"], "leave out --points lattice or --target-error"),
+        (
+            &["--target-error", "0.1", "--max-spp", "8"],
+            "8 is not in 16..",
+        ),
+        (
+            &["--target-error", "0.1", "--adaptive"],
+            "cannot be used with",
+        ),
+        (
+            &["--target-error", "0.1", "--points", "lattice"],
+            "leave out --points lattice or --target-error",
+        ),
         (&["--adaptive", "--spp", "8"], "give --spp 16 or more"),
     ] {
         let text = fails(run_in(folder.path(), &[&RENDER[..], options].concat(), ""));

@@ -7,9 +7,15 @@ use crate::samplers::QUICK;
 fn report_puts_the_thesis_beside_the_measured_figures() {
     let arguments = ["report", "nickel", "--draws", "1000", "--json", "-"];
     let document = json(&succeeds(run(&[&arguments[..], &QUICK].concat(), "")));
-    assert_eq!((&document["schema"], &document["kind"]), (&1.into(), &"report".into()));
+    assert_eq!(
+        (&document["schema"], &document["kind"]),
+        (&1.into(), &"report".into())
+    );
     let nickel = &document["results"][0];
-    assert_eq!((&nickel["material"], &nickel["lookup"]), (&"nickel".into(), &"floor".into()));
+    assert_eq!(
+        (&nickel["material"], &nickel["lookup"]),
+        (&"nickel".into(), &"floor".into())
+    );
     assert_eq!(nickel["material_bytes"], 23_328_000);
     let samplers = nickel["samplers"].as_array().unwrap();
     assert_eq!(samplers.len(), 1);
@@ -24,28 +30,54 @@ fn report_puts_the_thesis_beside_the_measured_figures() {
     }
     let thesis = nickel["thesis"].as_array().unwrap();
     assert_eq!(thesis.len(), 4);
-    assert!(thesis.iter().all(|t| t["method"].as_str().unwrap().starts_with("thesis (")), "{thesis:?}");
-    assert_eq!((&thesis[0]["memory_kb"], &thesis[0]["precompute_s"]), (&846.15.into(), &71.36.into()));
+    assert!(
+        thesis
+            .iter()
+            .all(|t| t["method"].as_str().unwrap().starts_with("thesis (")),
+        "{thesis:?}"
+    );
+    assert_eq!(
+        (&thesis[0]["memory_kb"], &thesis[0]["precompute_s"]),
+        (&846.15.into(), &71.36.into())
+    );
 }
 
 #[test]
 fn report_in_csv_has_a_line_for_each_sampler_and_angle() {
-    let arguments =
-        ["report", "nickel", "chrome", "--draws", "500", "--sampler", "adaptive-disc", "--csv", "-"];
+    let arguments = [
+        "report",
+        "nickel",
+        "chrome",
+        "--draws",
+        "500",
+        "--sampler",
+        "adaptive-disc",
+        "--csv",
+        "-",
+    ];
     let text = succeeds(run(&[&arguments[..], &QUICK].concat(), ""));
     let lines: Vec<_> = text.lines().collect();
-    assert!(lines[0].starts_with("material,lookup,source,sampler,table_bytes,file_bytes,"), "{text}");
+    assert!(
+        lines[0].starts_with("material,lookup,source,sampler,table_bytes,file_bytes,"),
+        "{text}"
+    );
     for (material, thesis) in [("nickel", 4), ("chrome", 0)] {
         let count = |sampler: &str| {
             let start = format!("{material},floor,measured,{sampler}");
             lines.iter().filter(|l| l.starts_with(&start)).count()
         };
         assert_eq!(
-            (count("\"adaptive-disc, 3 trees\""), count("cascade-cdf 3×1024×512 ±0.001")),
+            (
+                count("\"adaptive-disc, 3 trees\""),
+                count("cascade-cdf 3×1024×512 ±0.001")
+            ),
             (7, 7),
             "{text}"
         );
-        let printed = lines.iter().filter(|l| l.starts_with(&format!("{material},,thesis,"))).count();
+        let printed = lines
+            .iter()
+            .filter(|l| l.starts_with(&format!("{material},,thesis,")))
+            .count();
         assert_eq!(printed, thesis, "{text}");
     }
     assert_eq!(lines.len(), 1 + 2 * 2 * 7 + 4);
@@ -55,30 +87,57 @@ fn report_in_csv_has_a_line_for_each_sampler_and_angle() {
 fn report_words_its_tables() {
     let arguments = ["report", "nickel", "--draws", "1000"];
     let text = succeeds(run(&[&arguments[..], &QUICK].concat(), ""));
-    for word in
-        ["floor lookup", "cascade-cdf 3×1024×512 ±0.001", "thesis (6.23, 6.24)", "none was measured here"]
-    {
+    for word in [
+        "floor lookup",
+        "cascade-cdf 3×1024×512 ±0.001",
+        "thesis (6.23, 6.24)",
+        "none was measured here",
+    ] {
         assert!(text.contains(word), "{word} is missing in\n{text}");
     }
 }
 
 #[test]
 fn check_tells_right_from_wrong_by_its_status() {
-    let check = ["check", "teflon", "--sampler", "cascade-cdf", "--draws", "2000"];
+    let check = [
+        "check",
+        "teflon",
+        "--sampler",
+        "cascade-cdf",
+        "--draws",
+        "2000",
+    ];
     let text = succeeds(run(&check, ""));
     assert_eq!(text.matches("13 ok").count(), 7, "{text}");
     assert!(!text.contains("FAILED"), "{text}");
     let published = run(&[&check[..], &["--as-published"]].concat(), "");
     assert_eq!(published.status.code(), Some(1));
     let text = String::from_utf8(published.stdout).unwrap();
-    assert!(text.contains("2 of 13 FAILED"), "two angles have holes:\n{text}");
-    assert_eq!(text.matches("positivity").count(), 3, "a column, and a row for each failure:\n{text}");
-    let document = run(&[&check[..], &["--as-published", "--json", "-"]].concat(), "");
+    assert!(
+        text.contains("2 of 13 FAILED"),
+        "two angles have holes:\n{text}"
+    );
+    assert_eq!(
+        text.matches("positivity").count(),
+        3,
+        "a column, and a row for each failure:\n{text}"
+    );
+    let document = run(
+        &[&check[..], &["--as-published", "--json", "-"]].concat(),
+        "",
+    );
     assert_eq!(document.status.code(), Some(1));
     let document = json(&String::from_utf8(document.stdout).unwrap());
-    assert_eq!((&document["schema"], &document["kind"]), (&1.into(), &"check".into()));
+    assert_eq!(
+        (&document["schema"], &document["kind"]),
+        (&1.into(), &"check".into())
+    );
     let outcomes = document["results"][0]["outcomes"].as_array().unwrap();
     assert_eq!(outcomes.len(), 13 * 7);
-    let failed: Vec<_> = outcomes.iter().filter(|o| o["pass"] == false).map(|o| &o["check"]).collect();
+    let failed: Vec<_> = outcomes
+        .iter()
+        .filter(|o| o["pass"] == false)
+        .map(|o| &o["check"])
+        .collect();
     assert_eq!(failed, ["positivity", "positivity"]);
 }

@@ -9,13 +9,27 @@ fn a_sampler_file_tells_when_its_material_is_elsewhere() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| run_in(folder.path(), arguments, "");
     succeeds(run(&["decode", "nickel", "-o", "there"]));
-    succeeds(run(&[&["build", "there/nickel.binary", "-o", "s"][..], &QUICK].concat()));
+    succeeds(run(&[
+        &["build", "there/nickel.binary", "-o", "s"][..],
+        &QUICK,
+    ]
+    .concat()));
     let sample = ["sample", "s", "--theta", "5", "--count", "3"];
     let before = succeeds(run(&sample));
-    std::fs::rename(folder.path().join("there/nickel.binary"), folder.path().join("moved.binary")).unwrap();
+    std::fs::rename(
+        folder.path().join("there/nickel.binary"),
+        folder.path().join("moved.binary"),
+    )
+    .unwrap();
     let text = fails(run(&sample));
-    assert!(text.contains("there/nickel.binary") && text.contains("--material"), "{text}");
-    assert_eq!(before, succeeds(run(&[&sample[..], &["--material", "moved.binary"]].concat())));
+    assert!(
+        text.contains("there/nickel.binary") && text.contains("--material"),
+        "{text}"
+    );
+    assert_eq!(
+        before,
+        succeeds(run(&[&sample[..], &["--material", "moved.binary"]].concat()))
+    );
 }
 
 /// Few tables, so that a sampler is built in no time.
@@ -25,22 +39,53 @@ pub const QUICK: [&str; 4] = ["--sampler", "cascade-cdf", "--tables", "3"];
 fn a_built_file_draws_what_the_material_draws() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| run_in(folder.path(), arguments, "");
-    let draws = ["--theta", "33", "--phi", "-70", "--count", "500", "--seed", "9"];
+    let draws = [
+        "--theta", "33", "--phi", "-70", "--count", "500", "--seed", "9",
+    ];
     let cases: [&[&str]; 4] = [
         &QUICK,
         &["--table-size", "2KB", "--tables", "3"],
-        &["--sampler", "cascade-cdf", "--tables", "2", "--uncompressed", "--lookup", "centred"],
-        &["--sampler", "adaptive-disc", "--tables", "5", "--choice", "nearest", "--importance", "luminance"],
+        &[
+            "--sampler",
+            "cascade-cdf",
+            "--tables",
+            "2",
+            "--uncompressed",
+            "--lookup",
+            "centred",
+        ],
+        &[
+            "--sampler",
+            "adaptive-disc",
+            "--tables",
+            "5",
+            "--choice",
+            "nearest",
+            "--importance",
+            "luminance",
+        ],
     ];
     for settings in cases {
         let file = ["build", "nickel", "-o", "s.safetensors", "--force"];
         let told = succeeds(run(&[&file, settings].concat()));
-        let bytes = folder.path().join("s.safetensors").metadata().unwrap().len();
-        assert!(told.starts_with("s.safetensors: ") && told.contains(&format!("{bytes} bytes")), "{told}");
+        let bytes = folder
+            .path()
+            .join("s.safetensors")
+            .metadata()
+            .unwrap()
+            .len();
+        assert!(
+            told.starts_with("s.safetensors: ") && told.contains(&format!("{bytes} bytes")),
+            "{told}"
+        );
         for points in ["random", "sobol"] {
             let points = ["--points", points];
-            let stored = succeeds(run(&[&["sample", "s.safetensors"][..], &draws, &points].concat()));
-            let direct = succeeds(run(&[&["sample", "nickel"][..], &draws, &points, settings].concat()));
+            let stored = succeeds(run(
+                &[&["sample", "s.safetensors"][..], &draws, &points].concat()
+            ));
+            let direct = succeeds(run(
+                &[&["sample", "nickel"][..], &draws, &points, settings].concat()
+            ));
             assert_eq!(stored, direct, "{settings:?}");
             assert_eq!(stored.lines().count(), 501);
         }
@@ -49,12 +94,17 @@ fn a_built_file_draws_what_the_material_draws() {
 
 #[test]
 fn sampled_lines_are_directions_with_density_and_value() {
-    let arguments = ["sample", "nickel", "--theta", "85", "--phi", "20", "--count", "4000"];
+    let arguments = [
+        "sample", "nickel", "--theta", "85", "--phi", "20", "--count", "4000",
+    ];
     let text = succeeds(run(&[&arguments[..], &QUICK].concat(), ""));
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b"));
     let (mut failed, mut pairs) = (0, String::new());
-    let (wo, mut values) = ((85f64.to_radians().sin_cos(), 20f64.to_radians().sin_cos()), Vec::new());
+    let (wo, mut values) = (
+        (85f64.to_radians().sin_cos(), 20f64.to_radians().sin_cos()),
+        Vec::new(),
+    );
     for line in lines {
         let x: Vec<f32> = line.split(',').map(|x| x.parse().unwrap()).collect();
         assert_eq!(x.len(), 7);
@@ -63,9 +113,17 @@ fn sampled_lines_are_directions_with_density_and_value() {
             continue;
         }
         let length = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-        assert!((length - 1.0).abs() < 1e-5 && x[2] > 0.0 && x[3] > 0.0 && x[3].is_finite(), "{line}");
+        assert!(
+            (length - 1.0).abs() < 1e-5 && x[2] > 0.0 && x[3] > 0.0 && x[3].is_finite(),
+            "{line}"
+        );
         let ((sin, cos), (sin_phi, cos_phi)) = wo;
-        pairs += &format!("{:?},{:?},{:?},", (sin * cos_phi) as f32, (sin * sin_phi) as f32, cos as f32);
+        pairs += &format!(
+            "{:?},{:?},{:?},",
+            (sin * cos_phi) as f32,
+            (sin * sin_phi) as f32,
+            cos as f32
+        );
         pairs += &format!("{:?},{:?},{:?}\n", x[0], x[1], x[2]);
         values.push(line.splitn(5, ',').nth(4).unwrap().to_owned());
     }
@@ -77,17 +135,25 @@ fn sampled_lines_are_directions_with_density_and_value() {
 
 #[test]
 fn a_fit_cloud_has_the_shape_of_the_thesis() {
-    let arguments = ["sample", "teflon", "--theta", "60", "--phi", "45", "--count", "50", "--fit"];
+    let arguments = [
+        "sample", "teflon", "--theta", "60", "--phi", "45", "--count", "50", "--fit",
+    ];
     let text = succeeds(run(&[&arguments[..], &QUICK].concat(), ""));
     let lines: Vec<_> = text.lines().collect();
-    assert_eq!(lines[..3], ["measured \"teflon\"", "viewer (60, 45)", "begin"]);
+    assert_eq!(
+        lines[..3],
+        ["measured \"teflon\"", "viewer (60, 45)", "begin"]
+    );
     assert_eq!(lines[lines.len() - 1], "end");
     let points = &lines[3..lines.len() - 1];
     assert!((40..=50).contains(&points.len()), "{text}");
     for point in points {
         let (direction, value) = point.strip_prefix("  (").unwrap().split_once(") ").unwrap();
         let w: Vec<f32> = direction.split(',').map(|x| x.parse().unwrap()).collect();
-        assert!(w.len() == 3 && w[2] > 0.0 && value.parse::<f32>().unwrap() > 0.0, "{point}");
+        assert!(
+            w.len() == 3 && w[2] > 0.0 && value.parse::<f32>().unwrap() > 0.0,
+            "{point}"
+        );
     }
 }
 
@@ -95,30 +161,69 @@ fn a_fit_cloud_has_the_shape_of_the_thesis() {
 fn bad_settings_name_the_option() {
     let sample = ["sample", "nickel", "--count", "1", "--theta", "10"];
     let cases: [(&[&str], &str); 22] = [
-        (&["--sampler", "cosine", "--tables", "4"], "--tables is no setting of cosine"),
-        (&["--sampler", "adaptive-disc", "--uncompressed"], "--uncompressed is no setting of adaptive-disc"),
-        (&["--sampler", "cascade-cdf", "--depth", "4"], "--depth is no setting of cascade-cdf"),
+        (
+            &["--sampler", "cosine", "--tables", "4"],
+            "--tables is no setting of cosine",
+        ),
+        (
+            &["--sampler", "adaptive-disc", "--uncompressed"],
+            "--uncompressed is no setting of adaptive-disc",
+        ),
+        (
+            &["--sampler", "cascade-cdf", "--depth", "4"],
+            "--depth is no setting of cascade-cdf",
+        ),
         (&["--tables", "0"], "0 tables"),
         (&["--tables", "few"], "--tables <N>"),
-        (&["--choice", "nearest"], "--choice is no setting of half-vector"),
+        (
+            &["--choice", "nearest"],
+            "--choice is no setting of half-vector",
+        ),
         (&["--floor", "0.1"], "--floor is no setting of half-vector"),
-        (&["--as-published"], "--as-published is no setting of half-vector"),
+        (
+            &["--as-published"],
+            "--as-published is no setting of half-vector",
+        ),
         (
             &["--sampler", "adaptive-disc", "--table-size", "2KB"],
             "--table-size is no setting of adaptive-disc",
         ),
-        (&["--sampler", "cascade-cdf", "--fold"], "--fold is no setting of cascade-cdf"),
-        (&["--sampler", "cosine", "--rows", "9"], "--rows is no setting of cosine"),
-        (&["--fold", "--no-fold"], "'--fold' cannot be used with '--no-fold'"),
+        (
+            &["--sampler", "cascade-cdf", "--fold"],
+            "--fold is no setting of cascade-cdf",
+        ),
+        (
+            &["--sampler", "cosine", "--rows", "9"],
+            "--rows is no setting of cosine",
+        ),
+        (
+            &["--fold", "--no-fold"],
+            "'--fold' cannot be used with '--no-fold'",
+        ),
         (&["--table-size", "3KB"], "[possible values: 2KB, 4KB, "),
         (&["--rows", "80"], "80 rows"),
         (&["--segments", "0"], "0 segments"),
-        (&["--sampler", "adaptive-disc", "--floor", "2"], "floor is 2"),
-        (&["--sampler", "adaptive-disc", "--n-max", "1"], "n_max is 1"),
-        (&["--sampler", "adaptive-disc", "--depth", "40"], "depth is 40"),
+        (
+            &["--sampler", "adaptive-disc", "--floor", "2"],
+            "floor is 2",
+        ),
+        (
+            &["--sampler", "adaptive-disc", "--n-max", "1"],
+            "n_max is 1",
+        ),
+        (
+            &["--sampler", "adaptive-disc", "--depth", "40"],
+            "depth is 40",
+        ),
         (&["--sampler", "adaptive-disc", "--grid", "4"], "4 pixels"),
-        (&["--sampler", "cascade-cdf", "--resolution", "1024"], "--resolution <THETAxPHI>"),
-        (&["--sampler", "cascade-cdf", "--tolerance", "nan"], "tolerance"),
+        (
+            &["--sampler", "cascade-cdf", "--resolution", "1024"],
+            "--resolution <THETAxPHI>",
+        ),
+        (
+            &["--sampler", "cascade-cdf", "--tolerance", "nan"],
+            "tolerance",
+        ),
         (
             &["--sampler", "magic"],
             "[possible values: half-vector, adaptive-disc, cascade-cdf, cosine, cosine-lobe",
@@ -131,7 +236,10 @@ fn bad_settings_name_the_option() {
         assert!(text.contains(expected), "{settings:?}: {text}");
     }
     for theta in ["90", "-1", "nan"] {
-        let text = fails(run(&["sample", "nickel", "--count", "1", "--theta", theta], ""));
+        let text = fails(run(
+            &["sample", "nickel", "--count", "1", "--theta", theta],
+            "",
+        ));
         assert!(text.contains("--theta"), "{text}");
     }
     let text = fails(run(&["check", "nickel", "--significance", "0"], ""));
@@ -140,8 +248,15 @@ fn bad_settings_name_the_option() {
 
 /// What a sampler file says of its settings.
 fn spec_in(folder: &Path, file: &str) -> serde_json::Value {
-    let document = json(&succeeds(run_in(folder, &["info", file, "--json", "-"], "")));
-    assert_eq!((&document["schema"], &document["kind"]), (&1.into(), &"info".into()));
+    let document = json(&succeeds(run_in(
+        folder,
+        &["info", file, "--json", "-"],
+        "",
+    )));
+    assert_eq!(
+        (&document["schema"], &document["kind"]),
+        (&1.into(), &"info".into())
+    );
     document["results"][0]["spec"].clone()
 }
 
@@ -155,12 +270,28 @@ fn the_half_vector_table_is_the_default_and_has_its_settings() {
         spec_in(folder.path(), "s")
     };
     let default = spec(&[]);
-    assert_eq!(default, spec(&["--sampler", "half-vector", "--table-size", "64kb"]));
+    assert_eq!(
+        default,
+        spec(&["--sampler", "half-vector", "--table-size", "64kb"])
+    );
     let length = folder.path().join("s").metadata().unwrap().len();
     assert!((50_000..70_000).contains(&length), "{length} bytes");
     let small = spec(&["--table-size", "2KB"]);
-    assert!(small != default && small["fold"] == true && default["fold"] == false, "{small} {default}");
-    let free = ["--tables", "3", "--rows", "5", "--segments", "7", "--fold", "--importance", "luminance"];
+    assert!(
+        small != default && small["fold"] == true && default["fold"] == false,
+        "{small} {default}"
+    );
+    let free = [
+        "--tables",
+        "3",
+        "--rows",
+        "5",
+        "--segments",
+        "7",
+        "--fold",
+        "--importance",
+        "luminance",
+    ];
     let expected = serde_json::json!({
         "sampler": "half-vector", "tables": 3, "rows": 5, "segments": 7, "fold": true, "importance": "luminance",
     });
@@ -185,16 +316,35 @@ fn commands_without_a_sampler_draw_by_the_half_vector_table() {
     let default = picture(&[]);
     assert!(default == picture(&settings) && default != picture(&["--sampler", "cosine"]));
     let report = run(&["report", "nickel", "--tables", "2", "--draws", "500"]);
-    assert_eq!(report.matches("| half-vector 2×").count(), 3, "three sizes:\n{report}");
+    assert_eq!(
+        report.matches("| half-vector 2×").count(),
+        3,
+        "three sizes:\n{report}"
+    );
 }
 
 #[test]
 fn info_tells_what_a_sampler_file_is() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| run_in(folder.path(), arguments, "");
-    succeeds(run(&["build", "nickel", "-o", "s", "--table-size", "4KB", "--lookup", "linear"]));
+    succeeds(run(&[
+        "build",
+        "nickel",
+        "-o",
+        "s",
+        "--table-size",
+        "4KB",
+        "--lookup",
+        "linear",
+    ]));
     let text = succeeds(run(&["info", "s", "teflon"]));
-    for word in ["sampler file", "half-vector 4KB", "nickel (embedded)", "linear", "albedo at 80°"] {
+    for word in [
+        "sampler file",
+        "half-vector 4KB",
+        "nickel (embedded)",
+        "linear",
+        "albedo at 80°",
+    ] {
         assert!(text.contains(word), "{word} is missing in\n{text}");
     }
     let mut bytes = std::fs::read(folder.path().join("s")).unwrap();
@@ -205,23 +355,36 @@ fn info_tells_what_a_sampler_file_is() {
 
 #[test]
 fn samples_tell_what_they_were_drawn_from() {
-    let sample = ["sample", "nickel", "--theta", "50", "--phi", "20", "--count", "30"];
+    let sample = [
+        "sample", "nickel", "--theta", "50", "--phi", "20", "--count", "30",
+    ];
     let bare = succeeds(run(&sample, ""));
     let text = succeeds(run(&[&sample[..], &["--with-points"]].concat(), ""));
     let (mut first, mut points) = (None, std::collections::BTreeSet::new());
     for (line, bare) in text.lines().zip(bare.lines()) {
         let fields: Vec<&str> = line.splitn(6, ',').collect();
         assert_eq!(fields[5], bare);
-        if let [Ok(x), Ok(y), Ok(z), Ok(u), Ok(v)] = [0, 1, 2, 3, 4].map(|i| fields[i].parse::<f32>()) {
+        if let [Ok(x), Ok(y), Ok(z), Ok(u), Ok(v)] =
+            [0, 1, 2, 3, 4].map(|i| fields[i].parse::<f32>())
+        {
             assert_eq!(*first.get_or_insert((x, y, z)), (x, y, z));
             assert!((0.0..1.0).contains(&u) && (0.0..1.0).contains(&v), "{line}");
             points.insert((u.to_bits(), v.to_bits()));
         }
     }
     let (x, y, z) = first.unwrap();
-    assert!((z.acos().to_degrees() - 50.0).abs() < 1e-4 && (y.atan2(x).to_degrees() - 20.0).abs() < 1e-4);
+    assert!(
+        (z.acos().to_degrees() - 50.0).abs() < 1e-4
+            && (y.atan2(x).to_degrees() - 20.0).abs() < 1e-4
+    );
     assert_eq!((points.len(), text.lines().count()), (30, 31));
-    assert!(fails(run(&[&sample[..], &["--with-points", "--fit"]].concat(), "")).contains("--fit"));
+    assert!(
+        fails(run(
+            &[&sample[..], &["--with-points", "--fit"]].concat(),
+            ""
+        ))
+        .contains("--fit")
+    );
 }
 
 #[test]
@@ -240,10 +403,22 @@ fn a_sampler_file_brings_its_own_settings() {
         assert!(text.contains(expected), "{extra:?}: {text}");
     }
     let alone = succeeds(run(&sample));
-    assert_eq!(alone, succeeds(run(&[&sample[..], &["--material", "nickel"]].concat())));
+    assert_eq!(
+        alone,
+        succeeds(run(&[&sample[..], &["--material", "nickel"]].concat()))
+    );
     assert!(
-        fails(run(&["sample", "nickel", "--material", "nickel", "--theta", "5", "--count", "3"]))
-            .contains("--material")
+        fails(run(&[
+            "sample",
+            "nickel",
+            "--material",
+            "nickel",
+            "--theta",
+            "5",
+            "--count",
+            "3"
+        ]))
+        .contains("--material")
     );
 }
 
@@ -254,10 +429,16 @@ fn built_files_are_replaced_only_with_force() {
     std::fs::write(folder.path().join("s"), "mine").unwrap();
     let text = fails(run(&["build", "nickel", "-o", "s"]));
     assert!(text.contains("s exists; pass --force"), "{text}");
-    assert_eq!(std::fs::read_to_string(folder.path().join("s")).unwrap(), "mine");
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("s")).unwrap(),
+        "mine"
+    );
     succeeds(run(&["build", "nickel", "-o", "s", "--force"]));
     succeeds(run(&["build", "nickel", "teflon", "-o", "several"]));
-    let names = ["nickel.cascade-cdf.safetensors", "teflon.cascade-cdf.safetensors"];
+    let names = [
+        "nickel.cascade-cdf.safetensors",
+        "teflon.cascade-cdf.safetensors",
+    ];
     for name in names {
         assert!(folder.path().join("several").join(name).exists(), "{name}");
     }
@@ -282,8 +463,11 @@ fn files_and_draws_do_not_depend_on_threads() {
         let results = ["1", "2"].map(|threads| {
             let common = [&settings[..], &["--threads", threads]].concat();
             run(&[&["build", "chrome", "-o", "s", "--force"][..], &common].concat());
-            let draws =
-                run(&[&["sample", "chrome", "--theta", "50", "--count", "300"][..], &common].concat());
+            let draws = run(&[
+                &["sample", "chrome", "--theta", "50", "--count", "300"][..],
+                &common,
+            ]
+            .concat());
             (std::fs::read(folder.path().join("s")).unwrap(), draws)
         });
         assert!(results[0] == results[1], "{sampler}");

@@ -13,8 +13,16 @@ fn list_names_the_hundred_materials() {
     assert_eq!(text.lines().count(), 100);
     assert!(text.lines().any(|l| l == "red-plastic"));
     let document = json(&succeeds(run(&["list", "--json"], "")));
-    assert_eq!((&document["schema"], &document["kind"]), (&1.into(), &"list".into()));
-    let names: Vec<_> = document["results"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
+    assert_eq!(
+        (&document["schema"], &document["kind"]),
+        (&1.into(), &"list".into())
+    );
+    let names: Vec<_> = document["results"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|n| n.as_str().unwrap())
+        .collect();
     assert_eq!(names, text.lines().collect::<Vec<_>>());
 }
 
@@ -27,7 +35,11 @@ fn the_version_is_the_packages() {
     assert_eq!(lines[0], version);
     assert_eq!(lines[1], "features: cli");
     assert!(
-        lines[2].starts_with(&format!("target: {} {}", std::env::consts::ARCH, std::env::consts::OS)),
+        lines[2].starts_with(&format!(
+            "target: {} {}",
+            std::env::consts::ARCH,
+            std::env::consts::OS
+        )),
         "{text}"
     );
     assert_eq!(lines[3].contains("debug"), cfg!(debug_assertions), "{text}");
@@ -37,8 +49,17 @@ fn the_version_is_the_packages() {
 fn every_command_has_help() {
     let help = succeeds(run(&["--help"], ""));
     assert!(help.contains("Exit status"));
-    let commands = help.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
-    let names: Vec<_> = commands.lines().filter(|l| l.starts_with("  ") && !l.starts_with("   ")).collect();
+    let commands = help
+        .split("Commands:")
+        .nth(1)
+        .unwrap()
+        .split("Options:")
+        .next()
+        .unwrap();
+    let names: Vec<_> = commands
+        .lines()
+        .filter(|l| l.starts_with("  ") && !l.starts_with("   "))
+        .collect();
     assert!(names.len() >= 5, "{commands}");
     for line in names {
         let name = line.split_whitespace().next().unwrap();
@@ -51,12 +72,21 @@ fn every_command_has_help() {
 
 #[test]
 fn wrong_usage_is_status_two() {
-    for arguments in
-        [&["no-such-command"][..], &["info"], &["decode", "-o", "x"], &["list", "--threads", "0"]]
-    {
-        assert!(fails(run(arguments, "")).contains("Usage") || arguments.contains(&"0"), "{arguments:?}");
+    for arguments in [
+        &["no-such-command"][..],
+        &["info"],
+        &["decode", "-o", "x"],
+        &["list", "--threads", "0"],
+    ] {
+        assert!(
+            fails(run(arguments, "")).contains("Usage") || arguments.contains(&"0"),
+            "{arguments:?}"
+        );
     }
-    assert!(fails(run(&["eval", "nickel", "--lookup", "cubic"], "")).contains("[possible values: floor"));
+    assert!(
+        fails(run(&["eval", "nickel", "--lookup", "cubic"], ""))
+            .contains("[possible values: floor")
+    );
     assert!(fails(run(&["list", "--threads", "60000"], "")).contains("1..=1024"));
 }
 
@@ -64,11 +94,23 @@ fn wrong_usage_is_status_two() {
 fn arguments_without_meaning_are_refused_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, expected) in [
-        (&["render", "nickel", "--exposure", "nan"][..], "finite number of stops"),
-        (&["render", "nickel", "--light", "point", "-o", "no/such/x"], "there is no folder no/such"),
-        (&["info", "nickel", "--json", ".", "--force"], ". is a folder"),
+        (
+            &["render", "nickel", "--exposure", "nan"][..],
+            "finite number of stops",
+        ),
+        (
+            &["render", "nickel", "--light", "point", "-o", "no/such/x"],
+            "there is no folder no/such",
+        ),
+        (
+            &["info", "nickel", "--json", ".", "--force"],
+            ". is a folder",
+        ),
         (&["report", "nickel", "--draws", "0"], "0 draws"),
-        (&["report", "nickel", "--json", "-", "--csv", "-"], "the same output"),
+        (
+            &["report", "nickel", "--json", "-", "--csv", "-"],
+            "the same output",
+        ),
         (
             &[
                 "sample",
@@ -99,7 +141,10 @@ fn arguments_without_meaning_are_refused_before_the_work() {
 fn misspelt_materials_are_answered_with_the_nearest() {
     for command in ["info", "eval"] {
         let text = fails(run(&[command, "nikel"], ""));
-        assert!(text.starts_with("merlkit: no file and no embedded material is called \"nikel\""), "{text}");
+        assert!(
+            text.starts_with("merlkit: no file and no embedded material is called \"nikel\""),
+            "{text}"
+        );
         assert!(text.contains("did you mean nickel"), "{text}");
     }
 }
@@ -115,7 +160,11 @@ fn a_reader_that_leaves_is_no_error() {
         .unwrap();
     drop(child.stdout.take());
     // The command may be gone before it has read everything.
-    let _ = child.stdin.take().unwrap().write_all("0,0,1,0,0,1\n".repeat(100_000).as_bytes());
+    let _ = child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all("0,0,1,0,0,1\n".repeat(100_000).as_bytes());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");

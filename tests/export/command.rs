@@ -6,18 +6,31 @@ use std::process::{Command, Output};
 use assert_cmd::cargo::cargo_bin;
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(cargo_bin!("merlkit")).arg("export").args(arguments).current_dir(folder).output().unwrap()
+    Command::new(cargo_bin!("merlkit"))
+        .arg("export")
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
 }
 
 fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     let output = run(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     String::from_utf8(output.stdout).unwrap()
 }
 
 fn fails(folder: &Path, arguments: &[&str]) -> String {
     let output = run(folder, arguments);
-    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{arguments:?}");
+    assert_eq!(
+        (output.status.code(), output.stdout.len()),
+        (Some(2), 0),
+        "{arguments:?}"
+    );
     String::from_utf8(output.stderr).unwrap()
 }
 
@@ -36,19 +49,58 @@ fn names(folder: &Path) -> Vec<String> {
 fn options_of_other_formats_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for format in ["header", "npz"] {
-        for option in [["--variant", "rgb"], ["--size", "6MB"], ["--target-error", "0.1%"]] {
-            let said =
-                fails(folder.path(), &["nickel", "--format", format, option[0], option[1], "-o", "out"]);
+        for option in [
+            ["--variant", "rgb"],
+            ["--size", "6MB"],
+            ["--target-error", "0.1%"],
+        ] {
+            let said = fails(
+                folder.path(),
+                &[
+                    "nickel", "--format", format, option[0], option[1], "-o", "out",
+                ],
+            );
             let expected = format!("{} is no option of --format {format}", option[0]);
-            assert!(said.contains(&expected) && said.contains("--format bsdf"), "{said}");
+            assert!(
+                said.contains(&expected) && said.contains("--format bsdf"),
+                "{said}"
+            );
         }
     }
-    let said = fails(folder.path(), &["nickel", "--format", "bsdf", "--table-size", "2KB", "-o", "out"]);
-    assert!(said.contains("--table-size is no option of --format bsdf"), "{said}");
+    let said = fails(
+        folder.path(),
+        &[
+            "nickel",
+            "--format",
+            "bsdf",
+            "--table-size",
+            "2KB",
+            "-o",
+            "out",
+        ],
+    );
+    assert!(
+        said.contains("--table-size is no option of --format bsdf"),
+        "{said}"
+    );
     assert!(said.contains("choose --format header or npz"), "{said}");
-    let said = fails(folder.path(), &["nickel", "--format", "header", "--table-size", "3KB", "-o", "out"]);
+    let said = fails(
+        folder.path(),
+        &[
+            "nickel",
+            "--format",
+            "header",
+            "--table-size",
+            "3KB",
+            "-o",
+            "out",
+        ],
+    );
     assert!(said.contains("[possible values: 2KB"), "{said}");
-    assert!(fails(folder.path(), &["nickel", "--format", "h", "-o", "out"]).contains("bsdf, npz, header"));
+    assert!(
+        fails(folder.path(), &["nickel", "--format", "h", "-o", "out"])
+            .contains("bsdf, npz, header")
+    );
     assert!(names(folder.path()).is_empty());
 }
 
@@ -56,39 +108,97 @@ fn options_of_other_formats_are_refused() {
 fn files_are_named_described_and_replaced_only_by_force() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("new/out");
-    let arguments = ["nickel", "--format", "header", "--table-size", "2kb", "-o", "new/out"];
+    let arguments = [
+        "nickel",
+        "--format",
+        "header",
+        "--table-size",
+        "2kb",
+        "-o",
+        "new/out",
+    ];
     std::fs::create_dir(folder.path().join("new")).unwrap();
     let said = succeeds(folder.path(), &arguments);
     assert_eq!(names(&out), ["nickel.f32", "nickel.h"]);
-    let rows: Vec<Vec<&str>> =
-        said.lines().skip(2).map(|l| l.trim_matches('|').split('|').map(str::trim).collect()).collect();
+    let rows: Vec<Vec<&str>> = said
+        .lines()
+        .skip(2)
+        .map(|l| l.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
     assert_eq!(rows.len(), 2, "{said}");
-    assert!(rows[0][0].ends_with("nickel.f32") && rows[0][1..] == ["17.50", "f_r for eval", "-"], "{said}");
-    assert!(rows[1][0].ends_with("nickel.h") && rows[1][2] == "sample, pdf, eval", "{said}");
-    let spread: Vec<f64> = rows[1][3].split(" to ").map(|x| x.parse().unwrap()).collect();
-    assert!(0.0 < spread[0] && spread[0] < spread[1] && spread[1] < 0.5, "{said}");
+    assert!(
+        rows[0][0].ends_with("nickel.f32") && rows[0][1..] == ["17.50", "f_r for eval", "-"],
+        "{said}"
+    );
+    assert!(
+        rows[1][0].ends_with("nickel.h") && rows[1][2] == "sample, pdf, eval",
+        "{said}"
+    );
+    let spread: Vec<f64> = rows[1][3]
+        .split(" to ")
+        .map(|x| x.parse().unwrap())
+        .collect();
+    assert!(
+        0.0 < spread[0] && spread[0] < spread[1] && spread[1] < 0.5,
+        "{said}"
+    );
 
     // One of two that exist is enough, and nothing is touched.
     std::fs::write(out.join("nickel.h"), "mine").unwrap();
     std::fs::remove_file(out.join("nickel.f32")).unwrap();
     let refused = fails(folder.path(), &arguments);
-    assert!(refused.contains("nickel.h exists; pass --force"), "{refused}");
-    assert_eq!((names(&out).len(), std::fs::read(out.join("nickel.h")).unwrap()), (1, b"mine".to_vec()));
-    assert_eq!(succeeds(folder.path(), &[&arguments[..], &["--force"]].concat()), said);
+    assert!(
+        refused.contains("nickel.h exists; pass --force"),
+        "{refused}"
+    );
+    assert_eq!(
+        (
+            names(&out).len(),
+            std::fs::read(out.join("nickel.h")).unwrap()
+        ),
+        (1, b"mine".to_vec())
+    );
+    assert_eq!(
+        succeeds(folder.path(), &[&arguments[..], &["--force"]].concat()),
+        said
+    );
     assert_eq!(names(&out), ["nickel.f32", "nickel.h"]);
-    assert_eq!(out.join("nickel.f32").metadata().unwrap().len(), 4 * 3 * 90 * 90 * 180);
+    assert_eq!(
+        out.join("nickel.f32").metadata().unwrap().len(),
+        4 * 3 * 90 * 90 * 180
+    );
 
     // The rule is floor unless another is named; an archive goes beside the header.
     let header = || std::fs::read_to_string(out.join("nickel.h")).unwrap();
     assert!(header().contains("by the floor lookup"));
-    succeeds(folder.path(), &[&arguments[..], &["--force", "--lookup", "linear"]].concat());
+    succeeds(
+        folder.path(),
+        &[&arguments[..], &["--force", "--lookup", "linear"]].concat(),
+    );
     assert!(header().contains("by the linear lookup"));
-    let said =
-        succeeds(folder.path(), &["nickel", "--format", "npz", "--table-size", "2KB", "-o", "new/out"]);
-    assert!(said.contains("nickel.npz") && said.contains("half-vector table, f_r"), "{said}");
+    let said = succeeds(
+        folder.path(),
+        &[
+            "nickel",
+            "--format",
+            "npz",
+            "--table-size",
+            "2KB",
+            "-o",
+            "new/out",
+        ],
+    );
+    assert!(
+        said.contains("nickel.npz") && said.contains("half-vector table, f_r"),
+        "{said}"
+    );
     assert_eq!(names(&out), ["nickel.f32", "nickel.h", "nickel.npz"]);
     assert!(
-        fails(folder.path(), &["nickel", "--format", "npz", "-o", "new/out"]).contains("nickel.npz exists")
+        fails(
+            folder.path(),
+            &["nickel", "--format", "npz", "-o", "new/out"]
+        )
+        .contains("nickel.npz exists")
     );
 }
 
@@ -98,10 +208,19 @@ fn headers_that_could_not_be_included_together_are_refused() {
     for name in ["a-b.binary", "a_b.binary"] {
         std::fs::write(folder.path().join(name), "").unwrap();
     }
-    let said = fails(folder.path(), &["a-b.binary", "a_b.binary", "--format", "header", "-o", "."]);
-    assert!(said.contains("a-b and a_b would have functions of the same names"), "{said}");
+    let said = fails(
+        folder.path(),
+        &["a-b.binary", "a_b.binary", "--format", "header", "-o", "."],
+    );
+    assert!(
+        said.contains("a-b and a_b would have functions of the same names"),
+        "{said}"
+    );
     // Archives don't mind; these fail for being empty.
-    let said = fails(folder.path(), &["a-b.binary", "a_b.binary", "--format", "npz", "-o", "."]);
+    let said = fails(
+        folder.path(),
+        &["a-b.binary", "a_b.binary", "--format", "npz", "-o", "."],
+    );
     assert!(said.contains("12-byte header"), "{said}");
     assert_eq!(names(folder.path()), ["a-b.binary", "a_b.binary"]);
 }

@@ -13,8 +13,10 @@ use crate::has;
 /// A compute shader of two materials, one of which has no values and therefore no `eval`.
 fn shader(version: &str) -> String {
     let header = |material: &str, lookup, preset: usize| {
-        let (material, settings) =
-            (Material::resolve(material).unwrap(), HalfVectorSettings::PRESETS[preset].1);
+        let (material, settings) = (
+            Material::resolve(material).unwrap(),
+            HalfVectorSettings::PRESETS[preset].1,
+        );
         Export::new(&material, lookup, settings).unwrap().header()
     };
     let headers = [
@@ -48,9 +50,16 @@ fn shader(version: &str) -> String {
 fn compile(folder: &Path, shader: &str, arguments: &[&str]) -> (bool, String) {
     let path = folder.join("shader.comp");
     std::fs::write(&path, shader).unwrap();
-    let output =
-        Command::new("glslangValidator").args(arguments).arg(&path).current_dir(folder).output().unwrap();
-    (output.status.success(), String::from_utf8(output.stdout).unwrap())
+    let output = Command::new("glslangValidator")
+        .args(arguments)
+        .arg(&path)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    (
+        output.status.success(),
+        String::from_utf8(output.stdout).unwrap(),
+    )
 }
 
 #[test]
@@ -59,8 +68,11 @@ fn glslang_takes_the_header() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let cases: [(&str, &[&str]); 3] =
-        [("430 core", &[]), ("450", &["-V", "-o", "shader.spv"]), ("460 core", &["-G", "-o", "shader.spv"])];
+    let cases: [(&str, &[&str]); 3] = [
+        ("430 core", &[]),
+        ("450", &["-V", "-o", "shader.spv"]),
+        ("460 core", &["-G", "-o", "shader.spv"]),
+    ];
     for (version, arguments) in cases {
         let (fine, said) = compile(folder.path(), &shader(version), arguments);
         assert!(fine && !said.contains("WARNING"), "{version}: {said}");

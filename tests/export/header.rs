@@ -18,7 +18,11 @@ use crate::support::noise_table;
 const DRAWS: usize = 100_000;
 
 fn settings(size: &str) -> HalfVectorSettings {
-    HalfVectorSettings::PRESETS.into_iter().find(|p| p.0 == size).unwrap().1
+    HalfVectorSettings::PRESETS
+        .into_iter()
+        .find(|p| p.0 == size)
+        .unwrap()
+        .1
 }
 
 fn export(material: &str, lookup: LookupRule, settings: HalfVectorSettings) -> Export {
@@ -27,7 +31,11 @@ fn export(material: &str, lookup: LookupRule, settings: HalfVectorSettings) -> E
 
 /// Answers beyond 10⁻⁵ that are allowed of [`DRAWS`]: where rounding puts a direction on the other side of an edge of a row or
 /// bin. With gcc on x86-64 they are 3 at most.
-const ALLOWED: Beyond = Beyond { draws: 10, densities: 10, values: 10 };
+const ALLOWED: Beyond = Beyond {
+    draws: 10,
+    densities: 10,
+    values: 10,
+};
 
 /// Compares a program of each compiler with the library.
 fn agree(export: &Export, compilers: &[(&str, &[&str])]) {
@@ -112,10 +120,27 @@ fn difficult_directions() -> Vec<Vec3> {
 
 fn difficult_questions() -> Vec<Question> {
     let (directions, last) = (difficult_directions(), 1f32.next_down());
-    let points =
-        [(0.0, 0.0), (last, last), (0.0, last), (last, 0.0), (0.5, 0.5), (1e-30, 0.25), (0.999, 1e-9)];
-    let pairs = directions.iter().flat_map(|&wo| directions.iter().map(move |&w| (wo, w)));
-    pairs.flat_map(|(wo, w)| points.map(|(x, y)| Question { wo, u: Vec2::new(x, y), w })).collect()
+    let points = [
+        (0.0, 0.0),
+        (last, last),
+        (0.0, last),
+        (last, 0.0),
+        (0.5, 0.5),
+        (1e-30, 0.25),
+        (0.999, 1e-9),
+    ];
+    let pairs = directions
+        .iter()
+        .flat_map(|&wo| directions.iter().map(move |&w| (wo, w)));
+    pairs
+        .flat_map(|(wo, w)| {
+            points.map(|(x, y)| Question {
+                wo,
+                u: Vec2::new(x, y),
+                w,
+            })
+        })
+        .collect()
 }
 
 #[test]
@@ -145,7 +170,11 @@ fn degenerate_inputs_are_as_in_the_library() {
             let beyond = compare(&found, &expected, 1e-5);
             let few = questions.len() / 50;
             assert!(
-                beyond.within(Beyond { draws: few, densities: few, values: few }),
+                beyond.within(Beyond {
+                    draws: few,
+                    densities: few,
+                    values: few
+                }),
                 "{}: {beyond:?}",
                 compiler.0
             );
@@ -156,11 +185,18 @@ fn degenerate_inputs_are_as_in_the_library() {
 /// Points outside the unit square are held at its edge, and no number counts as 0.
 #[test]
 fn points_outside_the_square_are_drawn_from() {
-    let (compiler, export) = (COMPILERS[0], export("nickel", LookupRule::Floor, settings("2KB")));
+    let (compiler, export) = (
+        COMPILERS[0],
+        export("nickel", LookupRule::Floor, settings("2KB")),
+    );
     if !has(compiler.0, &["--version"]) {
         return;
     }
-    let question = |x: f32| Question { wo: Vec3::new(0.6, 0.0, 0.8), u: Vec2::splat(x), w: Vec3::Z };
+    let question = |x: f32| Question {
+        wo: Vec3::new(0.6, 0.0, 0.8),
+        u: Vec2::splat(x),
+        w: Vec3::Z,
+    };
     let outside = [f32::NAN, -1.0, f32::NEG_INFINITY, 1.0, 2.0, f32::INFINITY].map(question);
     let folder = tempfile::tempdir().unwrap();
     let found = Program::new(&export, folder.path(), compiler, |text| text).ask(&outside);
@@ -172,7 +208,10 @@ fn points_outside_the_square_are_drawn_from() {
 /// Headers that are wrong in the code or in one number of a table are told from right ones.
 #[test]
 fn the_comparison_rejects_wrong_headers() {
-    let (compiler, export) = (COMPILERS[0], export("nickel", LookupRule::Floor, settings("2KB")));
+    let (compiler, export) = (
+        COMPILERS[0],
+        export("nickel", LookupRule::Floor, settings("2KB")),
+    );
     if !has(compiler.0, &["--version"]) {
         return;
     }
@@ -180,7 +219,11 @@ fn the_comparison_rejects_wrong_headers() {
     let expected = expected(&export, &questions);
     let folder = tempfile::tempdir().unwrap();
     let beyond = |edit: &dyn Fn(String) -> String| {
-        compare(&Program::new(&export, folder.path(), compiler, edit).ask(&questions), &expected, 1e-5)
+        compare(
+            &Program::new(&export, folder.path(), compiler, edit).ask(&questions),
+            &expected,
+            1e-5,
+        )
     };
     let replaced = |from: &'static str, to: &'static str| {
         move |text: String| {
@@ -189,15 +232,35 @@ fn the_comparison_rejects_wrong_headers() {
         }
     };
     let jacobian = beyond(&replaced("16.0f * len", "16.001f * len"));
-    assert!(jacobian.draws == 20_000 && jacobian.densities > 19_000 && jacobian.values < 20, "{jacobian:?}");
-    let direction = beyond(&replaced("about.s * x + about.c * y", "about.s * x + about.c * y + 2e-5f"));
-    assert!(direction.draws > 19_000 && direction.densities < 20, "{direction:?}");
-    let value =
-        beyond(&replaced("90 * merlkit_bin(at.theta_h, 90)", "90 * merlkit_bin(at.theta_h + 0.01f, 90)"));
+    assert!(
+        jacobian.draws == 20_000 && jacobian.densities > 19_000 && jacobian.values < 20,
+        "{jacobian:?}"
+    );
+    let direction = beyond(&replaced(
+        "about.s * x + about.c * y",
+        "about.s * x + about.c * y + 2e-5f",
+    ));
+    assert!(
+        direction.draws > 19_000 && direction.densities < 20,
+        "{direction:?}"
+    );
+    let value = beyond(&replaced(
+        "90 * merlkit_bin(at.theta_h, 90)",
+        "90 * merlkit_bin(at.theta_h + 0.01f, 90)",
+    ));
     assert!(value.draws < 20 && value.values > 100, "{value:?}");
-    for (array, line) in [("cosine", 0), ("edge_fixed", 1), ("words", 8), ("words", 15), ("words", 30)] {
+    for (array, line) in [
+        ("cosine", 0),
+        ("edge_fixed", 1),
+        ("words", 8),
+        ("words", 15),
+        ("words", 30),
+    ] {
         let wrong = beyond(&|text: String| spoil(&text, array, line));
-        assert!(wrong.draws > 20 && wrong.densities > 20, "{array}, line {line}: {wrong:?}");
+        assert!(
+            wrong.draws > 20 && wrong.densities > 20,
+            "{array}, line {line}: {wrong:?}"
+        );
     }
 }
 
@@ -209,9 +272,15 @@ fn spoil(text: &str, array: &str, line: usize) -> String {
     let number = line.trim_end_matches(',').rsplit(' ').next().unwrap();
     let less = match number.strip_prefix("0x") {
         Some(word) => {
-            format!("{:#010x}u", u32::from_str_radix(word.trim_end_matches('u'), 16).unwrap() - 0x0404_0404)
+            format!(
+                "{:#010x}u",
+                u32::from_str_radix(word.trim_end_matches('u'), 16).unwrap() - 0x0404_0404
+            )
         }
-        None => format!("{:?}f", number.trim_end_matches('f').parse::<f32>().unwrap() * 0.999),
+        None => format!(
+            "{:?}f",
+            number.trim_end_matches('f').parse::<f32>().unwrap() * 0.999
+        ),
     };
     text[..start].to_owned() + &text[start..].replacen(number, &less, 1)
 }
@@ -223,7 +292,11 @@ fn headers_are_the_same_every_time_and_plain() {
     assert_eq!(text, make());
     assert!(text.is_ascii() && !text.contains(['\\', '@', '\t']) && !text.contains("NAME"));
     assert!(text.lines().all(|l| l.trim_end() == l));
-    assert!(text.starts_with("// blue-metallic-paint.h: a measured material for C99, C++11 and GLSL 4.30"));
+    assert!(
+        text.starts_with(
+            "// blue-metallic-paint.h: a measured material for C99, C++11 and GLSL 4.30"
+        )
+    );
     for expected in [
         "SHA-256 ",
         "by the centred lookup",

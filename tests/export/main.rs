@@ -13,7 +13,10 @@ use std::process::Command;
 
 /// Whether a program of the test is there; says so if not.
 fn has(program: &str, arguments: &[&str]) -> bool {
-    let found = Command::new(program).args(arguments).output().is_ok_and(|o| o.status.success());
+    let found = Command::new(program)
+        .args(arguments)
+        .output()
+        .is_ok_and(|o| o.status.success());
     if !found {
         // Not by a macro, whose output the test harness would keep to itself.
         let note = format!("skipped: no {program} for {arguments:?}\n");

@@ -18,11 +18,21 @@ const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tools/half_vector.py"
 
 fn export(material: &str) -> Export {
     let material = Material::resolve(material).unwrap();
-    Export::new(&material, LookupRule::Floor, HalfVectorSettings::PRESETS[0].1).unwrap()
+    Export::new(
+        &material,
+        LookupRule::Floor,
+        HalfVectorSettings::PRESETS[0].1,
+    )
+    .unwrap()
 }
 
 fn python(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new("python3").arg("-B").args(arguments).current_dir(folder).output().unwrap()
+    Command::new("python3")
+        .arg("-B")
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -38,14 +48,24 @@ fn archives_hold_the_values_after_a_head_and_are_the_same_every_time() {
     export.write_npz(&second, Overwrite::Refuse).unwrap();
     export.write_values(&values, Overwrite::Refuse).unwrap();
     let whole = std::fs::read(&first).unwrap();
-    assert_eq!((whole.len() as u64, &whole), (bytes, &std::fs::read(&second).unwrap()));
+    assert_eq!(
+        (whole.len() as u64, &whole),
+        (bytes, &std::fs::read(&second).unwrap())
+    );
     let mut archive = zip::ZipArchive::new(std::io::Cursor::new(whole)).unwrap();
     assert_eq!(archive.len(), 14);
     let mut array = Vec::new();
-    archive.by_name("merl.rgb.npy").unwrap().read_to_end(&mut array).unwrap();
+    archive
+        .by_name("merl.rgb.npy")
+        .unwrap()
+        .read_to_end(&mut array)
+        .unwrap();
     assert_eq!(array[128..], std::fs::read(&values).unwrap());
     let negative = export.values().filter(|v| *v < 0.0);
-    assert_eq!(negative.count() as u64, 3 * export.brdf().table().census().invalid());
+    assert_eq!(
+        negative.count() as u64,
+        3 * export.brdf().table().census().invalid()
+    );
 }
 
 /// Every array's type and shape, and those that are no table in full.
@@ -66,12 +86,17 @@ fn numpy_reads_the_archive() {
     let path = folder.path().join("noisé.binary");
     write(&noise_table(360, 7, 5), &path, Overwrite::Refuse).unwrap();
     let export = export(path.to_str().unwrap());
-    export.write_npz(&folder.path().join("n.npz"), Overwrite::Refuse).unwrap();
-    export.write_values(&folder.path().join("v"), Overwrite::Refuse).unwrap();
+    export
+        .write_npz(&folder.path().join("n.npz"), Overwrite::Refuse)
+        .unwrap();
+    export
+        .write_values(&folder.path().join("v"), Overwrite::Refuse)
+        .unwrap();
     let output = python(folder.path(), &["-X", "utf8", "-c", DESCRIBE, "n.npz"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let said = text(&output.stdout);
-    let (lines, hash): (Vec<&str>, Vec<&str>) = said.lines().partition(|l| !l.starts_with("source_sha256"));
+    let (lines, hash): (Vec<&str>, Vec<&str>) =
+        said.lines().partition(|l| !l.starts_with("source_sha256"));
     assert_eq!(
         lines,
         [
@@ -92,9 +117,16 @@ fn numpy_reads_the_archive() {
     );
     assert_eq!(
         hash,
-        [format!("source_sha256 {}", Material::resolve(path.to_str().unwrap()).unwrap().sha256().unwrap())]
+        [format!(
+            "source_sha256 {}",
+            Material::resolve(path.to_str().unwrap())
+                .unwrap()
+                .sha256()
+                .unwrap()
+        )]
     );
-    let [read, written] = ["values", "v"].map(|name| std::fs::read(folder.path().join(name)).unwrap());
+    let [read, written] =
+        ["values", "v"].map(|name| std::fs::read(folder.path().join(name)).unwrap());
     assert!(read == written);
 }
 
@@ -106,19 +138,59 @@ fn the_reader_draws_from_archives_what_the_library_draws() {
     }
     let folder = tempfile::tempdir().unwrap();
     let merlkit = |arguments: &[&str]| {
-        let output =
-            Command::new(cargo_bin!("merlkit")).args(arguments).current_dir(folder.path()).output().unwrap();
-        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+        let output = Command::new(cargo_bin!("merlkit"))
+            .args(arguments)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert!(
+            output.status.success(),
+            "{arguments:?}: {}",
+            text(&output.stderr)
+        );
         output.stdout
     };
     for (material, size) in [("nickel", "64KB"), ("teflon", "2KB")] {
-        merlkit(&["build", material, "--table-size", size, "-o", "s", "--force"]);
-        merlkit(&["export", material, "--format", "npz", "--table-size", size, "-o", "."]);
-        let sample = ["sample", "s", "--theta", "63", "--phi", "200", "--count", "20000", "--with-points"];
+        merlkit(&[
+            "build",
+            material,
+            "--table-size",
+            size,
+            "-o",
+            "s",
+            "--force",
+        ]);
+        merlkit(&[
+            "export",
+            material,
+            "--format",
+            "npz",
+            "--table-size",
+            size,
+            "-o",
+            ".",
+        ]);
+        let sample = [
+            "sample",
+            "s",
+            "--theta",
+            "63",
+            "--phi",
+            "200",
+            "--count",
+            "20000",
+            "--with-points",
+        ];
         std::fs::write(folder.path().join("draws.csv"), merlkit(&sample)).unwrap();
-        let output = python(folder.path(), &[READER, &format!("{material}.npz"), "draws.csv"]);
+        let output = python(
+            folder.path(),
+            &[READER, &format!("{material}.npz"), "draws.csv"],
+        );
         let said = text(&output.stdout) + &text(&output.stderr);
-        assert!(output.status.success() && said.starts_with("20000 draws, "), "{material} {size}: {said}");
+        assert!(
+            output.status.success() && said.starts_with("20000 draws, "),
+            "{material} {size}: {said}"
+        );
     }
     // Draws from another table are told apart.
     let output = python(folder.path(), &[READER, "nickel.npz", "draws.csv"]);

@@ -17,8 +17,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 const DRIVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/export/driver.c");
 
 /// How a compiler is asked for a program, of the header alone and without a warning.
-pub const COMPILERS: [(&str, &[&str]); 2] =
-    [("gcc", &["-std=c99", "-xc"]), ("g++", &["-std=c++11", "-xc++"])];
+pub const COMPILERS: [(&str, &[&str]); 2] = [
+    ("gcc", &["-std=c99", "-xc"]),
+    ("g++", &["-std=c++11", "-xc++"]),
+];
 const STRICT: [&str; 9] = [
     "-Wall",
     "-Wextra",
@@ -83,18 +85,33 @@ impl Program {
         let compiled = Command::new(compiler.0)
             .args(compiler.1)
             .args(STRICT)
-            .args(["-DHEADER=\"material.h\"", &format!("-DMATERIAL={}", name_in(&export.header()))])
+            .args([
+                "-DHEADER=\"material.h\"",
+                &format!("-DMATERIAL={}", name_in(&export.header())),
+            ])
             .arg("-I")
-            .args([folder, Path::new(DRIVER), Path::new("-o"), &path, Path::new("-lm")])
+            .args([
+                folder,
+                Path::new(DRIVER),
+                Path::new("-o"),
+                &path,
+                Path::new("-lm"),
+            ])
             .output()
             .unwrap();
-        assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+        assert!(
+            compiled.status.success(),
+            "{}",
+            String::from_utf8_lossy(&compiled.stderr)
+        );
         Self { path, values }
     }
 
     pub fn ask(&self, questions: &[Question]) -> Vec<Answer> {
         let input = questions.iter().flat_map(|q| {
-            [q.wo.x, q.wo.y, q.wo.z, q.u.x, q.u.y, q.w.x, q.w.y, q.w.z].into_iter().flat_map(f32::to_ne_bytes)
+            [q.wo.x, q.wo.y, q.wo.z, q.u.x, q.u.y, q.w.x, q.w.y, q.w.z]
+                .into_iter()
+                .flat_map(f32::to_ne_bytes)
         });
         let input: Vec<u8> = input.collect();
         let mut child = Command::new(&self.path)
@@ -109,8 +126,13 @@ impl Program {
             child.wait_with_output().unwrap()
         });
         assert!(output.status.success());
-        let floats: Vec<f32> =
-            output.stdout.as_chunks::<4>().0.iter().map(|b| f32::from_ne_bytes(*b)).collect();
+        let floats: Vec<f32> = output
+            .stdout
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|b| f32::from_ne_bytes(*b))
+            .collect();
         let answers = floats.as_chunks::<8>().0.iter().map(|a| Answer {
             wi: Vec3::new(a[0], a[1], a[2]),
             drawn: a[3],
@@ -123,7 +145,11 @@ impl Program {
 
 /// What the functions of a header begin with.
 fn name_in(header: &str) -> String {
-    let file = header.strip_prefix("// ").and_then(|h| h.split_once(".h:")).unwrap().0;
+    let file = header
+        .strip_prefix("// ")
+        .and_then(|h| h.split_once(".h:"))
+        .unwrap()
+        .0;
     identifier(file)
 }
 
@@ -147,15 +173,24 @@ pub fn questions(export: &Export, count: usize, seed: u64) -> Vec<Question> {
     let mut random = Stream::new(seed);
     let mut x = || random.next_f64();
     let anywhere = |near: bool, a: f64, b: f64| {
-        let theta = if near { FRAC_PI_2 - 0.1 * a.powi(3) } else { FRAC_PI_2 * a };
+        let theta = if near {
+            FRAC_PI_2 - 0.1 * a.powi(3)
+        } else {
+            FRAC_PI_2 * a
+        };
         let w = spherical(theta, TAU * b).as_vec3();
         Vec3::new(w.x, w.y, w.z.max(1e-9))
     };
     let mut question = |i: usize| {
         let wo = anywhere(i.is_multiple_of(3), x(), x());
-        let [u, v] = [(); 2].map(|()| Vec2::new(x() as f32, x() as f32).min(Vec2::splat(1f32.next_down())));
+        let [u, v] =
+            [(); 2].map(|()| Vec2::new(x() as f32, x() as f32).min(Vec2::splat(1f32.next_down())));
         let free = anywhere(i.is_multiple_of(8), x(), x());
-        let w = if i.is_multiple_of(4) { free } else { export.table().sample(wo, v).unwrap().wi };
+        let w = if i.is_multiple_of(4) {
+            free
+        } else {
+            export.table().sample(wo, v).unwrap().wi
+        };
         Question { wo, u, w }
     };
     (0..count).map(&mut question).collect()
@@ -167,7 +202,11 @@ pub fn compare(found: &[Answer], expected: &[Answer], most: f32) -> Beyond {
     assert_eq!(found.len(), expected.len());
     let near = |a: f32, b: f32, most: f32| a == b || (a - b).abs() <= most * b.abs();
     let count = |good: &dyn Fn(&Answer, &Answer) -> bool| {
-        found.iter().zip(expected).filter(|(a, b)| !good(a, b)).count()
+        found
+            .iter()
+            .zip(expected)
+            .filter(|(a, b)| !good(a, b))
+            .count()
     };
     Beyond {
         draws: count(&|a, b| a.wi.abs_diff_eq(b.wi, 1e-5) && near(a.drawn, b.drawn, 1e-5)),

@@ -7,7 +7,11 @@ use std::sync::LazyLock;
 /// One crossing for all tests: with every rule if `STABILITY_FULL` is set.
 pub static CROSSING: LazyLock<Vec<HardOutcome>> = LazyLock::new(|| {
     let full = std::env::var_os("STABILITY_FULL").is_some();
-    let thoroughness = if full { Thoroughness::Full } else { Thoroughness::Quick };
+    let thoroughness = if full {
+        Thoroughness::Full
+    } else {
+        Thoroughness::Quick
+    };
     check_hard(&HardCase::ALL, thoroughness, 1, &|| {}).unwrap()
 });
 
@@ -30,15 +34,27 @@ fn hard_cases_keep_every_promise() {
             )
         })
         .collect();
-    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
+    assert!(
+        failures.is_empty(),
+        "{} failures:\n{}",
+        failures.len(),
+        failures.join("\n")
+    );
 }
 
 #[test]
 fn every_case_and_check_took_part() {
     for case in HardCase::ALL {
-        assert!(CROSSING.iter().any(|o| o.case == case.name), "{}", case.name);
+        assert!(
+            CROSSING.iter().any(|o| o.case == case.name),
+            "{}",
+            case.name
+        );
     }
     for check in HardCheck::ALL {
-        assert!(CROSSING.iter().any(|o| o.check == check && o.count > 0), "{check:?}");
+        assert!(
+            CROSSING.iter().any(|o| o.check == check && o.count > 0),
+            "{check:?}"
+        );
     }
 }

@@ -8,38 +8,70 @@ use merlkit::geom::spherical;
 use merlkit::merl::{Header, MerlTable};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, Construction, DirectionSampler, HalfVectorSettings, LeafChoice,
-    SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, Construction, DirectionSampler, HalfVectorSettings,
+    LeafChoice, SamplerSpec,
 };
 
 type Cell = fn(usize, usize, usize) -> [f64; 3];
 
-const MATERIALS: [(&str, Cell); 9] =
-    [
-        ("black", |_, _, _| [0.0; 3]),
-        ("all invalid", |_, _, _| [-1.0; 3]),
-        ("one cell", |h, d, p| if (h, d, p) == (12, 30, 77) { [2.0; 3] } else { [0.0; 3] }),
-        ("one bin of theta_h", |h, _, _| if h == 0 { [1e4; 3] } else { [0.0; 3] }),
-        ("red only", |_, _, _| [0.3, 0.0, 0.0]),
-        ("peak over mean of 1e8", |h, _, _| if h == 0 { [1e6; 3] } else { [1e-2; 3] }),
-        ("islands", |h, d, p| if (h / 7 + d / 9 + p / 20) % 5 == 0 { [0.0; 3] } else { [0.2; 3] }),
-        ("invalid islands", |h, d, p| {
-            if (h + d + p) % 3 == 0 { [f64::NAN; 3] } else { [0.1, 0.2, f64::from(h as u32)] }
-        }),
-        ("near the largest f32", |_, _, _| [1e38, 1e30, 1.0]),
-    ];
+const MATERIALS: [(&str, Cell); 9] = [
+    ("black", |_, _, _| [0.0; 3]),
+    ("all invalid", |_, _, _| [-1.0; 3]),
+    ("one cell", |h, d, p| {
+        if (h, d, p) == (12, 30, 77) {
+            [2.0; 3]
+        } else {
+            [0.0; 3]
+        }
+    }),
+    ("one bin of theta_h", |h, _, _| {
+        if h == 0 { [1e4; 3] } else { [0.0; 3] }
+    }),
+    ("red only", |_, _, _| [0.3, 0.0, 0.0]),
+    ("peak over mean of 1e8", |h, _, _| {
+        if h == 0 { [1e6; 3] } else { [1e-2; 3] }
+    }),
+    ("islands", |h, d, p| {
+        if (h / 7 + d / 9 + p / 20) % 5 == 0 {
+            [0.0; 3]
+        } else {
+            [0.2; 3]
+        }
+    }),
+    ("invalid islands", |h, d, p| {
+        if (h + d + p) % 3 == 0 {
+            [f64::NAN; 3]
+        } else {
+            [0.1, 0.2, f64::from(h as u32)]
+        }
+    }),
+    ("near the largest f32", |_, _, _| [1e38, 1e30, 1.0]),
+];
 
 fn specs() -> Vec<(&'static str, SamplerSpec)> {
-    let disc = AdaptiveDiscSettings { tables: 5, ..Default::default() };
-    let cdf = CascadeCdfSettings { tables: 4, theta_h: 90, phi_h: 32, ..Default::default() };
-    let (published_disc, published_cdf) =
-        (AdaptiveDiscSettings::as_published(), CascadeCdfSettings::as_published(true));
+    let disc = AdaptiveDiscSettings {
+        tables: 5,
+        ..Default::default()
+    };
+    let cdf = CascadeCdfSettings {
+        tables: 4,
+        theta_h: 90,
+        phi_h: 32,
+        ..Default::default()
+    };
+    let (published_disc, published_cdf) = (
+        AdaptiveDiscSettings::as_published(),
+        CascadeCdfSettings::as_published(true),
+    );
     vec![
         ("cosine", SamplerSpec::Cosine),
         ("disc", SamplerSpec::AdaptiveDisc(disc)),
         (
             "disc, leaves by integral",
-            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { leaves: LeafChoice::Integral, ..disc }),
+            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+                leaves: LeafChoice::Integral,
+                ..disc
+            }),
         ),
         (
             "disc as published",
@@ -49,9 +81,22 @@ fn specs() -> Vec<(&'static str, SamplerSpec)> {
                 ..published_disc
             }),
         ),
-        ("one tree", SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { tables: 1, depth: 1, ..disc })),
+        (
+            "one tree",
+            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+                tables: 1,
+                depth: 1,
+                ..disc
+            }),
+        ),
         ("cdf", SamplerSpec::CascadeCdf(cdf)),
-        ("cdf whole", SamplerSpec::CascadeCdf(CascadeCdfSettings { tolerance: None, ..cdf })),
+        (
+            "cdf whole",
+            SamplerSpec::CascadeCdf(CascadeCdfSettings {
+                tolerance: None,
+                ..cdf
+            }),
+        ),
         (
             "cdf as published",
             SamplerSpec::CascadeCdf(CascadeCdfSettings {
@@ -61,13 +106,36 @@ fn specs() -> Vec<(&'static str, SamplerSpec)> {
                 ..published_cdf
             }),
         ),
-        ("one cell", SamplerSpec::CascadeCdf(CascadeCdfSettings { tables: 1, theta_h: 1, phi_h: 1, ..cdf })),
+        (
+            "one cell",
+            SamplerSpec::CascadeCdf(CascadeCdfSettings {
+                tables: 1,
+                theta_h: 1,
+                phi_h: 1,
+                ..cdf
+            }),
+        ),
         (
             "infinite tolerance",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings { tolerance: Some(f64::INFINITY), ..cdf }),
+            SamplerSpec::CascadeCdf(CascadeCdfSettings {
+                tolerance: Some(f64::INFINITY),
+                ..cdf
+            }),
         ),
-        ("zero tolerance", SamplerSpec::CascadeCdf(CascadeCdfSettings { tolerance: Some(0.0), ..cdf })),
-        ("half-vector", SamplerSpec::HalfVector(HalfVectorSettings { tables: 5, ..Default::default() })),
+        (
+            "zero tolerance",
+            SamplerSpec::CascadeCdf(CascadeCdfSettings {
+                tolerance: Some(0.0),
+                ..cdf
+            }),
+        ),
+        (
+            "half-vector",
+            SamplerSpec::HalfVector(HalfVectorSettings {
+                tables: 5,
+                ..Default::default()
+            }),
+        ),
         (
             "half-vector, least",
             SamplerSpec::HalfVector(HalfVectorSettings {
@@ -78,7 +146,10 @@ fn specs() -> Vec<(&'static str, SamplerSpec)> {
                 ..Default::default()
             }),
         ),
-        ("floor only", SamplerSpec::CascadeCdf(CascadeCdfSettings { floor: 1.0, ..cdf })),
+        (
+            "floor only",
+            SamplerSpec::CascadeCdf(CascadeCdfSettings { floor: 1.0, ..cdf }),
+        ),
     ]
 }
 
@@ -95,8 +166,13 @@ fn directions() -> Vec<Vec3> {
 
 fn points() -> Vec<Vec2> {
     let top = 1.0f32.next_down();
-    let mut out =
-        vec![Vec2::ZERO, Vec2::splat(top), Vec2::new(0.0, top), Vec2::new(top, 0.0), Vec2::splat(0.5)];
+    let mut out = vec![
+        Vec2::ZERO,
+        Vec2::splat(top),
+        Vec2::new(0.0, top),
+        Vec2::new(top, 0.0),
+        Vec2::splat(0.5),
+    ];
     out.extend((1..24).map(|k| Vec2::new(0.5f32.powi(k), 1.0 - 0.5f32.powi(k))));
     out.extend((0..40).map(|i| PointSet::Sobol.point(3, i, 0)));
     out
@@ -112,13 +188,24 @@ fn every_draw_and_density_is_finite_and_agrees() {
                 let sampler = spec.build(&brdf).unwrap();
                 for &wo in &directions() {
                     for &u in &points() {
-                        let Some(s) = sampler.sample(wo, u) else { continue };
-                        let place = || format!("{material}, {name}, {rule:?}, {wo:?}, {u:?}: {s:?}");
+                        let Some(s) = sampler.sample(wo, u) else {
+                            continue;
+                        };
+                        let place =
+                            || format!("{material}, {name}, {rule:?}, {wo:?}, {u:?}: {s:?}");
                         assert!(s.pdf > 0.0 && s.pdf.is_finite(), "{}", place());
-                        assert!(s.wi.z > 0.0 && (s.wi.length() - 1.0).abs() < 1e-5, "{}", place());
+                        assert!(
+                            s.wi.z > 0.0 && (s.wi.length() - 1.0).abs() < 1e-5,
+                            "{}",
+                            place()
+                        );
                         assert_eq!(s.pdf, sampler.pdf(wo, s.wi), "{}", place());
                         let weight = brdf.eval_cos(wo, s.wi).as_dvec3() / f64::from(s.pdf);
-                        assert!(weight.is_finite() && weight.min_element() >= 0.0, "{}", place());
+                        assert!(
+                            weight.is_finite() && weight.min_element() >= 0.0,
+                            "{}",
+                            place()
+                        );
                     }
                 }
             }
@@ -128,7 +215,9 @@ fn every_draw_and_density_is_finite_and_agrees() {
 
 #[test]
 fn directions_outside_the_domain_draw_nothing() {
-    let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| [0.3; 3]));
+    let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| {
+        [0.3; 3]
+    }));
     let brdf = Arc::new(Measured::new(table, LookupRule::Floor));
     let bad = [
         Vec3::new(1.0, 0.0, 0.0),
@@ -145,29 +234,52 @@ fn directions_outside_the_domain_draw_nothing() {
             assert_eq!(sampler.pdf(wo, Vec3::Z), 0.0, "{name} {wo}");
             assert_eq!(sampler.pdf(Vec3::Z, wo), 0.0, "{name} {wo}");
             assert_eq!(brdf.eval(Vec3::Z, wo), Vec3::ZERO);
-            assert!(sampler.sample_many(wo, 5, 1).iter().all(Option::is_none), "{name} {wo}");
+            assert!(
+                sampler.sample_many(wo, 5, 1).iter().all(Option::is_none),
+                "{name} {wo}"
+            );
         }
     }
 }
 
 #[test]
 fn settings_out_of_range_are_errors() {
-    let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| [0.3; 3]));
+    let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| {
+        [0.3; 3]
+    }));
     let brdf = Arc::new(Measured::new(table, LookupRule::Floor));
-    let (disc, cdf) = (AdaptiveDiscSettings::default(), CascadeCdfSettings::default());
+    let (disc, cdf) = (
+        AdaptiveDiscSettings::default(),
+        CascadeCdfSettings::default(),
+    );
     for spec in [
         SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { tables: 0, ..disc }),
         SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { n_max: 1.0, ..disc }),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { n_max: f64::NAN, ..disc }),
+        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            n_max: f64::NAN,
+            ..disc
+        }),
         SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { depth: 40, ..disc }),
         SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { floor: 1.5, ..disc }),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { construction: Construction::Grid(1), ..disc }),
+        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            construction: Construction::Grid(1),
+            ..disc
+        }),
         SamplerSpec::CascadeCdf(CascadeCdfSettings { theta_h: 0, ..cdf }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings { phi_h: 100_000, ..cdf }),
+        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            phi_h: 100_000,
+            ..cdf
+        }),
         SamplerSpec::CascadeCdf(CascadeCdfSettings { floor: -0.1, ..cdf }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings { tolerance: Some(f64::NAN), ..cdf }),
+        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            tolerance: Some(f64::NAN),
+            ..cdf
+        }),
     ] {
-        assert!(matches!(spec.build(&brdf), Err(merlkit::Error::Argument { .. })), "{spec:?}");
+        assert!(
+            matches!(spec.build(&brdf), Err(merlkit::Error::Argument { .. })),
+            "{spec:?}"
+        );
     }
 }
 
@@ -177,7 +289,10 @@ fn settings_out_of_range_are_errors() {
 fn no_weight_is_beyond_all_bounds_where_light_ends_at_an_edge() {
     let table = Arc::new(merlkit::merl::HardCase::named("one-row").unwrap().table());
     let brdf = Arc::new(Measured::new(table, LookupRule::Floor));
-    let settings = AdaptiveDiscSettings { tables: 3, ..Default::default() };
+    let settings = AdaptiveDiscSettings {
+        tables: 3,
+        ..Default::default()
+    };
     let disc = SamplerSpec::AdaptiveDisc(settings).build(&brdf).unwrap();
     let wo = spherical(60.25f64.to_radians(), 2.5).as_vec3();
     let (mut heaviest, mut lost) = (0.0f32, 0);

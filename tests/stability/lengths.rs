@@ -16,15 +16,30 @@ fn directions_of_any_length_are_renormalised() {
         let brdf = Arc::new(Measured::new(table.clone(), rule));
         for hard in hard_samplers() {
             let sampler = hard.spec.build(&brdf).unwrap();
-            for (wo_length, wi_length) in [(1.001f32, 1.0f32), (1.0, 0.999), (1e-20, 1e20), (3.0, 1e-30)] {
+            for (wo_length, wi_length) in [
+                (1.001f32, 1.0f32),
+                (1.0, 0.999),
+                (1e-20, 1e20),
+                (3.0, 1e-30),
+            ] {
                 let wo = spherical(0.7, 0.4).as_vec3() * wo_length;
                 let wi = spherical(1.1, 2.9).as_vec3() * wi_length;
                 let (unit_wo, unit_wi) = (unit_upper(wo).unwrap(), unit_upper(wi).unwrap());
-                assert!((unit_wo.length() - 1.0).abs() < 1e-6 && (unit_wi.length() - 1.0).abs() < 1e-6);
+                assert!(
+                    (unit_wo.length() - 1.0).abs() < 1e-6 && (unit_wi.length() - 1.0).abs() < 1e-6
+                );
                 let place = format!("{} {rule:?} {wo} {wi}", hard.name);
                 assert_eq!(brdf.eval(wo, wi), brdf.eval(unit_wo, unit_wi), "{place}");
-                assert_eq!(brdf.eval_cos(wo, wi), brdf.eval_cos(unit_wo, unit_wi), "{place}");
-                assert_eq!(sampler.pdf(wo, wi), sampler.pdf(unit_wo, unit_wi), "{place}");
+                assert_eq!(
+                    brdf.eval_cos(wo, wi),
+                    brdf.eval_cos(unit_wo, unit_wi),
+                    "{place}"
+                );
+                assert_eq!(
+                    sampler.pdf(wo, wi),
+                    sampler.pdf(unit_wo, unit_wi),
+                    "{place}"
+                );
                 let u = Vec2::new(0.3, 0.6);
                 assert_eq!(sampler.sample(wo, u), sampler.sample(unit_wo, u), "{place}");
             }
@@ -34,7 +49,14 @@ fn directions_of_any_length_are_renormalised() {
 
 #[test]
 fn what_is_no_direction_has_no_unit() {
-    for w in [Vec3::ZERO, Vec3::X, -Vec3::Z, Vec3::NAN, Vec3::INFINITY, Vec3::new(f32::MAX, 0.0, 1e-45)] {
+    for w in [
+        Vec3::ZERO,
+        Vec3::X,
+        -Vec3::Z,
+        Vec3::NAN,
+        Vec3::INFINITY,
+        Vec3::new(f32::MAX, 0.0, 1e-45),
+    ] {
         assert_eq!(unit_upper(w), None, "{w}");
     }
     assert_eq!(unit_upper(Vec3::new(0.0, 0.0, 1e-45)), Some(Vec3::Z));

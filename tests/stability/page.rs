@@ -15,7 +15,12 @@ fn markdown(sheet: &Sheet) -> String {
 }
 
 fn precision_sheet() -> Sheet {
-    let mut sheet = Sheet::new(&["quantity", "largest error, relative", "in ulp of f32", "bound"]);
+    let mut sheet = Sheet::new(&[
+        "quantity",
+        "largest error, relative",
+        "in ulp of f32",
+        "bound",
+    ]);
     for row in precision::TABLE.iter() {
         let relative = format!("{:.1e}", row.relative);
         sheet.push(vec![
@@ -43,7 +48,15 @@ fn page() -> String {
 /// First cells of all table rows, and every line that is in no table: what does not depend on the machine.
 fn skeleton(page: &str) -> Vec<String> {
     let first = |line: &str| line.split(" | ").next().unwrap_or_default().to_owned();
-    page.lines().map(|line| if line.starts_with("| ") { first(line) } else { line.to_owned() }).collect()
+    page.lines()
+        .map(|line| {
+            if line.starts_with("| ") {
+                first(line)
+            } else {
+                line.to_owned()
+            }
+        })
+        .collect()
 }
 
 #[test]

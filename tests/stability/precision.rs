@@ -10,7 +10,9 @@ use merlkit::dist::{Curves, Piecewise2d, WHOLE};
 use merlkit::geom::{Quadrature, half_vector, spherical};
 use merlkit::merl::Material;
 use merlkit::points::{PointSet, Stream};
-use merlkit::render::{EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, render};
+use merlkit::render::{
+    EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, render,
+};
 use merlkit::sampler::store::encode;
 use merlkit::sampler::{Cosine, DirectionSampler, HalfVectorSettings, HalfVectorTable, Sampler};
 
@@ -29,11 +31,22 @@ pub struct Row {
 /// All rows, computed once.
 pub static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
     let mut rows = vec![
-        eval("eval, linear, to the spread of its neighbours", LookupRule::Linear),
-        eval("eval, centred, to the spread of its neighbours", LookupRule::Centred),
+        eval(
+            "eval, linear, to the spread of its neighbours",
+            LookupRule::Linear,
+        ),
+        eval(
+            "eval, centred, to the spread of its neighbours",
+            LookupRule::Centred,
+        ),
         cosine_pdf(),
         half_vector_integral(),
-        half_vector_pdf("pdf, half-vector, wo and wi above 5°", 5.0..90.0, 0.05..90.0, 1e-4),
+        half_vector_pdf(
+            "pdf, half-vector, wo and wi above 5°",
+            5.0..90.0,
+            0.05..90.0,
+            1e-4,
+        ),
         half_vector_pdf("… the lower at 0.5° to 5°", 0.5..5.0, 0.05..90.0, 5e-3),
         half_vector_pdf("… the lower at 0.05° to 0.5°", 0.05..0.5, 0.05..90.0, 0.2),
         half_vector_pdf(
@@ -54,7 +67,12 @@ pub static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
 fn eval(what: &'static str, rule: LookupRule) -> Row {
     let table = Arc::new(noise_table(180, 0, 3));
     let brdf = Measured::new(table.clone(), rule);
-    let mut row = Row { what, ulp: 0.0, relative: 0.0, bound: 2e-5 };
+    let mut row = Row {
+        what,
+        ulp: 0.0,
+        relative: 0.0,
+        bound: 2e-5,
+    };
     for (wo, wi) in pairs(200_000, 5) {
         let (exact, weight) = naive::eval(&table, rule, wo, wi);
         // Within rounding of the half vector's azimuth being undefined, neighbours in phi_d are any.
@@ -68,14 +86,21 @@ fn eval(what: &'static str, rule: LookupRule) -> Row {
                 ulp(found[channel], exact[channel].max(1.0)).min(f64::MAX)
                     * f64::from(u8::from(exact[channel] >= 1.0)),
             );
-            row.relative = row.relative.max((f64::from(found[channel]) - exact[channel]).abs() / 4.0);
+            row.relative = row
+                .relative
+                .max((f64::from(found[channel]) - exact[channel]).abs() / 4.0);
         }
     }
     row
 }
 
 fn cosine_pdf() -> Row {
-    let mut row = Row { what: "pdf, cosine", ulp: 0.0, relative: 0.0, bound: 2e-7 };
+    let mut row = Row {
+        what: "pdf, cosine",
+        ulp: 0.0,
+        relative: 0.0,
+        bound: 2e-7,
+    };
     for (wo, wi) in pairs(100_000, 6).filter(|(wo, wi)| wo.z > 0.0 && wi.z > 1e-30) {
         let exact = f64::from(wi.z) * FRAC_1_PI;
         let found = Cosine.pdf(wo, wi);
@@ -91,15 +116,30 @@ static NICKEL: LazyLock<(HalfVectorTable, Oracle)> = LazyLock::new(|| {
     let brdf = Measured::new(Arc::new(material.load().unwrap()), LookupRule::Floor);
     let settings = HalfVectorSettings::default();
     let sampler = HalfVectorTable::build(&brdf, settings).unwrap();
-    let file = encode(&Sampler::HalfVector(sampler.clone()), &material, LookupRule::Floor).unwrap();
+    let file = encode(
+        &Sampler::HalfVector(sampler.clone()),
+        &material,
+        LookupRule::Floor,
+    )
+    .unwrap();
     (sampler, Oracle::new(&file, settings.fold))
 });
 
 /// The half-vector table computes in f32, in which directions near the horizon and half vectors near the normal lose digits.
 /// Where the half vector is within 10⁻⁵ of the edge of a row, either row's density is right.
-fn half_vector_pdf(what: &'static str, elevation: Range<f64>, theta_h: Range<f64>, bound: f64) -> Row {
+fn half_vector_pdf(
+    what: &'static str,
+    elevation: Range<f64>,
+    theta_h: Range<f64>,
+    bound: f64,
+) -> Row {
     let (sampler, oracle) = &*NICKEL;
-    let mut row = Row { what, ulp: 0.0, relative: 0.0, bound };
+    let mut row = Row {
+        what,
+        ulp: 0.0,
+        relative: 0.0,
+        bound,
+    };
     for (wo, wi) in pairs(400_000, 7) {
         let (wo64, wi64) = (wo.as_dvec3(), wi.as_dvec3());
         let lower = wo64.z.min(wi64.z).asin().to_degrees();
@@ -124,8 +164,10 @@ fn half_vector_integral() -> Row {
         let wo = spherical(degrees.to_radians(), 0.3).as_vec3();
         Quadrature::new(wo, 987).integrate(|wi| f64::from(sampler.pdf(wo, wi)))
     };
-    let relative =
-        [0.0, 20.0, 45.0, 70.0, 85.0].map(|d| (integral(d) - 1.0).abs()).into_iter().fold(0.0, f64::max);
+    let relative = [0.0, 20.0, 45.0, 70.0, 85.0]
+        .map(|d| (integral(d) - 1.0).abs())
+        .into_iter()
+        .fold(0.0, f64::max);
     Row {
         what: "pdf, half-vector, its integral",
         ulp: relative / f64::from(f32::EPSILON),
@@ -137,7 +179,9 @@ fn half_vector_integral() -> Row {
 /// Masses of a million cells over twenty orders of magnitude.
 fn cdf_sums() -> Row {
     let mut random = Stream::new(8);
-    let weights: Vec<f64> = (0..1000 * 1000).map(|_| 10f64.powf(20.0 * random.next_f64())).collect();
+    let weights: Vec<f64> = (0..1000 * 1000)
+        .map(|_| 10f64.powf(20.0 * random.next_f64()))
+        .collect();
     let density = Piecewise2d::new(1000, 1000, &weights).unwrap();
     let mut total = Exact::default();
     weights.iter().for_each(|&w| total.add(w));
@@ -170,9 +214,12 @@ fn curves() -> Row {
     }
     let mut curves = Curves::new();
     curves.push(&cumulated, None);
-    let relative = precise.iter().zip(&curves.cdf).fold(0.0, |worst: f64, (p, &c)| {
-        worst.max((f64::from(c) / f64::from(WHOLE) - p / exact.value()).abs())
-    });
+    let relative = precise
+        .iter()
+        .zip(&curves.cdf)
+        .fold(0.0, |worst: f64, (p, &c)| {
+            worst.max((f64::from(c) / f64::from(WHOLE) - p / exact.value()).abs())
+        });
     Row {
         what: "CDF curves of 8192 cells in 16 bits, of the whole",
         ulp: relative / f64::from(f32::EPSILON),
@@ -186,15 +233,35 @@ fn constant_pixel() -> Row {
     let radiance = Vec3::new(0.1, 1e-30, 3e37);
     let row = SceneSpec::row(&["none".into()], 1.0);
     let lights = vec![LightSpec::Environment(EnvironmentSource::Uniform(radiance))];
-    let spec = SceneSpec { spheres: Vec::new(), materials: Vec::new(), lights, ..row };
+    let spec = SceneSpec {
+        spheres: Vec::new(),
+        materials: Vec::new(),
+        lights,
+        ..row
+    };
     let plan = EffectPlan::of(&spec);
     let scene = Scene::build(&spec, &plan, |_, _| unreachable!()).unwrap();
-    let settings = Settings { width: 1, height: 1, samples: 1 << 22, seed: 1, points: PointSet::Random };
+    let settings = Settings {
+        width: 1,
+        height: 1,
+        samples: 1 << 22,
+        seed: 1,
+        points: PointSet::Random,
+    };
     let film = render(&scene, &plan, &settings, &|_| {}).unwrap();
-    let relative = (film.mean(0, 0) / radiance.as_dvec3() - DVec3::ONE).abs().max_element();
+    let relative = (film.mean(0, 0) / radiance.as_dvec3() - DVec3::ONE)
+        .abs()
+        .max_element();
     let image = film.to_image().unwrap().at(0, 0);
-    let ulp = (0..3).map(|c| ulp(image[c], radiance[c].into())).fold(0.0, f64::max);
-    Row { what: "pixel of 4·10⁶ samples of a uniform sky, rendered", ulp, relative, bound: 1e-9 }
+    let ulp = (0..3)
+        .map(|c| ulp(image[c], radiance[c].into()))
+        .fold(0.0, f64::max);
+    Row {
+        what: "pixel of 4·10⁶ samples of a uniform sky, rendered",
+        ulp,
+        relative,
+        bound: 1e-9,
+    }
 }
 
 /// The film's running mean (Welford), from sample `first` on: what was before is exact.
@@ -209,7 +276,10 @@ fn running_mean(first: u64, count: u64, sample: impl Fn(u64) -> f64) -> (f64, f6
         mean += (sample(i % PERIOD) - mean) / (i + 1) as f64;
         after.add(sample(i % PERIOD));
     }
-    (mean, (before.value() * first as f64 + after.value()) / (first + count) as f64)
+    (
+        mean,
+        (before.value() * first as f64 + after.value()) / (first + count) as f64,
+    )
 }
 
 /// What sample `i` adds to a pixel.
@@ -221,18 +291,31 @@ const PERIOD: u64 = 1_000_000;
 fn accumulation() -> Vec<Row> {
     let noise = |i: u64| PointSet::Random.point(3, i % 4096, 0).x.into();
     let samples: [(_, _, Samples); 3] = [
-        ("running mean of 10⁷ equal samples", "the same at sample 10⁹", &|_| 0.1),
+        (
+            "running mean of 10⁷ equal samples",
+            "the same at sample 10⁹",
+            &|_| 0.1,
+        ),
         ("… of 10⁷ noisy samples", "the same at sample 10⁹ ", &noise),
-        ("… of 10⁷ samples, one in 10⁶ a spike of 10¹²", "the same at sample 10⁹  ", &|i| {
-            if i % PERIOD == 777_777 { 1e12 } else { 1e-3 }
-        }),
+        (
+            "… of 10⁷ samples, one in 10⁶ a spike of 10¹²",
+            "the same at sample 10⁹  ",
+            &|i| {
+                if i % PERIOD == 777_777 { 1e12 } else { 1e-3 }
+            },
+        ),
     ];
     let mut rows = Vec::new();
     for (what, late, sample) in samples {
         for (what, first) in [(what, 0), (late, 1_000_000_000)] {
             let (found, exact) = running_mean(first, 10 * PERIOD, sample);
             let relative = (found / exact - 1.0).abs();
-            rows.push(Row { what, ulp: relative / f64::from(f32::EPSILON), relative, bound: 1e-8 });
+            rows.push(Row {
+                what,
+                ulp: relative / f64::from(f32::EPSILON),
+                relative,
+                bound: 1e-8,
+            });
         }
     }
     rows
@@ -241,6 +324,12 @@ fn accumulation() -> Vec<Row> {
 #[test]
 fn errors_stay_below_their_bounds() {
     for row in TABLE.iter() {
-        assert!(row.relative <= row.bound, "{}: {:.2e}, {:.2} ulp", row.what, row.relative, row.ulp);
+        assert!(
+            row.relative <= row.bound,
+            "{}: {:.2e}, {:.2} ulp",
+            row.what,
+            row.relative,
+            row.ulp
+        );
     }
 }

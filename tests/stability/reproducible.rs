@@ -20,8 +20,8 @@ use merlkit::render::{
 };
 use merlkit::sampler::store::{SamplerFile, encode};
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice, Sampler,
-    SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice,
+    Sampler, SamplerSpec,
 };
 
 /// FNV-1a.
@@ -39,16 +39,24 @@ impl Hash {
     }
 
     fn floats(&mut self, values: &[f32]) {
-        values.iter().for_each(|v| self.bytes(&v.to_bits().to_le_bytes()));
+        values
+            .iter()
+            .for_each(|v| self.bytes(&v.to_bits().to_le_bytes()));
     }
 }
 
 fn specs() -> [SamplerSpec; 5] {
-    let disc = AdaptiveDiscSettings { tables: 4, ..Default::default() };
+    let disc = AdaptiveDiscSettings {
+        tables: 4,
+        ..Default::default()
+    };
     [
         SamplerSpec::Cosine,
         SamplerSpec::AdaptiveDisc(disc),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { leaves: LeafChoice::Warp, ..disc }),
+        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            leaves: LeafChoice::Warp,
+            ..disc
+        }),
         SamplerSpec::CascadeCdf(CascadeCdfSettings {
             tables: 4,
             theta_h: 128,
@@ -67,7 +75,13 @@ fn draws(sampler: &Sampler) -> u64 {
         let points = (0..2000).map(|i| PointSet::Sobol.point(9, i, 0));
         let single = points.map(|u| sampler.sample(wo, u));
         for draw in single.chain(sampler.sample_many(wo, 500, 3)).flatten() {
-            hash.floats(&[draw.wi.x, draw.wi.y, draw.wi.z, draw.pdf, sampler.pdf(wo, draw.wi)]);
+            hash.floats(&[
+                draw.wi.x,
+                draw.wi.y,
+                draw.wi.z,
+                draw.pdf,
+                sampler.pdf(wo, draw.wi),
+            ]);
         }
     }
     hash.0
@@ -75,21 +89,47 @@ fn draws(sampler: &Sampler) -> u64 {
 
 fn picture(brdf: &Arc<Measured>, sampler: &Arc<Sampler>) -> Image {
     let row = SceneSpec::row(&["left".into(), "right".into()], 1.5);
-    let lights = vec![row.row_area(), row.row_point(), LightSpec::Environment(EnvironmentSource::Studio)];
-    let spec = SceneSpec { lights, floor: Some(0.4), ..row };
+    let lights = vec![
+        row.row_area(),
+        row.row_point(),
+        LightSpec::Environment(EnvironmentSource::Studio),
+    ];
+    let spec = SceneSpec {
+        lights,
+        floor: Some(0.4),
+        ..row
+    };
     let plan = EffectPlan::of(&spec);
-    let surface = Surface { brdf: brdf.clone(), sampler: Some(sampler.clone()) };
+    let surface = Surface {
+        brdf: brdf.clone(),
+        sampler: Some(sampler.clone()),
+    };
     let scene = Scene::build(&spec, &plan, |_, _| Ok(surface.clone())).unwrap();
-    let settings = Settings { width: 30, height: 20, samples: 4, seed: 11, points: PointSet::Sobol };
-    render(&scene, &plan, &settings, &|_| {}).unwrap().to_image().unwrap()
+    let settings = Settings {
+        width: 30,
+        height: 20,
+        samples: 4,
+        seed: 11,
+        points: PointSet::Sobol,
+    };
+    render(&scene, &plan, &settings, &|_| {})
+        .unwrap()
+        .to_image()
+        .unwrap()
 }
 
 /// Everything that a seed determines, on so many threads.
 fn everything(threads: usize) -> Vec<u64> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
     pool.install(|| {
         let material = Material::resolve("nickel").unwrap();
-        let brdf = Arc::new(Measured::new(Arc::new(material.load().unwrap()), LookupRule::Floor));
+        let brdf = Arc::new(Measured::new(
+            Arc::new(material.load().unwrap()),
+            LookupRule::Floor,
+        ));
         let mut all = Vec::new();
         for spec in specs() {
             let sampler = Arc::new(spec.build(&brdf).unwrap());
@@ -120,15 +160,26 @@ fn one_two_and_seven_threads_give_the_same_bytes() {
 fn a_loaded_sampler_draws_what_the_fresh_one_drew() {
     let folder = tempfile::tempdir().unwrap();
     let material = Material::resolve("nickel").unwrap();
-    let brdf = Arc::new(Measured::new(Arc::new(material.load().unwrap()), LookupRule::Centred));
+    let brdf = Arc::new(Measured::new(
+        Arc::new(material.load().unwrap()),
+        LookupRule::Centred,
+    ));
     for (i, spec) in specs().into_iter().enumerate() {
         let fresh = spec.build(&brdf).unwrap();
-        let Ok(bytes) = encode(&fresh, &material, LookupRule::Centred) else { continue };
+        let Ok(bytes) = encode(&fresh, &material, LookupRule::Centred) else {
+            continue;
+        };
         let path = folder.path().join(i.to_string());
         std::fs::write(&path, &bytes).unwrap();
-        let loaded = SamplerFile::open(&path).unwrap().into_sampler(&brdf).unwrap();
+        let loaded = SamplerFile::open(&path)
+            .unwrap()
+            .into_sampler(&brdf)
+            .unwrap();
         assert_eq!(draws(&fresh), draws(&loaded), "{spec:?}");
-        assert!(encode(&loaded, &material, LookupRule::Centred).unwrap() == bytes, "{spec:?}");
+        assert!(
+            encode(&loaded, &material, LookupRule::Centred).unwrap() == bytes,
+            "{spec:?}"
+        );
         let pictures = [fresh, loaded].map(|s| picture(&brdf, &Arc::new(s)));
         assert!(pictures[0].pixels() == pictures[1].pixels(), "{spec:?}");
     }
@@ -145,11 +196,15 @@ fn golden_bytes_are_the_same_on_every_machine_and_in_every_build() {
     let numbers = hash.0;
     let mut hash = Hash::new();
     for name in ["noise", "holes", "poisoned", "islands"] {
-        hash.floats(bytemuck::cast_slice(HardCase::named(name).unwrap().table().cells()));
+        hash.floats(bytemuck::cast_slice(
+            HardCase::named(name).unwrap().table().cells(),
+        ));
     }
     let tables = hash.0;
     let mut hash = Hash::new();
-    let weights: Vec<f64> = (0..64 * 32u32).map(|i| f64::from(i * 7919 % 1009)).collect();
+    let weights: Vec<f64> = (0..64 * 32u32)
+        .map(|i| f64::from(i * 7919 % 1009))
+        .collect();
     let density = Piecewise2d::new(64, 32, &weights).unwrap();
     for i in 0..1000 {
         let p: DVec2 = density.sample(PointSet::Sobol.point(1, i, 0).as_dvec2());
@@ -160,4 +215,8 @@ fn golden_bytes_are_the_same_on_every_machine_and_in_every_build() {
     assert_eq!([numbers, tables, hash.0], GOLDEN);
 }
 
-const GOLDEN: [u64; 3] = [4_595_419_572_647_753_109, 18_431_126_905_448_476_285, 5_463_185_417_969_051_909];
+const GOLDEN: [u64; 3] = [
+    4_595_419_572_647_753_109,
+    18_431_126_905_448_476_285,
+    5_463_185_417_969_051_909,
+];

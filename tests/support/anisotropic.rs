@@ -19,7 +19,10 @@ pub struct Brushed {
 }
 
 impl Brushed {
-    pub const STRONG: Self = Self { alpha: [0.06, 0.4], turned: 0.0 };
+    pub const STRONG: Self = Self {
+        alpha: [0.06, 0.4],
+        turned: 0.0,
+    };
 
     fn local(&self, w: DVec3) -> DVec3 {
         let (sin, cos) = self.turned.sin_cos();
@@ -52,7 +55,9 @@ impl Brushed {
 impl Brdf for Brushed {
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         let pair = unit_upper(wo).zip(unit_upper(wi));
-        pair.map_or(Rgb::ZERO, |(wo, wi)| self.value(wo.as_dvec3(), wi.as_dvec3()))
+        pair.map_or(Rgb::ZERO, |(wo, wi)| {
+            self.value(wo.as_dvec3(), wi.as_dvec3())
+        })
     }
 
     fn is_isotropic(&self) -> bool {
@@ -71,8 +76,18 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    pub const FINE: Self = Self { azimuths: 9, angles: 10, half_vectors: [128, 64], side: 32 };
-    pub const COARSE: Self = Self { azimuths: 5, angles: 6, half_vectors: [48, 32], side: 16 };
+    pub const FINE: Self = Self {
+        azimuths: 9,
+        angles: 10,
+        half_vectors: [128, 64],
+        side: 32,
+    };
+    pub const COARSE: Self = Self {
+        azimuths: 5,
+        angles: 6,
+        half_vectors: [48, 32],
+        side: 16,
+    };
 }
 
 /// Half vector at a point of the square.
@@ -84,19 +99,32 @@ fn half_vector(x: f64, y: f64) -> DVec3 {
 fn grid(rows: usize, columns: usize, value: impl Fn(f64, f64) -> f64) -> Tensor {
     let share = |k: usize, n: usize| k as f64 / (n - 1) as f64;
     let at = |k: usize| value(share(k % columns, columns), share(k / columns, rows)) as f32;
-    Tensor { shape: vec![rows, columns], values: (0..rows * columns).map(at).collect() }
+    Tensor {
+        shape: vec![rows, columns],
+        values: (0..rows * columns).map(at).collect(),
+    }
 }
 
 /// The file that Dupuy & Jakob's construction makes of a metal of that symmetry: half vectors are drawn by the visible ones of
 /// its distribution, and values are what is left.
 pub fn bsdf_of(metal: &Brushed, symmetry: Symmetry, resolution: Resolution) -> BsdfFile {
-    let Resolution { azimuths, angles, half_vectors: [rows, columns], side } = resolution;
+    let Resolution {
+        azimuths,
+        angles,
+        half_vectors: [rows, columns],
+        side,
+    } = resolution;
     let along = |k: usize, n: usize| k as f64 / (n - 1) as f64;
-    let phi_i: Vec<f64> =
-        (0..azimuths).map(|k| Symmetry::START + symmetry.span() * along(k, azimuths)).collect();
-    let theta_i: Vec<f64> = (0..angles).map(|k| (88.0 * along(k, angles)).to_radians()).collect();
-    let slices: Vec<DVec3> =
-        phi_i.iter().flat_map(|&phi| theta_i.iter().map(move |&theta| spherical(theta, phi))).collect();
+    let phi_i: Vec<f64> = (0..azimuths)
+        .map(|k| Symmetry::START + symmetry.span() * along(k, azimuths))
+        .collect();
+    let theta_i: Vec<f64> = (0..angles)
+        .map(|k| (88.0 * along(k, angles)).to_radians())
+        .collect();
+    let slices: Vec<DVec3> = phi_i
+        .iter()
+        .flat_map(|&phi| theta_i.iter().map(move |&theta| spherical(theta, phi)))
+        .collect();
     let visible = |wo: &DVec3| {
         let density = |x: f64, y: f64| {
             let m = half_vector(x, y);
@@ -110,12 +138,17 @@ pub fn bsdf_of(metal: &Brushed, symmetry: Symmetry, resolution: Resolution) -> B
         theta_i: theta_i.iter().map(|&t| t as f32).collect(),
         phi_i: phi_i.iter().map(|&p| p as f32).collect(),
         jacobian: true,
-        ndf: grid(rows, columns, |x, y| metal.distribution(half_vector(x, y)) + 0.02),
+        ndf: grid(rows, columns, |x, y| {
+            metal.distribution(half_vector(x, y)) + 0.02
+        }),
         sigma: grid(rows, columns, |x, y| {
             let w = half_vector(x.min(0.999), y);
             w.z * (1.0 + metal.lambda(w))
         }),
-        vndf: Tensor { shape: shape(&[rows, columns]), values: slices.iter().flat_map(visible).collect() },
+        vndf: Tensor {
+            shape: shape(&[rows, columns]),
+            values: slices.iter().flat_map(visible).collect(),
+        },
         luminance: Tensor::filled(&shape(&[side, side]), 1.0),
         colour: Colour::Rgb(Tensor::filled(&shape(&[3, side, side]), 1.0)),
     };
@@ -130,7 +163,11 @@ fn fill(file: &mut BsdfFile, metal: &Brushed, symmetry: Symmetry, side: usize) {
     let share = |k: usize| k as f64 / (side - 1) as f64;
     let cells = side * side;
     let (mut rgb, mut densities) = (Vec::new(), Vec::new());
-    for (&phi, &theta) in file.phi_i.iter().flat_map(|p| file.theta_i.iter().map(move |t| (p, t))) {
+    for (&phi, &theta) in file
+        .phi_i
+        .iter()
+        .flat_map(|p| file.theta_i.iter().map(move |t| (p, t)))
+    {
         // Within the azimuths that are tabulated, whatever rounding does.
         let end = Symmetry::START + symmetry.span();
         let phi = f64::from(phi).clamp(Symmetry::START + 1e-5, end - 1e-5);
@@ -141,7 +178,9 @@ fn fill(file: &mut BsdfFile, metal: &Brushed, symmetry: Symmetry, side: usize) {
             let value = metal.eval_cos(wo, wi);
             (scale > 0.0 && density > 0.0).then(|| (value / scale, luminance(value) / density))
         };
-        let nodes: Vec<(Rgb, f32)> = (0..cells).map(|k| node(k).unwrap_or((Rgb::ZERO, 0.0))).collect();
+        let nodes: Vec<(Rgb, f32)> = (0..cells)
+            .map(|k| node(k).unwrap_or((Rgb::ZERO, 0.0)))
+            .collect();
         let mean = nodes.iter().map(|n| n.1).sum::<f32>() / cells as f32;
         (0..3).for_each(|c| rgb.extend(nodes.iter().map(|n| n.0[c])));
         densities.extend(nodes.iter().map(|n| n.1.max(1e-4 * mean)));
@@ -154,8 +193,21 @@ fn fill(file: &mut BsdfFile, metal: &Brushed, symmetry: Symmetry, side: usize) {
 /// Directions about the azimuths that tables and symmetries end at, and between them.
 pub fn directions() -> Vec<Vec3> {
     let angles = [0.0, 1e-6, 12.0, 47.0, 80.0, 89.0];
-    let azimuths = [0.0, 0.3, FRAC_PI_2, 2.0, PI, -0.7, -FRAC_PI_2, -2.6, TAU - 1e-7];
-    let at = |k: usize, phi: &f64| spherical(f64::to_radians(angles[k % angles.len()]), *phi).as_vec3();
+    let azimuths = [
+        0.0,
+        0.3,
+        FRAC_PI_2,
+        2.0,
+        PI,
+        -0.7,
+        -FRAC_PI_2,
+        -2.6,
+        TAU - 1e-7,
+    ];
+    let at =
+        |k: usize, phi: &f64| spherical(f64::to_radians(angles[k % angles.len()]), *phi).as_vec3();
     let twice = azimuths.iter().chain(&azimuths).enumerate();
-    twice.map(|(k, phi)| at(k + k / azimuths.len(), phi)).collect()
+    twice
+        .map(|(k, phi)| at(k + k / azimuths.len(), phi))
+        .collect()
 }

@@ -14,8 +14,13 @@ use merlkit::sampler::store::SamplerFile;
 
 /// A material for samplers of any file: smooth, with a lobe.
 pub fn brdf() -> Arc<Measured> {
-    let lobe = |h: usize, d: usize, p: usize| [1.0 / (1 + h * h) as f64, 0.1, 0.01 * (1 + d + p % 7) as f64];
-    Arc::new(Measured::new(Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, lobe)), LookupRule::Floor))
+    let lobe = |h: usize, d: usize, p: usize| {
+        [1.0 / (1 + h * h) as f64, 0.1, 0.01 * (1 + d + p % 7) as f64]
+    };
+    Arc::new(Measured::new(
+        Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, lobe)),
+        LookupRule::Floor,
+    ))
 }
 
 /// A length that a file claims (eight bytes), the beginning of the file, and numbers of the three planes.
@@ -40,14 +45,22 @@ pub fn merl(input: &[u8]) -> bool {
 
 /// A sampler file; one that is accepted draws directions with finite densities.
 pub fn sampler(input: &[u8], brdf: &Arc<Measured>) -> bool {
-    match SamplerFile::from_bytes(input.to_vec(), Path::new("fuzz")).and_then(|f| f.into_sampler(brdf)) {
+    match SamplerFile::from_bytes(input.to_vec(), Path::new("fuzz"))
+        .and_then(|f| f.into_sampler(brdf))
+    {
         Ok(sampler) => {
             for (i, theta) in [0.0, 0.6, 1.5].into_iter().enumerate() {
                 let wo = spherical(theta, 0.3).as_vec3();
                 let edge = 1.0f32.next_down();
-                for u in [Vec2::new(0.3, 0.8), Vec2::new(0.0, edge), Vec2::new(edge, i as f32 * 0.5)] {
+                for u in [
+                    Vec2::new(0.3, 0.8),
+                    Vec2::new(0.0, edge),
+                    Vec2::new(edge, i as f32 * 0.5),
+                ] {
                     let drawn = sampler.sample(wo, u);
-                    assert!(drawn.is_none_or(|s| s.wi.is_finite() && s.pdf.is_finite() && s.pdf > 0.0));
+                    assert!(
+                        drawn.is_none_or(|s| s.wi.is_finite() && s.pdf.is_finite() && s.pdf > 0.0)
+                    );
                     let wi = drawn.map_or(spherical(0.4, 2.0).as_vec3(), |s| s.wi);
                     let pdf = sampler.pdf(wo, wi);
                     assert!(pdf.is_finite() && pdf >= 0.0, "{pdf} {wi}");
@@ -63,7 +76,12 @@ pub fn sampler(input: &[u8], brdf: &Arc<Measured>) -> bool {
 pub fn exr(input: &[u8]) -> bool {
     match decode_exr(input, Path::new("fuzz")) {
         Ok(image) => {
-            assert!(image.pixels().iter().all(|c| c.is_finite() && c.min_element() >= 0.0));
+            assert!(
+                image
+                    .pixels()
+                    .iter()
+                    .all(|c| c.is_finite() && c.min_element() >= 0.0)
+            );
             true
         }
         Err(error) => one_line(&error),
@@ -76,7 +94,10 @@ pub fn pairs(input: &[u8]) -> bool {
     for pair in DirectionPairs::new(input, Path::new("fuzz")) {
         match pair {
             Ok((wo, wi)) => {
-                assert!([wo, wi].iter().all(|w| (w.length() - 1.0).abs() < 1e-6), "{wo} {wi}");
+                assert!(
+                    [wo, wi].iter().all(|w| (w.length() - 1.0).abs() < 1e-6),
+                    "{wo} {wi}"
+                );
                 accepted = true;
             }
             Err(error) => return one_line(&error),

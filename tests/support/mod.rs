@@ -17,7 +17,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 pub fn golden(name: &str) -> Vec<Vec<String>> {
     let path = format!("{}/tests/golden/{name}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
-    text.lines().skip(1).map(|l| l.split(',').map(str::to_owned).collect()).collect()
+    text.lines()
+        .skip(1)
+        .map(|l| l.split(',').map(str::to_owned).collect())
+        .collect()
 }
 
 /// Pairs of directions above the horizon: anywhere, near grazing, near the mirror direction and nearly equal.
@@ -25,7 +28,11 @@ pub fn pairs(count: usize, seed: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
     let mut random = Stream::new(seed);
     (0..count).map(move |i| {
         let mut x = || random.next_f64();
-        let theta = if i % 3 == 0 { FRAC_PI_2 - x().powi(4) * 0.2 } else { x() * FRAC_PI_2 };
+        let theta = if i % 3 == 0 {
+            FRAC_PI_2 - x().powi(4) * 0.2
+        } else {
+            x() * FRAC_PI_2
+        };
         let phi = x() * TAU;
         let wo = spherical(theta, phi);
         let tiny = x().powi(6);
@@ -35,7 +42,10 @@ pub fn pairs(count: usize, seed: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
             2 => spherical(theta - tiny * 0.1, phi + tiny * x()),
             _ => spherical(FRAC_PI_2 - x().powi(4) * 0.1, x() * TAU),
         };
-        (wo.as_vec3(), Vec3::new(wi.x as f32, wi.y as f32, wi.z.abs() as f32))
+        (
+            wo.as_vec3(),
+            Vec3::new(wi.x as f32, wi.y as f32, wi.z.abs() as f32),
+        )
     })
 }
 
@@ -44,6 +54,10 @@ pub fn noise_table(phi_d_bins: usize, one_in: u64, seed: u64) -> MerlTable {
     let mut random = Stream::new(seed);
     MerlTable::from_fn(Header { phi_d_bins }, |_, _, _| {
         let hole = one_in > 0 && random.next_u64().is_multiple_of(one_in);
-        if hole { [-1.0; 3] } else { std::array::from_fn(|_| random.next_f64() * 4.0) }
+        if hole {
+            [-1.0; 3]
+        } else {
+            std::array::from_fn(|_| random.next_f64() * 4.0)
+        }
     })
 }

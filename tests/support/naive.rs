@@ -34,14 +34,24 @@ pub fn eval(table: &MerlTable, rule: LookupRule, wo: Vec3, wi: Vec3) -> (DVec3, 
         LookupRule::Centred => 0.5,
     };
     let (h, d, p) = coordinates(wo, wi, bins);
-    let (h, d, p) = ((h - offset).clamp(0.0, 89.0), (d - offset).clamp(0.0, 89.0), p - offset);
+    let (h, d, p) = (
+        (h - offset).clamp(0.0, 89.0),
+        (d - offset).clamp(0.0, 89.0),
+        p - offset,
+    );
     let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
     for corner in 0..8 {
         let far = [corner & 1, corner >> 1 & 1, corner >> 2 & 1];
         let share: f64 = [h, d, p]
             .iter()
             .zip(far)
-            .map(|(x, f)| if f == 1 { x - x.floor() } else { 1.0 - (x - x.floor()) })
+            .map(|(x, f)| {
+                if f == 1 {
+                    x - x.floor()
+                } else {
+                    1.0 - (x - x.floor())
+                }
+            })
             .product();
         let clamped = |x: f64, f: i64| (x.floor() as i64 + f).min(89) as usize;
         let phi = (p.floor() as i64 + far[2]).rem_euclid(bins as i64) as usize;
@@ -51,7 +61,14 @@ pub fn eval(table: &MerlTable, rule: LookupRule, wo: Vec3, wi: Vec3) -> (DVec3, 
             weight += share;
         }
     }
-    (if weight > 0.0 { sum / weight } else { DVec3::ZERO }, weight)
+    (
+        if weight > 0.0 {
+            sum / weight
+        } else {
+            DVec3::ZERO
+        },
+        weight,
+    )
 }
 
 /// Whether an angle is within `slack` bins of an edge.
@@ -70,5 +87,9 @@ fn coordinates(wo: Vec3, wi: Vec3, phi_d_bins: usize) -> (f64, f64, f64) {
     let a = HalfDiff::of(wo.as_dvec3(), wi.as_dvec3()).unwrap();
     let period = if phi_d_bins == 360 { 2.0 * PI } else { PI };
     let h = (a.theta_h / FRAC_PI_2).sqrt() * 90.0;
-    (h, a.theta_d / FRAC_PI_2 * 90.0, a.phi_d.rem_euclid(period) / PI * 180.0)
+    (
+        h,
+        a.theta_d / FRAC_PI_2 * 90.0,
+        a.phi_d.rem_euclid(period) / PI * 180.0,
+    )
 }

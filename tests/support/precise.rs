@@ -10,7 +10,11 @@ pub struct Exact {
 impl Exact {
     pub fn add(&mut self, x: f64) {
         let sum = self.sum + x;
-        self.rest += if self.sum.abs() >= x.abs() { (self.sum - sum) + x } else { (x - sum) + self.sum };
+        self.rest += if self.sum.abs() >= x.abs() {
+            (self.sum - sum) + x
+        } else {
+            (x - sum) + self.sum
+        };
         self.sum = sum;
     }
 

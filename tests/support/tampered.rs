@@ -17,7 +17,11 @@ pub struct Tampered<'a> {
 impl Tampered<'_> {
     fn claim(&self, wo: Vec3, wi: Vec3) -> f32 {
         let (theta, phi) = to_spherical(wo.as_dvec3());
-        let wo = if self.shift == 0.0 { wo } else { spherical(theta + self.shift, phi).as_vec3() };
+        let wo = if self.shift == 0.0 {
+            wo
+        } else {
+            spherical(theta + self.shift, phi).as_vec3()
+        };
         self.claims.pdf(wo, wi)
     }
 }
@@ -25,7 +29,10 @@ impl Tampered<'_> {
 impl DirectionSampler for Tampered<'_> {
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
         let DirectionSample { wi, .. } = self.draws.sample(wo, u)?;
-        Some(DirectionSample { wi, pdf: self.claim(wo, wi) })
+        Some(DirectionSample {
+            wi,
+            pdf: self.claim(wo, wi),
+        })
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {

@@ -22,8 +22,15 @@ impl Watch {
     }
 
     pub fn with_limit(limit: Duration) -> Self {
-        let slots = (0..rayon::current_num_threads()).map(|_| Default::default()).collect();
-        Self { start: Instant::now(), limit, slots, done: AtomicBool::new(false) }
+        let slots = (0..rayon::current_num_threads())
+            .map(|_| Default::default())
+            .collect();
+        Self {
+            start: Instant::now(),
+            limit,
+            slots,
+            done: AtomicBool::new(false),
+        }
     }
 
     /// Milliseconds since the start, never 0.
@@ -45,7 +52,8 @@ impl Watch {
     /// An input that has been at it beyond the limit.
     pub fn stuck(&self) -> Option<u64> {
         let (now, limit) = (self.now(), self.limit.as_millis() as u64);
-        let stuck = |s: &&[AtomicU64; 2]| s[1].load(Relaxed) > 0 && now > s[1].load(Relaxed) + limit;
+        let stuck =
+            |s: &&[AtomicU64; 2]| s[1].load(Relaxed) > 0 && now > s[1].load(Relaxed) + limit;
         self.slots.iter().find(stuck).map(|s| s[0].load(Relaxed))
     }
 

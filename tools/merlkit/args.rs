@@ -10,13 +10,18 @@ use merlkit::merl::{Material, embedded_names};
 
 /// Parses a lookup rule by its name.
 pub fn lookup_rule() -> impl TypedValueParser<Value = LookupRule> {
-    PossibleValuesParser::new(LookupRule::ALL.map(LookupRule::name))
-        .map(|name| LookupRule::ALL.into_iter().find(|r| r.name() == name).unwrap_or_default())
+    PossibleValuesParser::new(LookupRule::ALL.map(LookupRule::name)).map(|name| {
+        LookupRule::ALL
+            .into_iter()
+            .find(|r| r.name() == name)
+            .unwrap_or_default()
+    })
 }
 
 /// Unit direction of a polar angle and an azimuth in degrees; exact where they are multiples of 90.
 pub fn direction(theta: f64, phi: f64) -> DVec3 {
-    let ((sin_theta, cos_theta), (sin_phi, cos_phi)) = (sin_cos_degrees(theta), sin_cos_degrees(phi));
+    let ((sin_theta, cos_theta), (sin_phi, cos_phi)) =
+        (sin_cos_degrees(theta), sin_cos_degrees(phi));
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
@@ -51,7 +56,11 @@ impl Materials {
 
     /// Resolves all of them before any work begins.
     pub fn resolve(&self) -> Result<Vec<Material>, Error> {
-        resolve(if self.all { embedded_names() } else { &self.materials })
+        resolve(if self.all {
+            embedded_names()
+        } else {
+            &self.materials
+        })
     }
 }
 
@@ -64,7 +73,10 @@ pub fn resolve(arguments: &[String]) -> Result<Vec<Material>, Error> {
 pub fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
     let mut seen = BTreeSet::new();
     match materials.iter().find(|m| !seen.insert(m.name())) {
-        Some(m) => Err(Error::argument(format!("{} is named twice", m.name()), "name each material once")),
+        Some(m) => Err(Error::argument(
+            format!("{} is named twice", m.name()),
+            "name each material once",
+        )),
         None => Ok(()),
     }
 }

@@ -28,7 +28,11 @@ impl Failure {
         if error.kind() == io::ErrorKind::BrokenPipe {
             Self::ReaderGone
         } else {
-            Self::Error(merlkit::Error::io(Path::new("standard output"), "write", error))
+            Self::Error(merlkit::Error::io(
+                Path::new("standard output"),
+                "write",
+                error,
+            ))
         }
     }
 }

@@ -31,7 +31,9 @@ pub fn install() {
                 }
                 end(signal)
             };
-            if STOPPING.swap(true, Ordering::SeqCst) || std::thread::Builder::new().spawn(work).is_err() {
+            if STOPPING.swap(true, Ordering::SeqCst)
+                || std::thread::Builder::new().spawn(work).is_err()
+            {
                 end(signal);
             }
         }

@@ -35,9 +35,18 @@ impl Journal {
                 "repeat the options of that run, or leave --resume out to start again",
             ));
         }
-        let entry = |line: &Value| Some((line.get("key")?.as_str()?.to_owned(), line.get("value")?.clone()));
+        let entry = |line: &Value| {
+            Some((
+                line.get("key")?.as_str()?.to_owned(),
+                line.get("value")?.clone(),
+            ))
+        };
         let finished = rest.iter().filter_map(entry).collect();
-        let mut journal = Self { path: path.into(), file: append(path)?, finished };
+        let mut journal = Self {
+            path: path.into(),
+            file: append(path)?,
+            finished,
+        };
         // Ends a line that was not finished.
         journal.write("")?;
         Ok(journal)
@@ -47,7 +56,11 @@ impl Journal {
         if path.exists() {
             std::fs::remove_file(path).map_err(|e| Error::io(path, "remove", e))?;
         }
-        let mut journal = Self { path: path.into(), file: append(path)?, finished: HashMap::new() };
+        let mut journal = Self {
+            path: path.into(),
+            file: append(path)?,
+            finished: HashMap::new(),
+        };
         journal.write(&plan.to_string())?;
         Ok(journal)
     }
@@ -61,7 +74,11 @@ impl Journal {
         key: &str,
         measure: impl FnOnce() -> Result<T, Error>,
     ) -> Result<T, Error> {
-        if let Some(value) = self.finished.remove(key).and_then(|v| serde_json::from_value(v).ok()) {
+        if let Some(value) = self
+            .finished
+            .remove(key)
+            .and_then(|v| serde_json::from_value(v).ok())
+        {
             return Ok(value);
         }
         let value = measure()?;
@@ -80,12 +97,18 @@ impl Journal {
 
     /// A whole line in one write.
     fn write(&mut self, line: &str) -> Result<(), Error> {
-        self.file.write_all(format!("{line}\n").as_bytes()).map_err(|e| Error::io(&self.path, "write", e))
+        self.file
+            .write_all(format!("{line}\n").as_bytes())
+            .map_err(|e| Error::io(&self.path, "write", e))
     }
 }
 
 fn append(path: &Path) -> Result<File, Error> {
-    OpenOptions::new().create(true).append(true).open(path).map_err(|e| Error::io(path, "write", e))
+    OpenOptions::new()
+        .create(true)
+        .append(true)
+        .open(path)
+        .map_err(|e| Error::io(path, "write", e))
 }
 
 /// A value as it is read back.
@@ -102,7 +125,10 @@ fn read(path: &Path) -> Result<Vec<Value>, Error> {
     };
     let lines: Result<Vec<String>, _> = BufReader::new(file).lines().collect();
     let lines = lines.map_err(|e| Error::io(path, "read", e))?;
-    Ok(lines.iter().filter_map(|line| serde_json::from_str(line).ok()).collect())
+    Ok(lines
+        .iter()
+        .filter_map(|line| serde_json::from_str(line).ok())
+        .collect())
 }
 
 #[cfg(test)]
@@ -116,7 +142,10 @@ mod tests {
         let mut journal = Journal::open(&path, &"plan", false).unwrap();
         assert_eq!(journal.recall_or("a", || Ok(0.1 + 0.2)).unwrap(), 0.1 + 0.2);
         drop(journal);
-        append(&path).unwrap().write_all(b"{\"key\":\"b\",\"val").unwrap();
+        append(&path)
+            .unwrap()
+            .write_all(b"{\"key\":\"b\",\"val")
+            .unwrap();
         let mut journal = Journal::open(&path, &"plan", true).unwrap();
         assert_eq!(journal.recall_or("a", || Ok(1.0)).unwrap(), 0.1 + 0.2);
         assert_eq!(journal.recall_or("b", || Ok(2.0)).unwrap(), 2.0);

@@ -56,9 +56,15 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli) -> Outcome {
     if let Some(threads) = cli.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(|e| {
-            merlkit::Error::argument(format!("cannot start {threads} threads: {e}"), "ask for fewer")
-        })?;
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build_global()
+            .map_err(|e| {
+                merlkit::Error::argument(
+                    format!("cannot start {threads} threads: {e}"),
+                    "ask for fewer",
+                )
+            })?;
     }
     cli.command.run()
 }

@@ -23,7 +23,11 @@ impl FromStr for Destination {
     type Err = Infallible;
 
     fn from_str(argument: &str) -> Result<Self, Infallible> {
-        Ok(if argument == "-" { Self::Stdout } else { Self::File(argument.into()) })
+        Ok(if argument == "-" {
+            Self::Stdout
+        } else {
+            Self::File(argument.into())
+        })
     }
 }
 
@@ -45,7 +49,9 @@ impl Destination {
         match self {
             Self::Stdout => stdout(fill),
             Self::File(path) => {
-                write_new(path, overwrite, |out| fill(out).map_err(|e| Error::io(path, "write", e)))?;
+                write_new(path, overwrite, |out| {
+                    fill(out).map_err(|e| Error::io(path, "write", e))
+                })?;
                 Ok(())
             }
         }
@@ -55,7 +61,9 @@ impl Destination {
 /// Writes to standard output through a buffer; the only way a command prints.
 pub fn stdout(fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = BufWriter::new(io::stdout().lock());
-    fill(&mut out).and_then(|()| out.flush()).map_err(Failure::stdout)
+    fill(&mut out)
+        .and_then(|()| out.flush())
+        .map_err(Failure::stdout)
 }
 
 /// Writes a line to standard error; there is nobody to tell if that fails.
@@ -65,5 +73,9 @@ pub fn message(line: &str) {
 
 /// What `--force` means.
 pub fn overwrite(force: bool) -> Overwrite {
-    if force { Overwrite::Replace } else { Overwrite::Refuse }
+    if force {
+        Overwrite::Replace
+    } else {
+        Overwrite::Refuse
+    }
 }

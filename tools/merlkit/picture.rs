@@ -9,7 +9,8 @@ use merlkit::files::{Overwrite, check_writable};
 use merlkit::image::{write_exr, write_png};
 use merlkit::merl::Material;
 use merlkit::render::{
-    EffectPlan, Refined, Scene, SceneSpec, Settings, Surface, render, render_allocated, render_to_error,
+    EffectPlan, Refined, Scene, SceneSpec, Settings, Surface, render, render_allocated,
+    render_to_error,
 };
 use merlkit::sampler::{DirectionSampler, SamplerSpec};
 
@@ -52,13 +53,18 @@ impl Picture<'_> {
     /// # Errors
     /// Those of loading, building, rendering and writing.
     pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<Option<Refined>, Error> {
-        let scene = Scene::build(self.scene, self.plan, |i, directions| self.surface(i, directions))?;
+        let scene = Scene::build(self.scene, self.plan, |i, directions| {
+            self.surface(i, directions)
+        })?;
         let progress = Progress::new("rendering", self.settings.width * self.settings.height);
         let advance = |pixels| progress.advance_by(pixels);
         let (plan, settings) = (self.plan, &self.settings);
         let (image, refined) = match self.spending {
             Spending::Even => (render(&scene, plan, settings, &advance)?.to_image()?, None),
-            Spending::Adaptive => (render_allocated(&scene, plan, settings, &advance)?.to_image()?, None),
+            Spending::Adaptive => (
+                render_allocated(&scene, plan, settings, &advance)?.to_image()?,
+                None,
+            ),
             Spending::ToError(error) => {
                 let refined = render_to_error(&scene, plan, settings, error, &advance)?;
                 (refined.film.to_image()?, Some(refined))
@@ -76,7 +82,10 @@ impl Picture<'_> {
             true => Some(Arc::new(self.sampler.build_for(&brdf)?) as Arc<dyn DirectionSampler>),
             false => None,
         };
-        Ok(Surface { brdf: brdf.shared(), sampler })
+        Ok(Surface {
+            brdf: brdf.shared(),
+            sampler,
+        })
     }
 }
 
@@ -92,13 +101,20 @@ impl Files {
     /// NAME.exr and NAME.png; an extension of either kind in `name` is left out first.
     pub fn named(name: &Path) -> Self {
         let is_picture = name.extension().is_some_and(|e| e == "exr" || e == "png");
-        let stem = if is_picture { name.with_extension("") } else { name.to_owned() };
+        let stem = if is_picture {
+            name.with_extension("")
+        } else {
+            name.to_owned()
+        };
         let with = |extension: &str| {
             let mut path = stem.clone().into_os_string();
             path.push(extension);
             PathBuf::from(path)
         };
-        Self { exr: with(".exr"), png: with(".png") }
+        Self {
+            exr: with(".exr"),
+            png: with(".png"),
+        }
     }
 
     /// Tells of files that can't be written before the work, not after it.

@@ -20,7 +20,10 @@ impl Progress {
             bar.set_style(style.progress_chars("##-"));
         }
         bar.set_message(verb);
-        Self { bar, started: Instant::now() }
+        Self {
+            bar,
+            started: Instant::now(),
+        }
     }
 
     /// Prints something with the bar out of the way.

@@ -27,7 +27,8 @@ pub fn check() -> Result<(), Error> {
 #[cfg(feature = "png-plots")]
 pub fn png(svg: &str) -> Result<Vec<u8>, Error> {
     use resvg::{tiny_skia, usvg};
-    let broken = |e: String| Error::argument(format!("the picture can't be drawn: {e}"), "report this");
+    let broken =
+        |e: String| Error::argument(format!("the picture can't be drawn: {e}"), "report this");
     let mut options = usvg::Options::default();
     options.fontdb_mut().load_system_fonts();
     // Which font is the system's sans-serif is not asked; by default it would be one that few systems have.
@@ -42,15 +43,26 @@ pub fn png(svg: &str) -> Result<Vec<u8>, Error> {
     let mut pixels = tiny_skia::Pixmap::new(side(tree.size().width()), side(tree.size().height()))
         .ok_or_else(|| broken("it has no size".into()))?;
     pixels.fill(tiny_skia::Color::WHITE);
-    resvg::render(&tree, tiny_skia::Transform::from_scale(SCALE, SCALE), &mut pixels.as_mut());
+    resvg::render(
+        &tree,
+        tiny_skia::Transform::from_scale(SCALE, SCALE),
+        &mut pixels.as_mut(),
+    );
     pixels.encode_png().map_err(|e| broken(e.to_string()))
 }
 
 /// A family for text: one that calls itself sans, but for those of equal widths, or else any.
 #[cfg(feature = "png-plots")]
 fn sans_serif(fonts: &resvg::usvg::fontdb::Database) -> Option<String> {
-    let names = || fonts.faces().filter_map(|face| face.families.first()).map(|family| family.0.clone());
-    names().find(|n| n.contains("Sans") && !n.contains("Mono")).or_else(|| names().next())
+    let names = || {
+        fonts
+            .faces()
+            .filter_map(|face| face.families.first())
+            .map(|family| family.0.clone())
+    };
+    names()
+        .find(|n| n.contains("Sans") && !n.contains("Mono"))
+        .or_else(|| names().next())
 }
 
 /// As [`check`].

@@ -5,8 +5,9 @@ use merlkit::Error;
 use merlkit::brdf::Importance;
 use merlkit::merl::Material;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, ByAzimuthSettings, Carry, CascadeCdfSettings, Construction, FactoredSettings,
-    HalfVectorSettings, LeafChoice, LobeSettings, SamplerSpec, TableChoice, ThetaSpacing,
+    AdaptiveDiscSettings, ByAzimuthSettings, Carry, CascadeCdfSettings, Construction,
+    FactoredSettings, HalfVectorSettings, LeafChoice, LobeSettings, SamplerSpec, TableChoice,
+    ThetaSpacing,
 };
 
 use crate::args;
@@ -90,13 +91,17 @@ pub struct SamplerArgs {
 
 /// Parses the name of one of [`HalfVectorSettings::PRESETS`].
 pub fn preset() -> impl TypedValueParser<Value = HalfVectorSettings> {
-    PossibleValuesParser::new(HalfVectorSettings::PRESETS.map(|p| p.0)).map(|name| preset_called(&name))
+    PossibleValuesParser::new(HalfVectorSettings::PRESETS.map(|p| p.0))
+        .map(|name| preset_called(&name))
 }
 
 /// The preset of that name in any case, or the default.
 fn preset_called(name: &str) -> HalfVectorSettings {
     let same = |p: &&(&str, HalfVectorSettings)| p.0.eq_ignore_ascii_case(name);
-    HalfVectorSettings::PRESETS.iter().find(same).map_or_else(HalfVectorSettings::default, |p| p.1)
+    HalfVectorSettings::PRESETS
+        .iter()
+        .find(same)
+        .map_or_else(HalfVectorSettings::default, |p| p.1)
 }
 
 /// Names of the samplers that are compared unless others are named, the default first.
@@ -128,7 +133,12 @@ pub fn any_name_or_file() -> PossibleValuesParser {
 
 /// Parses the name of any sampler that has something to store.
 pub fn storable_name() -> PossibleValuesParser {
-    PossibleValuesParser::new(SAMPLERS.into_iter().chain(BASELINES).filter(|&n| n != "cosine"))
+    PossibleValuesParser::new(
+        SAMPLERS
+            .into_iter()
+            .chain(BASELINES)
+            .filter(|&n| n != "cosine"),
+    )
 }
 
 /// The sampler of a command that is told none.
@@ -154,7 +164,10 @@ impl SamplerArgs {
             "half-vector" => match self.azimuths {
                 Some(azimuths) => {
                     let settings = ByAzimuthSettings::of(self.half_vector());
-                    SamplerSpec::ByAzimuth(ByAzimuthSettings { azimuths, ..settings })
+                    SamplerSpec::ByAzimuth(ByAzimuthSettings {
+                        azimuths,
+                        ..settings
+                    })
                 }
                 None => SamplerSpec::HalfVector(self.half_vector()),
             },
@@ -165,7 +178,9 @@ impl SamplerArgs {
 
     /// The baseline called `name`, or else cosine.
     fn baseline(&self, name: &str) -> SamplerSpec {
-        let baseline = SamplerSpec::baselines().into_iter().find(|s| s.name() == name);
+        let baseline = SamplerSpec::baselines()
+            .into_iter()
+            .find(|s| s.name() == name);
         match baseline.unwrap_or(SamplerSpec::Cosine) {
             SamplerSpec::AdaptiveDisc(d) => SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
                 tables: self.tables.unwrap_or(d.tables),
@@ -174,9 +189,10 @@ impl SamplerArgs {
                 importance: self.importance.unwrap_or(d.importance),
                 ..d
             }),
-            SamplerSpec::Lobe(l) => {
-                SamplerSpec::Lobe(LobeSettings { importance: self.importance.unwrap_or(l.importance), ..l })
-            }
+            SamplerSpec::Lobe(l) => SamplerSpec::Lobe(LobeSettings {
+                importance: self.importance.unwrap_or(l.importance),
+                ..l
+            }),
             SamplerSpec::Factored(f) => SamplerSpec::Factored(FactoredSettings {
                 tables: self.tables.unwrap_or(f.tables),
                 importance: self.importance.unwrap_or(f.importance),
@@ -189,7 +205,10 @@ impl SamplerArgs {
     /// Every setting given must belong to one of the samplers called `names`.
     fn refuse_foreign(&self, names: &[&str]) -> Result<(), Error> {
         let unless = |names_it: bool, option: Option<&'static str>| option.filter(|_| !names_it);
-        let (disc, cdf) = (names.contains(&"adaptive-disc"), names.contains(&"cascade-cdf"));
+        let (disc, cdf) = (
+            names.contains(&"adaptive-disc"),
+            names.contains(&"cascade-cdf"),
+        );
         let square = names.contains(&"half-vector");
         let rejection = names.contains(&"disc-rejection");
         let tables = disc || cdf || square || rejection || names.contains(&"factored");
@@ -197,10 +216,19 @@ impl SamplerArgs {
         let foreign = unless(disc, self.disc_only())
             .or(unless(cdf, self.cdf_only()))
             .or(unless(square, self.square_only()))
-            .or(unless(disc || cdf, given(&[(self.as_published, "--as-published")])))
+            .or(unless(
+                disc || cdf,
+                given(&[(self.as_published, "--as-published")]),
+            ))
             .or(unless(disc || cdf || rejection, self.thesis_only()))
-            .or(unless(tables, given(&[(self.tables.is_some(), "--tables")])))
-            .or(unless(tables || fitted, given(&[(self.importance.is_some(), "--importance")])));
+            .or(unless(
+                tables,
+                given(&[(self.tables.is_some(), "--tables")]),
+            ))
+            .or(unless(
+                tables || fitted,
+                given(&[(self.importance.is_some(), "--importance")]),
+            ));
         match foreign {
             Some(option) => Err(Error::argument(
                 format!("{option} is no setting of {}", names.join(" or ")),
@@ -221,9 +249,16 @@ impl SamplerArgs {
             self.refuse_foreign(&names)?;
             return Ok(names.iter().map(|n| self.lenient(n)).collect());
         }
-        let whole = Self { uncompressed: true, ..self.clone() };
+        let whole = Self {
+            uncompressed: true,
+            ..self.clone()
+        };
         let mut specs = self.half_vectors(sizes);
-        specs.extend([SamplerSpec::Cosine, self.lenient("adaptive-disc"), whole.lenient("cascade-cdf")]);
+        specs.extend([
+            SamplerSpec::Cosine,
+            self.lenient("adaptive-disc"),
+            whole.lenient("cascade-cdf"),
+        ]);
         if !self.uncompressed {
             specs.push(self.lenient("cascade-cdf"));
         }
@@ -258,7 +293,11 @@ impl SamplerArgs {
             return vec![self.lenient("half-vector")];
         }
         let of_size = |size: &&str| {
-            Self { table_size: Some(preset_called(size)), ..self.clone() }.lenient("half-vector")
+            Self {
+                table_size: Some(preset_called(size)),
+                ..self.clone()
+            }
+            .lenient("half-vector")
         };
         let mut specs: Vec<SamplerSpec> = sizes.iter().map(of_size).collect();
         specs.dedup();
@@ -293,7 +332,11 @@ impl SamplerArgs {
                 None if self.rejection_free => Construction::Refined,
                 None => d.construction,
             },
-            leaves: if self.rejection_free { LeafChoice::Warp } else { self.leaves.unwrap_or(d.leaves) },
+            leaves: if self.rejection_free {
+                LeafChoice::Warp
+            } else {
+                self.leaves.unwrap_or(d.leaves)
+            },
             choice: self.choice.unwrap_or(d.choice),
             carry: self.carry.unwrap_or(d.carry),
             floor: self.floor.unwrap_or(d.floor),
@@ -368,7 +411,10 @@ impl SamplerArgs {
 
     /// The first option given that only the thesis's two samplers have.
     fn thesis_only(&self) -> Option<&'static str> {
-        given(&[(self.choice.is_some(), "--choice"), (self.floor.is_some(), "--floor")])
+        given(&[
+            (self.choice.is_some(), "--choice"),
+            (self.floor.is_some(), "--floor"),
+        ])
     }
 }
 

@@ -24,10 +24,18 @@ impl SkyArgs {
         match self.environment.as_str() {
             "lamps" => lamps(SkySampling::Importance),
             "studio" => studio(SkySampling::Importance),
-            file if Path::new(file).extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) => {
+            file if Path::new(file)
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("exr")) =>
+            {
                 let image = read_exr(Path::new(file))?;
                 let pixels = image.pixels().to_vec();
-                Environment::new(image.width(), image.height(), pixels, SkySampling::Importance)
+                Environment::new(
+                    image.width(),
+                    image.height(),
+                    pixels,
+                    SkySampling::Importance,
+                )
             }
             other => Err(Error::argument(
                 format!("no environment is called \"{other}\""),

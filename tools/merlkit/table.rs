@@ -6,7 +6,9 @@ use merlkit::report::Sheet;
 /// The sheet as a Markdown table, which reads well in a terminal and survives copying; ends in a line feed.
 pub fn render(sheet: &Sheet) -> String {
     let mut table = Table::new();
-    table.load_style(presets::ASCII_MARKDOWN).set_header(&sheet.heading);
+    table
+        .load_style(presets::ASCII_MARKDOWN)
+        .set_header(&sheet.heading);
     table.add_rows(&sheet.rows);
     format!("{}\n", table.trim_fmt())
 }

@@ -4,8 +4,10 @@ use std::env::consts::{ARCH, OS};
 use std::sync::LazyLock;
 
 /// Optional features of the package, and whether they were built in.
-const FEATURES: [(&str, bool); 2] =
-    [("cli", cfg!(feature = "cli")), ("png-plots", cfg!(feature = "png-plots"))];
+const FEATURES: [(&str, bool); 2] = [
+    ("cli", cfg!(feature = "cli")),
+    ("png-plots", cfg!(feature = "png-plots")),
+];
 
 /// Instructions that the compiler was allowed to use beyond the architecture's least, of those that matter here.
 const INSTRUCTIONS: [(&str, bool); 4] = [
@@ -22,7 +24,11 @@ pub fn long() -> &'static str {
 }
 
 fn text() -> String {
-    let profile = if cfg!(debug_assertions) { "debug (with assertions)" } else { "release" };
+    let profile = if cfg!(debug_assertions) {
+        "debug (with assertions)"
+    } else {
+        "release"
+    };
     format!(
         "{}\nfeatures: {}\ntarget: {ARCH} {OS}, {} bits, instructions: {}\nprofile: {profile}",
         env!("CARGO_PKG_VERSION"),
@@ -34,5 +40,9 @@ fn text() -> String {
 
 fn chosen(list: &[(&str, bool)]) -> String {
     let names: Vec<&str> = list.iter().filter(|f| f.1).map(|f| f.0).collect();
-    if names.is_empty() { "the least".into() } else { names.join(", ") }
+    if names.is_empty() {
+        "the least".into()
+    } else {
+        names.join(", ")
+    }
 }

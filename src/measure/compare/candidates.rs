@@ -6,8 +6,8 @@ use crate::dist::Heuristic;
 use crate::measure::convergence::Technique;
 use crate::render::Strategy;
 use crate::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, FactoredSettings, HalfVectorSettings, LeafChoice, LobeKind,
-    LobeSettings, Sampler, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, FactoredSettings, HalfVectorSettings, LeafChoice,
+    LobeKind, LobeSettings, Sampler, SamplerSpec,
 };
 
 /// Materials that methods are compared on unless others are asked for: metals, paints, plastics and a diffuse one.
@@ -34,7 +34,10 @@ pub struct Competitor {
 impl Competitor {
     /// Directions from the sampler alone.
     pub fn brdf(spec: SamplerSpec) -> Self {
-        Self { spec, technique: Technique::Brdf }
+        Self {
+            spec,
+            technique: Technique::Brdf,
+        }
     }
 
     /// Its name for people, with what the built `sampler` was fitted to.
@@ -55,7 +58,10 @@ fn half_vector(name: &str) -> SamplerSpec {
 
 /// All that are compared; `quick` leaves out those that nobody would choose between.
 pub fn competitors(quick: bool) -> Vec<Competitor> {
-    let warp = AdaptiveDiscSettings { leaves: LeafChoice::Warp, ..Default::default() };
+    let warp = AdaptiveDiscSettings {
+        leaves: LeafChoice::Warp,
+        ..Default::default()
+    };
     let mut specs = vec![
         half_vector("2KB"),
         half_vector("64KB"),
@@ -64,8 +70,16 @@ pub fn competitors(quick: bool) -> Vec<Competitor> {
         SamplerSpec::AdaptiveDisc(warp),
         SamplerSpec::Cosine,
     ];
-    let lobes = if quick { vec![LobeKind::CosineLobe, LobeKind::Ggx] } else { LobeKind::ALL.to_vec() };
-    specs.extend(lobes.into_iter().map(|kind| SamplerSpec::Lobe(LobeSettings::fitted(kind))));
+    let lobes = if quick {
+        vec![LobeKind::CosineLobe, LobeKind::Ggx]
+    } else {
+        LobeKind::ALL.to_vec()
+    };
+    specs.extend(
+        lobes
+            .into_iter()
+            .map(|kind| SamplerSpec::Lobe(LobeSettings::fitted(kind))),
+    );
     if !quick {
         specs.push(half_vector("1MB"));
         specs.push(SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::rejection()));
@@ -80,9 +94,16 @@ pub fn competitors(quick: bool) -> Vec<Competitor> {
 /// factored BRDF, which takes seconds to fit.
 pub fn picture_competitors(quick: bool) -> Vec<Competitor> {
     let resampled = [half_vector("64KB"), SamplerSpec::Cosine];
-    let ris = |spec| Competitor { spec, technique: Technique::Ris(Strategy::CANDIDATES) };
+    let ris = |spec| Competitor {
+        spec,
+        technique: Technique::Ris(Strategy::CANDIDATES),
+    };
     let slow = |c: &Competitor| quick && matches!(c.spec, SamplerSpec::Factored(_));
-    competitors(quick).into_iter().filter(|c| !slow(c)).chain(resampled.map(ris)).collect()
+    competitors(quick)
+        .into_iter()
+        .filter(|c| !slow(c))
+        .chain(resampled.map(ris))
+        .collect()
 }
 
 /// Ways to take the light into account.
@@ -91,5 +112,8 @@ fn with_light(spec: SamplerSpec, quick: bool) -> Vec<Competitor> {
     if !quick {
         techniques.push(Technique::Mis(Heuristic::Balance));
     }
-    techniques.into_iter().map(|technique| Competitor { spec, technique }).collect()
+    techniques
+        .into_iter()
+        .map(|technique| Competitor { spec, technique })
+        .collect()
 }

@@ -19,8 +19,8 @@ mod verdict;
 
 pub use candidates::{Competitor, MATERIALS, competitors, picture_competitors};
 pub use picture::{
-    LIT_FROM, Named, PICTURE_SAMPLES, PictureErrors, PicturePlan, PictureReference, PictureResult, SceneKind,
-    picture_errors, picture_reference, pictures,
+    LIT_FROM, Named, PICTURE_SAMPLES, PictureErrors, PicturePlan, PictureReference, PictureResult,
+    SceneKind, picture_errors, picture_reference, pictures,
 };
 pub use point::{Curve, ErrorPoint, PointPlan, Reference, THESIS_SAMPLES, curve, references};
 pub use setting::{Knob, RMSE_SAMPLES, Setting, knobs, setting};

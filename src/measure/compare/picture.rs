@@ -13,7 +13,8 @@ use crate::measure::convergence::Technique;
 use crate::measure::cost::{Seconds, time};
 use crate::points::PointSet;
 use crate::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface, render,
+    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
+    render,
 };
 use crate::sampler::{HalfVectorSettings, Sampler, SamplerSpec};
 use crate::{Error, Result};
@@ -81,16 +82,32 @@ pub struct PicturePlan {
 impl PicturePlan {
     /// 64² pixels at 25 samples.
     pub fn quick(seed: u64) -> Self {
-        Self { side: 64, samples: vec![PICTURE_SAMPLES], reference_samples: 1024, seed }
+        Self {
+            side: 64,
+            samples: vec![PICTURE_SAMPLES],
+            reference_samples: 1024,
+            seed,
+        }
     }
 
     /// 96² pixels at 1, 25 and 100 samples, as in the thesis. Its 400 would want a reference that takes most of the time.
     pub fn full(seed: u64) -> Self {
-        Self { side: 96, samples: vec![1, PICTURE_SAMPLES, 100], reference_samples: 4096, seed }
+        Self {
+            side: 96,
+            samples: vec![1, PICTURE_SAMPLES, 100],
+            reference_samples: 4096,
+            seed,
+        }
     }
 
     fn settings(&self, samples: u64, seed: u64, points: PointSet) -> Settings {
-        Settings { width: self.side, height: self.side, samples, seed, points }
+        Settings {
+            width: self.side,
+            height: self.side,
+            samples,
+            seed,
+            points,
+        }
     }
 }
 
@@ -153,11 +170,19 @@ pub fn picture_reference(
     materials: &[Named],
     plan: &PicturePlan,
 ) -> Result<(PictureReference, Film)> {
-    let largest = HalfVectorSettings::PRESETS.last().map_or_else(HalfVectorSettings::default, |p| p.1);
+    let largest = HalfVectorSettings::PRESETS
+        .last()
+        .map_or_else(HalfVectorSettings::default, |p| p.1);
     let spec = SamplerSpec::HalfVector(largest);
     let samplers = build(materials, &spec)?;
     let settings = plan.settings(plan.reference_samples, !plan.seed, PointSet::Random);
-    let (film, _) = render_with(scene, materials, &samplers, Technique::Mis(Heuristic::Power), &settings)?;
+    let (film, _) = render_with(
+        scene,
+        materials,
+        &samplers,
+        Technique::Mis(Heuristic::Power),
+        &settings,
+    )?;
     let reference = PictureReference {
         label: format!("{} with light sampling, power heuristic", spec.label()),
         samples: plan.reference_samples,
@@ -173,7 +198,10 @@ fn png(image: &Image) -> Result<Vec<u8>> {
 
 /// One sampler a material.
 fn build(materials: &[Named], spec: &SamplerSpec) -> Result<Vec<Arc<Sampler>>> {
-    materials.iter().map(|(_, brdf)| spec.build(brdf).map(Arc::new)).collect()
+    materials
+        .iter()
+        .map(|(_, brdf)| spec.build(brdf).map(Arc::new))
+        .collect()
 }
 
 /// Pictures of a competitor at each of the plan's numbers of samples; its samplers are built once.
@@ -189,10 +217,13 @@ pub fn pictures(
 ) -> Result<Vec<PictureResult>> {
     let (samplers, building) = time(|| build(materials, &competitor.spec));
     let samplers = samplers?;
-    let label = samplers.first().map_or(String::new(), |s| competitor.label_of(s));
+    let label = samplers
+        .first()
+        .map_or(String::new(), |s| competitor.label_of(s));
     let one = |&samples: &u64| {
         let settings = plan.settings(samples, plan.seed, PointSet::Sobol);
-        let (film, seconds) = render_with(scene, materials, &samplers, competitor.technique, &settings)?;
+        let (film, seconds) =
+            render_with(scene, materials, &samplers, competitor.technique, &settings)?;
         let shown = samples == PICTURE_SAMPLES;
         let png = |image: Result<Image>| if shown { png(&image?) } else { Ok(Vec::new()) };
         Ok(PictureResult {
@@ -221,10 +252,21 @@ fn render_with(
     let spec = scene.spec(&names, strategy(technique));
     let plan = EffectPlan::of(&spec);
     let surface = |i: usize, directions: bool| {
-        let missing = || Error::argument("a scene with a material too many", "name each material once");
+        let missing = || {
+            Error::argument(
+                "a scene with a material too many",
+                "name each material once",
+            )
+        };
         let (_, brdf) = materials.get(i).ok_or_else(missing)?;
-        let sampler = samplers.get(i).filter(|_| directions).map(|s| s.clone() as _);
-        Ok(Surface { brdf: brdf.clone(), sampler })
+        let sampler = samplers
+            .get(i)
+            .filter(|_| directions)
+            .map(|s| s.clone() as _);
+        Ok(Surface {
+            brdf: brdf.clone(),
+            sampler,
+        })
     };
     let scene = Scene::build(&spec, &plan, surface)?;
     let (film, seconds) = time(|| render(&scene, &plan, settings, &|_| {}));
@@ -266,7 +308,13 @@ pub fn picture_errors(film: &Film, reference: &Film) -> PictureErrors {
     let pairs = || found.iter().zip(&right);
     let lit = pairs().filter(|(_, r)| **r > LIT_FROM * level);
     let floor = 0.01 * level * level;
-    let squared = |(f, r): (&f64, &f64)| if level > 0.0 { (f - r).powi(2) / (r * r + floor) } else { 0.0 };
+    let squared = |(f, r): (&f64, &f64)| {
+        if level > 0.0 {
+            (f - r).powi(2) / (r * r + floor)
+        } else {
+            0.0
+        }
+    };
     PictureErrors {
         mean_relative: mean(lit.map(|(f, r)| (f - r).abs() / r)),
         rel_mse: mean(pairs().map(squared)),
@@ -289,7 +337,11 @@ fn difference(film: &Film, reference: &Film) -> Result<Image> {
     let level = mean(luminances(reference).into_iter());
     Image::from_fn(film.width(), film.height(), |x, y| {
         let (found, right) = (of(film.mean(x, y)), of(reference.mean(x, y)));
-        let relative = if right > LIT_FROM * level { (found - right).abs() / right } else { 0.0 };
+        let relative = if right > LIT_FROM * level {
+            (found - right).abs() / right
+        } else {
+            0.0
+        };
         glam::Vec3::splat(relative.min(1.0) as f32)
     })
 }
@@ -306,6 +358,8 @@ mod bytes {
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
-        STANDARD.decode(String::deserialize(from)?).map_err(D::Error::custom)
+        STANDARD
+            .decode(String::deserialize(from)?)
+            .map_err(D::Error::custom)
     }
 }

@@ -59,7 +59,11 @@ impl PointPlan {
 /// The thesis's numbers of samples and the powers of two from 2 on, up to `most`.
 fn sample_counts(most: usize) -> Vec<usize> {
     let powers = (1..).map(|e| 1usize << e).take_while(|&n| n <= most);
-    let mut all: Vec<usize> = THESIS_SAMPLES.into_iter().filter(|&n| n <= most).chain(powers).collect();
+    let mut all: Vec<usize> = THESIS_SAMPLES
+        .into_iter()
+        .filter(|&n| n <= most)
+        .chain(powers)
+        .collect();
     all.sort_unstable();
     all.dedup();
     all
@@ -99,8 +103,16 @@ pub fn references(brdf: &Measured, sky: &Environment, plan: &PointPlan) -> Vec<R
     let reference = |&theta_o_deg: &f64| {
         let point = lit(brdf, sky, theta_o_deg);
         let [coarse, fine] = NODES.map(|n| point.reference(n));
-        let error = if fine > 0.0 { (coarse / fine - 1.0).abs() } else { 0.0 };
-        Reference { theta_o_deg, radiance: fine, error }
+        let error = if fine > 0.0 {
+            (coarse / fine - 1.0).abs()
+        } else {
+            0.0
+        };
+        Reference {
+            theta_o_deg,
+            radiance: fine,
+            error,
+        }
     };
     plan.theta_o_deg.iter().map(reference).collect()
 }
@@ -150,8 +162,10 @@ pub fn curve(
     sky: &Environment,
     (plan, references): (&PointPlan, &[Reference]),
 ) -> Curve {
-    let points: Vec<(LitPoint<'_>, f64)> =
-        references.iter().map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance)).collect();
+    let points: Vec<(LitPoint<'_>, f64)> = references
+        .iter()
+        .map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance))
+        .collect();
     let errors = |set| errors(&points, sampler, competitor, plan, set);
     let (random, sobol) = (errors(PointSet::Random), errors(PointSet::Sobol));
     Curve {
@@ -168,7 +182,12 @@ pub fn curve(
 }
 
 fn fitted(errors: &[ErrorPoint]) -> f64 {
-    slope_of(errors.iter().filter(|e| e.samples >= 16).map(|e| (e.samples, e.rmse)))
+    slope_of(
+        errors
+            .iter()
+            .filter(|e| e.samples >= 16)
+            .map(|e| (e.samples, e.rmse)),
+    )
 }
 
 /// Errors over the points' angles and the plan's seeds.
@@ -179,11 +198,21 @@ fn errors(
     plan: &PointPlan,
     set: PointSet,
 ) -> Vec<ErrorPoint> {
-    let runs = Runs { points: set, seeds: plan.seeds, first_seed: plan.first_seed };
+    let runs = Runs {
+        points: set,
+        seeds: plan.seeds,
+        first_seed: plan.first_seed,
+    };
     let lit = points.iter().filter(|(_, reference)| *reference > 0.0);
     let squares: Vec<Vec<f64>> = lit
         .flat_map(|(point, reference)| {
-            point.squared_errors(competitor.technique, sampler, *reference, &plan.samples, runs)
+            point.squared_errors(
+                competitor.technique,
+                sampler,
+                *reference,
+                &plan.samples,
+                runs,
+            )
         })
         .collect();
     let at = |(i, &samples): (usize, &usize)| interval(samples, squares.iter().map(|s| s[i]));
@@ -197,7 +226,12 @@ fn interval(samples: usize, squares: impl Iterator<Item = f64> + Clone) -> Error
     let variance = squares.map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
     let reach = 1.96 * (variance / count).sqrt();
     let root = |x: f64| x.max(0.0).sqrt();
-    ErrorPoint { samples, rmse: root(mean), low: root(mean - reach), high: root(mean + reach) }
+    ErrorPoint {
+        samples,
+        rmse: root(mean),
+        low: root(mean - reach),
+        high: root(mean + reach),
+    }
 }
 
 /// Median over five runs of the time of a sample, the numbers behind it included.
@@ -211,7 +245,11 @@ fn nanoseconds(
     let run = |seed: u64| {
         let start = Instant::now();
         for (point, _) in points {
-            let runs = Runs { points: PointSet::Sobol, seeds: 1, first_seed: seed };
+            let runs = Runs {
+                points: PointSet::Sobol,
+                seeds: 1,
+                first_seed: seed,
+            };
             black_box(point.estimate(competitor.technique, sampler, each, runs));
         }
         start.elapsed().as_secs_f64() * 1e9 / (each * points.len()).max(1) as f64
@@ -229,9 +267,17 @@ pub(super) fn errors_at(
     references: &[Reference],
     plan: &PointPlan,
 ) -> Vec<ErrorPoint> {
-    let points: Vec<(LitPoint<'_>, f64)> =
-        references.iter().map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance)).collect();
-    errors(&points, sampler, Competitor::brdf(sampler.spec()), plan, PointSet::Sobol)
+    let points: Vec<(LitPoint<'_>, f64)> = references
+        .iter()
+        .map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance))
+        .collect();
+    errors(
+        &points,
+        sampler,
+        Competitor::brdf(sampler.spec()),
+        plan,
+        PointSet::Sobol,
+    )
 }
 
 /// Relative RMSE from `samples` Sobol samples with 45° between `wo` and the normal, directions from the sampler alone.
@@ -244,6 +290,13 @@ pub(super) fn error_at(
 ) -> f64 {
     let point = lit(brdf, sky, 45.0);
     let reference = point.reference(NODES[0]);
-    let runs = Runs { points: PointSet::Sobol, seeds: plan.seeds, first_seed: plan.first_seed };
-    point.errors(sampler, reference, &[samples], runs).first().map_or(0.0, |e| e.rmse)
+    let runs = Runs {
+        points: PointSet::Sobol,
+        seeds: plan.seeds,
+        first_seed: plan.first_seed,
+    };
+    point
+        .errors(sampler, reference, &[samples], runs)
+        .first()
+        .map_or(0.0, |e| e.rmse)
 }

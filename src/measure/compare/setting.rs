@@ -13,7 +13,8 @@ use crate::measure::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use crate::measure::cost::{call_times, time};
 use crate::merl::MerlTable;
 use crate::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice,
+    SamplerSpec,
 };
 
 /// One setting of one sampler.
@@ -60,7 +61,12 @@ pub fn knobs(quick: bool, lookup: LookupRule) -> Vec<Knob> {
     }
     all.extend(LookupRule::ALL.map(|rule| {
         let spec = SamplerSpec::HalfVector(HalfVectorSettings::default());
-        Knob { name: "lookup rule".into(), value: rule.name().into(), spec, lookup: rule }
+        Knob {
+            name: "lookup rule".into(),
+            value: rule.name().into(),
+            spec,
+            lookup: rule,
+        }
     }));
     all
 }
@@ -84,14 +90,27 @@ fn disc_knobs(lookup: LookupRule) -> Vec<Knob> {
         lookup,
     };
     let mut all: Vec<Knob> = [1.3, 1.5, 2.0, 2.5, 3.0]
-        .map(|n_max| knob("n_max", n_max.to_string(), AdaptiveDiscSettings { n_max, ..d }))
+        .map(|n_max| {
+            knob(
+                "n_max",
+                n_max.to_string(),
+                AdaptiveDiscSettings { n_max, ..d },
+            )
+        })
         .to_vec();
-    all.extend(
-        [5, 10, 20, 40, 60]
-            .map(|tables| knob("trees", tables.to_string(), AdaptiveDiscSettings { tables, ..d })),
-    );
+    all.extend([5, 10, 20, 40, 60].map(|tables| {
+        knob(
+            "trees",
+            tables.to_string(),
+            AdaptiveDiscSettings { tables, ..d },
+        )
+    }));
     all.extend([10, 20, 40].map(|tables| {
-        let settings = AdaptiveDiscSettings { tables, leaves: LeafChoice::Warp, ..d };
+        let settings = AdaptiveDiscSettings {
+            tables,
+            leaves: LeafChoice::Warp,
+            ..d
+        };
         knob("rejection-free trees", tables.to_string(), settings)
     }));
     all
@@ -106,13 +125,31 @@ fn cascade_knobs(lookup: LookupRule) -> Vec<Knob> {
         lookup,
     };
     let whole = [(64, 16), (128, 32), (256, 32), (512, 64), (1024, 128)].map(|(theta_h, phi_h)| {
-        let settings = CascadeCdfSettings { theta_h, phi_h, tolerance: None, ..d };
+        let settings = CascadeCdfSettings {
+            theta_h,
+            phi_h,
+            tolerance: None,
+            ..d
+        };
         knob("resolution, whole", format!("{theta_h}×{phi_h}"), settings)
     });
     let compressed = [1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2].map(|tolerance| {
-        knob("tolerance", tolerance.to_string(), CascadeCdfSettings { tolerance: Some(tolerance), ..d })
+        knob(
+            "tolerance",
+            tolerance.to_string(),
+            CascadeCdfSettings {
+                tolerance: Some(tolerance),
+                ..d
+            },
+        )
     });
-    let tables = [8, 32].map(|tables| knob("tables", tables.to_string(), CascadeCdfSettings { tables, ..d }));
+    let tables = [8, 32].map(|tables| {
+        knob(
+            "tables",
+            tables.to_string(),
+            CascadeCdfSettings { tables, ..d },
+        )
+    });
     whole.into_iter().chain(compressed).chain(tables).collect()
 }
 
@@ -125,13 +162,24 @@ const TIMED: usize = 20_000;
 ///
 /// # Errors
 /// Those of building the sampler.
-pub fn setting(table: &Arc<MerlTable>, sky: &Environment, knob: Knob, plan: &PointPlan) -> Result<Setting> {
+pub fn setting(
+    table: &Arc<MerlTable>,
+    sky: &Environment,
+    knob: Knob,
+    plan: &PointPlan,
+) -> Result<Setting> {
     let brdf = Arc::new(Measured::new(table.clone(), knob.lookup));
     let (sampler, seconds) = time(|| knob.spec.build(&brdf));
     let sampler = sampler?;
     let spread = |degrees: f64| {
         let wo = spherical(degrees.to_radians(), 0.4).as_vec3();
-        weight_spread(&sampler, &*brdf, &Quadrature::new(wo, SPREAD_POINTS), Importance::Mean).relstd
+        weight_spread(
+            &sampler,
+            &*brdf,
+            &Quadrature::new(wo, SPREAD_POINTS),
+            Importance::Mean,
+        )
+        .relstd
     };
     Ok(Setting {
         table_bytes: sampler.bytes(),

@@ -29,7 +29,12 @@ pub struct Reach {
 pub fn reach(curve: &Curve, error: f64) -> Option<Reach> {
     let (samples, extrapolated) = samples_to_reach(&curve.sobol, error)?;
     let seconds = SHARED_BY.map(|shared| seconds(curve, samples, shared));
-    Some(Reach { error, samples, extrapolated, seconds })
+    Some(Reach {
+        error,
+        samples,
+        extrapolated,
+        seconds,
+    })
 }
 
 /// Seconds of one estimate with its share of the precomputation.
@@ -49,10 +54,17 @@ pub fn samples_to_reach(errors: &[ErrorPoint], error: f64) -> Option<(f64, bool)
     if last.rmse > error {
         let tail = &errors[errors.len().saturating_sub(TAIL)..];
         let slope = slope_of(tail.iter().map(|e| (e.samples, e.rmse)));
-        return (slope < FLATTEST)
-            .then(|| (last.samples as f64 * (error / last.rmse).powf(1.0 / slope), true));
+        return (slope < FLATTEST).then(|| {
+            (
+                last.samples as f64 * (error / last.rmse).powf(1.0 / slope),
+                true,
+            )
+        });
     }
-    let after = errors.iter().rposition(|e| e.rmse > error).map_or(0, |i| i + 1);
+    let after = errors
+        .iter()
+        .rposition(|e| e.rmse > error)
+        .map_or(0, |i| i + 1);
     let reached = &errors[after];
     let Some(before) = after.checked_sub(1).map(|i| &errors[i]) else {
         return Some((reached.samples as f64, false));
@@ -72,7 +84,12 @@ mod tests {
     fn falling(scale: f64) -> Vec<ErrorPoint> {
         let at = |samples: usize| {
             let rmse = scale / (samples as f64).sqrt();
-            ErrorPoint { samples, rmse, low: rmse, high: rmse }
+            ErrorPoint {
+                samples,
+                rmse,
+                low: rmse,
+                high: rmse,
+            }
         };
         [1, 4, 16, 64, 256].map(at).to_vec()
     }
@@ -81,7 +98,10 @@ mod tests {
     fn samples_follow_the_power_law_within_and_beyond() {
         let close = |found: Option<(f64, bool)>, samples: f64, beyond: bool| {
             let (n, extrapolated) = found.unwrap();
-            assert!((n / samples - 1.0).abs() < 1e-9 && extrapolated == beyond, "{n} {extrapolated}");
+            assert!(
+                (n / samples - 1.0).abs() < 1e-9 && extrapolated == beyond,
+                "{n} {extrapolated}"
+            );
         };
         close(samples_to_reach(&falling(1.0), 0.1), 100.0, false);
         close(samples_to_reach(&falling(1.0), 0.01), 10_000.0, true);
@@ -90,7 +110,12 @@ mod tests {
 
     #[test]
     fn an_error_that_stays_is_never_below_what_it_is() {
-        let flat = [1, 10, 100].map(|samples| ErrorPoint { samples, rmse: 0.5, low: 0.5, high: 0.5 });
+        let flat = [1, 10, 100].map(|samples| ErrorPoint {
+            samples,
+            rmse: 0.5,
+            low: 0.5,
+            high: 0.5,
+        });
         assert_eq!(samples_to_reach(&flat, 0.1), None);
         assert_eq!(samples_to_reach(&[], 0.1), None);
         assert_eq!(samples_to_reach(&flat, 0.5), Some((1.0, false)));

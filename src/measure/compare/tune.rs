@@ -12,8 +12,8 @@ use crate::brdf::Measured;
 use crate::light::Environment;
 use crate::measure::cost::time;
 use crate::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, LobeKind, LobeSettings,
-    Sampler, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, LobeKind,
+    LobeSettings, Sampler, SamplerSpec,
 };
 
 /// What is asked for.
@@ -83,13 +83,19 @@ impl Tuning {
     /// The quickest of those that get there with fewer samples than the choice, whether the limits allow it or not.
     pub fn better(&self) -> Option<&Tried> {
         let samples = self.tried.get(self.chosen?)?.reach?.samples;
-        self.tried.iter().find(|t| t.reach.is_some_and(|r| r.samples < 0.95 * samples))
+        self.tried
+            .iter()
+            .find(|t| t.reach.is_some_and(|r| r.samples < 0.95 * samples))
     }
 
     /// The allowed one with the least error at the largest number of samples measured: as near as one gets.
     pub fn nearest(&self) -> Option<(&Tried, ErrorPoint)> {
         let last = |t: &Tried| t.curve.sobol.last().copied();
-        let ends = self.tried.iter().filter(|t| t.allowed).filter_map(|t| Some((t, last(t)?)));
+        let ends = self
+            .tried
+            .iter()
+            .filter(|t| t.allowed)
+            .filter_map(|t| Some((t, last(t)?)));
         ends.min_by(|a, b| a.1.rmse.total_cmp(&b.1.rmse))
     }
 
@@ -101,16 +107,23 @@ impl Tuning {
 /// Samplers that are tried: every size of the half-vector table, the thesis's two, and the lobes. With `stored`, only those
 /// that a file can hold.
 pub fn tunable(stored: bool) -> Vec<SamplerSpec> {
-    let mut all: Vec<SamplerSpec> =
-        HalfVectorSettings::PRESETS.iter().map(|p| SamplerSpec::HalfVector(p.1)).collect();
+    let mut all: Vec<SamplerSpec> = HalfVectorSettings::PRESETS
+        .iter()
+        .map(|p| SamplerSpec::HalfVector(p.1))
+        .collect();
     all.extend([1e-2, 1e-3].map(|tolerance| {
-        let settings = CascadeCdfSettings { tolerance: Some(tolerance), ..Default::default() };
+        let settings = CascadeCdfSettings {
+            tolerance: Some(tolerance),
+            ..Default::default()
+        };
         SamplerSpec::CascadeCdf(settings)
     }));
-    all.extend(
-        [LeafChoice::Envelope, LeafChoice::Warp]
-            .map(|leaves| SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { leaves, ..Default::default() })),
-    );
+    all.extend([LeafChoice::Envelope, LeafChoice::Warp].map(|leaves| {
+        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            leaves,
+            ..Default::default()
+        })
+    }));
     let lobes = [LobeKind::CosineLobe, LobeKind::Ward, LobeKind::Ggx];
     all.extend(lobes.map(|kind| SamplerSpec::Lobe(LobeSettings::fitted(kind))));
     if !stored {
@@ -136,14 +149,27 @@ pub fn tune(
     for &spec in specs {
         let (sampler, seconds) = time(|| spec.build(brdf));
         let measured = (plan, &references[..]);
-        let curve = curve(Competitor::brdf(spec), &sampler?, seconds.wall, brdf, sky, measured);
+        let curve = curve(
+            Competitor::brdf(spec),
+            &sampler?,
+            seconds.wall,
+            brdf,
+            sky,
+            measured,
+        );
         tried.push(judged(curve, wish));
         progress();
     }
     let order = |t: &Tried| t.seconds.unwrap_or(f64::INFINITY);
     tried.sort_by(|a, b| order(a).total_cmp(&order(b)));
     let chosen = tried.iter().position(|t| t.allowed && t.reach.is_some());
-    let mut tuning = Tuning { wish, references, tried, chosen, proof: None };
+    let mut tuning = Tuning {
+        wish,
+        references,
+        tried,
+        chosen,
+        proof: None,
+    };
     if let Some(choice) = chosen.map(|i| &tuning.tried[i]) {
         let sampler = choice.curve.competitor.spec.build(brdf)?;
         tuning.proof = prove(&tuning, choice, &sampler, (brdf, sky), plan);
@@ -155,8 +181,15 @@ fn judged(curve: Curve, wish: Wish) -> Tried {
     let reach = reach(&curve, wish.error).filter(|r| r.samples <= MOST_SAMPLES);
     let seconds = reach.map(|r| seconds(&curve, r.samples, wish.shared_by));
     let allowed = wish.max_bytes.is_none_or(|most| curve.table_bytes <= most)
-        && wish.max_build.is_none_or(|most| curve.build_seconds <= most);
-    Tried { curve, reach, seconds, allowed }
+        && wish
+            .max_build
+            .is_none_or(|most| curve.build_seconds <= most);
+    Tried {
+        curve,
+        reach,
+        seconds,
+        allowed,
+    }
 }
 
 /// Added to the plan's seeds for the proof.
@@ -184,10 +217,19 @@ fn prove(
             first_seed: plan.first_seed.wrapping_add(round * FRESH),
             ..plan.clone()
         };
-        let error = errors_at(sampler, brdf, sky, &tuning.references, &fresh).into_iter().next()?;
+        let error = errors_at(sampler, brdf, sky, &tuning.references, &fresh)
+            .into_iter()
+            .next()?;
         if error.rmse <= tuning.wish.error {
-            let PointPlan { first_seed, seeds, .. } = fresh;
-            return Some(Proof { samples: error.samples, first_seed, seeds, error });
+            let PointPlan {
+                first_seed, seeds, ..
+            } = fresh;
+            return Some(Proof {
+                samples: error.samples,
+                first_seed,
+                seeds,
+                error,
+            });
         }
         samples *= (error.rmse / tuning.wish.error).powf(1.5) * 1.02;
     }

@@ -45,14 +45,21 @@ pub struct Verdict {
 /// Who of `curves`, drawing from the BRDF alone, reaches 1 % of `material`'s lit point first, precomputation shared by 10⁶
 /// samples. `None` if nobody does.
 pub fn verdict(material: &str, curves: &[Curve]) -> Option<Verdict> {
-    let brdf = curves.iter().filter(|c| c.competitor.technique == Technique::Brdf);
-    let mut order: Vec<(&Curve, Reach)> = brdf.filter_map(|c| Some((c, reach(c, ERROR)?))).collect();
+    let brdf = curves
+        .iter()
+        .filter(|c| c.competitor.technique == Technique::Brdf);
+    let mut order: Vec<(&Curve, Reach)> =
+        brdf.filter_map(|c| Some((c, reach(c, ERROR)?))).collect();
     order.sort_by(|a, b| seconds(&a.1).total_cmp(&seconds(&b.1)));
     let &(best, best_reach) = order.first()?;
     let family = best.competitor.spec.name();
     let ratio = |r: &Reach| seconds(r) / seconds(&best_reach);
-    let next = order.iter().find(|(c, _)| c.competitor.spec.name() != family);
-    let cosine = order.iter().find(|(c, _)| c.competitor.spec == SamplerSpec::Cosine);
+    let next = order
+        .iter()
+        .find(|(c, _)| c.competitor.spec.name() != family);
+    let cosine = order
+        .iter()
+        .find(|(c, _)| c.competitor.spec == SamplerSpec::Cosine);
     let mut verdict = Verdict {
         error: ERROR,
         shared_by: SHARED_BY[SHARE],
@@ -92,7 +99,11 @@ fn sentence(material: &str, v: &Verdict) -> String {
         None => "a time that cosine never would".into(),
     };
     let kilobytes = v.table_bytes as f64 / 1000.0;
-    let next =
-        v.next.as_ref().map_or(String::new(), |(who, ratio)| format!("; next is {who} at {ratio:.1}×"));
-    format!("{material}: {} ({kilobytes:.1} KB) reaches {percent} % in {against}{next}", v.best)
+    let next = v.next.as_ref().map_or(String::new(), |(who, ratio)| {
+        format!("; next is {who} at {ratio:.1}×")
+    });
+    format!(
+        "{material}: {} ({kilobytes:.1} KB) reaches {percent} % in {against}{next}",
+        v.best
+    )
 }

@@ -123,10 +123,19 @@ impl LitPoint<'_> {
         runs: Runs,
     ) -> Vec<Vec<f64>> {
         let most = samples.iter().copied().max().unwrap_or(0);
-        let relative = |estimate: f64| if reference > 0.0 { estimate / reference - 1.0 } else { 0.0 };
+        let relative = |estimate: f64| {
+            if reference > 0.0 {
+                estimate / reference - 1.0
+            } else {
+                0.0
+            }
+        };
         let of_seed = |seed: u64| -> Vec<f64> {
             let draws = Draws::new(self, sampler, technique, most, runs, runs.first_seed + seed);
-            samples.iter().map(|&n| relative(draws.estimate(n)).powi(2)).collect()
+            samples
+                .iter()
+                .map(|&n| relative(draws.estimate(n)).powi(2))
+                .collect()
         };
         (0..runs.seeds).into_par_iter().map(of_seed).collect()
     }
@@ -151,7 +160,9 @@ impl LitPoint<'_> {
         runs: Runs,
     ) -> Vec<ErrorAt> {
         let squares = self.squared_errors(technique, sampler, reference, samples, runs);
-        let rmse = |i: usize| (squares.iter().map(|s| s[i]).sum::<f64>() / runs.seeds.max(1) as f64).sqrt();
+        let rmse = |i: usize| {
+            (squares.iter().map(|s| s[i]).sum::<f64>() / runs.seeds.max(1) as f64).sqrt()
+        };
         let at = |(i, &samples): (usize, &usize)| ErrorAt {
             samples,
             evaluations: technique.evaluations(samples),
@@ -173,9 +184,15 @@ pub(super) fn slope_of(errors: impl Iterator<Item = (usize, f64)>) -> f64 {
         .map(|(samples, rmse)| ((samples as f64).ln(), rmse.ln()))
         .collect();
     let n = logs.len() as f64;
-    let (mx, my) = logs.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    let (mx, my) = logs
+        .iter()
+        .fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
     let variance: f64 = logs.iter().map(|p| (p.0 - mx).powi(2)).sum();
-    if variance > 0.0 { logs.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>() / variance } else { 0.0 }
+    if variance > 0.0 {
+        logs.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>() / variance
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]
@@ -188,7 +205,11 @@ mod tests {
 
     impl Brdf for Lambert {
         fn eval(&self, _: Vec3, wi: Vec3) -> Vec3 {
-            if wi.z > 0.0 { Vec3::splat(std::f32::consts::FRAC_1_PI) } else { Vec3::ZERO }
+            if wi.z > 0.0 {
+                Vec3::splat(std::f32::consts::FRAC_1_PI)
+            } else {
+                Vec3::ZERO
+            }
         }
 
         fn is_isotropic(&self) -> bool {
@@ -198,7 +219,12 @@ mod tests {
 
     fn point<'a>(radiance: &'a (dyn Fn(Vec3) -> f64 + Sync)) -> LitPoint<'a> {
         let wo = spherical(0.5, 0.0).as_vec3();
-        LitPoint { brdf: &Lambert, importance: Importance::Mean, light: Incident::Function(radiance), wo }
+        LitPoint {
+            brdf: &Lambert,
+            importance: Importance::Mean,
+            light: Incident::Function(radiance),
+            wo,
+        }
     }
 
     const SAMPLES: [usize; 4] = [16, 64, 256, 1024];
@@ -210,7 +236,11 @@ mod tests {
         let point = point(&radiance);
         let reference = point.reference(233);
         assert!((reference - 2.0 / 3.0).abs() < 1e-5, "{reference}");
-        let runs = Runs { points: PointSet::Random, seeds: 400, first_seed: 1 };
+        let runs = Runs {
+            points: PointSet::Random,
+            seeds: 400,
+            first_seed: 1,
+        };
         let errors = point.errors(&Cosine, reference, &SAMPLES, runs);
         for e in &errors {
             let expected = (1.0 / 18.0 / e.samples as f64).sqrt() / reference;
@@ -223,7 +253,11 @@ mod tests {
     fn sobol_points_converge_faster() {
         let radiance = |wi: Vec3| f64::from(wi.z);
         let point = point(&radiance);
-        let runs = Runs { points: PointSet::Sobol, seeds: 100, first_seed: 1 };
+        let runs = Runs {
+            points: PointSet::Sobol,
+            seeds: 100,
+            first_seed: 1,
+        };
         let errors = point.errors(&Cosine, point.reference(233), &SAMPLES, runs);
         assert!(slope(&errors) < -1.1, "{errors:?}");
     }
@@ -231,7 +265,11 @@ mod tests {
     #[test]
     fn darkness_has_no_error() {
         let point = point(&|_| 0.0);
-        let runs = Runs { points: PointSet::Random, seeds: 3, first_seed: 1 };
+        let runs = Runs {
+            points: PointSet::Random,
+            seeds: 3,
+            first_seed: 1,
+        };
         let errors = point.errors(&Cosine, 0.0, &SAMPLES, runs);
         assert!(errors.iter().all(|e| e.rmse == 0.0) && slope(&errors) == 0.0);
     }

@@ -55,7 +55,10 @@ impl Technique {
                 "light that is a function can't be sampled",
                 "give an environment, or choose a technique that draws from the BRDF only",
             )),
-            (Self::Ris(0), _) => Err(Error::argument("no candidates to resample", "give at least 1")),
+            (Self::Ris(0), _) => Err(Error::argument(
+                "no candidates to resample",
+                "give at least 1",
+            )),
             _ => Ok(()),
         }
     }
@@ -69,7 +72,11 @@ struct Draw {
     other: f64,
 }
 
-const NOTHING: Draw = Draw { weight: 0.0, pdf: 1.0, other: 0.0 };
+const NOTHING: Draw = Draw {
+    weight: 0.0,
+    pdf: 1.0,
+    other: 0.0,
+};
 
 /// The draws of one seed, as many as its largest estimate asks for.
 pub(super) struct Draws {
@@ -98,7 +105,11 @@ impl Draws {
         };
         // What the other technique's density is, is asked for only where it counts.
         let both = matches!(technique, Technique::Mis(_));
-        let mut draws = Self { technique, brdf: Vec::new(), light: Vec::new() };
+        let mut draws = Self {
+            technique,
+            brdf: Vec::new(),
+            light: Vec::new(),
+        };
         draws.brdf = from_brdf(point, sampler, sky.filter(|_| both), brdf, runs, seed);
         if let Some(sky) = sky {
             draws.light = from_light(point, sky, both.then_some(sampler), light, runs, seed);
@@ -109,10 +120,15 @@ impl Draws {
     /// The estimate from the first `samples` samples; 0 for none.
     pub(super) fn estimate(&self, samples: usize) -> f64 {
         match self.technique {
-            Technique::Brdf | Technique::Ris(_) => mean(&self.brdf[..self.technique.evaluations(samples)]),
+            Technique::Brdf | Technique::Ris(_) => {
+                mean(&self.brdf[..self.technique.evaluations(samples)])
+            }
             Technique::Light => mean(&self.light[..samples]),
             Technique::Mis(heuristic) => {
-                let (brdf, light) = (&self.brdf[..samples.div_ceil(2)], &self.light[..samples / 2]);
+                let (brdf, light) = (
+                    &self.brdf[..samples.div_ceil(2)],
+                    &self.light[..samples / 2],
+                );
                 shared(heuristic, brdf, light.len()) + shared(heuristic, light, brdf.len())
             }
         }
@@ -138,14 +154,22 @@ fn from_brdf(
     runs: Runs,
     seed: u64,
 ) -> Vec<Draw> {
-    let points: Vec<_> = (0..count as u64).map(|i| runs.points.point(seed, i, 0)).collect();
+    let points: Vec<_> = (0..count as u64)
+        .map(|i| runs.points.point(seed, i, 0))
+        .collect();
     let draw = |wi: Vec3, pdf: f32| {
         let pdf = f64::from(pdf);
         let other = other.map_or(0.0, |sky| sky.pdf(to_world(wi)));
-        Draw { weight: point.integrand(wi) / pdf, pdf, other }
+        Draw {
+            weight: point.integrand(wi) / pdf,
+            pdf,
+            other,
+        }
     };
     let drawn = sampler.sample_batch(point.wo, &points).into_iter();
-    drawn.map(|d| d.map_or(NOTHING, |d| draw(d.wi, d.pdf))).collect()
+    drawn
+        .map(|d| d.map_or(NOTHING, |d| draw(d.wi, d.pdf)))
+        .collect()
 }
 
 fn from_light(
@@ -164,8 +188,14 @@ fn from_light(
         };
         let wi = to_local(chosen.wi);
         let weight = point.reflected(wi, chosen.radiance) / chosen.pdf;
-        let other = other.filter(|_| weight > 0.0).map_or(0.0, |s| f64::from(s.pdf(point.wo, wi)));
-        Draw { weight, pdf: chosen.pdf, other }
+        let other = other
+            .filter(|_| weight > 0.0)
+            .map_or(0.0, |s| f64::from(s.pdf(point.wo, wi)));
+        Draw {
+            weight,
+            pdf: chosen.pdf,
+            other,
+        }
     };
     (0..count).map(draw).collect()
 }

@@ -17,25 +17,41 @@ pub struct HardDirection {
 /// Directions above the horizon or just so, and vectors that are no directions above it.
 pub fn hard_directions() -> Vec<HardDirection> {
     let mut all = Vec::new();
-    let mut add = |about: &str, w: Vec3| all.push(HardDirection { about: about.into(), w });
+    let mut add = |about: &str, w: Vec3| {
+        all.push(HardDirection {
+            about: about.into(),
+            w,
+        })
+    };
     add("normal", Vec3::Z);
     add("normal, -0", Vec3::new(-0.0, -0.0, 1.0));
     for theta in [1e-7, 1e-3, 30.0, 45.0, 60.25, 89.5f64] {
         for phi in [0.0, 90.0, 211.3f64] {
-            add("ordinary", spherical(theta.to_radians(), phi.to_radians()).as_vec3());
+            add(
+                "ordinary",
+                spherical(theta.to_radians(), phi.to_radians()).as_vec3(),
+            );
         }
     }
     for power in 3..=12 {
         let z = 10f64.powi(-power);
         let rho = (1.0 - z * z).sqrt();
         add("nearly horizontal", Vec3::new(rho as f32, 0.0, z as f32));
-        add("nearly horizontal", Vec3::new((-0.6 * rho) as f32, (0.8 * rho) as f32, z as f32));
+        add(
+            "nearly horizontal",
+            Vec3::new((-0.6 * rho) as f32, (0.8 * rho) as f32, z as f32),
+        );
     }
     add("horizontal", Vec3::X);
     add("horizontal, -0", Vec3::new(0.0, 1.0, -0.0));
     add("just below the horizon", Vec3::new(1.0, 0.0, -1e-9));
     add("below the horizon", Vec3::new(0.6, 0.0, -0.8));
-    for w in [[1e-45, 0.0, 1.0], [1e-40, -1e-42, 1.0], [1.0, 0.0, 1e-45], [1.0, 1e-45, 1e-40]] {
+    for w in [
+        [1e-45, 0.0, 1.0],
+        [1e-40, -1e-42, 1.0],
+        [1.0, 0.0, 1e-45],
+        [1.0, 1e-45, 1e-40],
+    ] {
         add("denormal component", w.into());
     }
     for length in [1.001f32, 0.999, 1e-3, 1e3, 1e-30, 1e30] {
@@ -92,8 +108,16 @@ pub fn hard_points() -> Vec<Vec2> {
 /// Points that are outside the unit square or none at all.
 pub fn wrong_points() -> [Vec2; 7] {
     let bad = f32::NAN;
-    [[1.0, 1.0], [1.0, 0.3], [-0.5, 0.3], [0.3, 2.0], [bad, 0.3], [0.3, bad], [f32::INFINITY, -f32::INFINITY]]
-        .map(Vec2::from)
+    [
+        [1.0, 1.0],
+        [1.0, 0.3],
+        [-0.5, 0.3],
+        [0.3, 2.0],
+        [bad, 0.3],
+        [0.3, bad],
+        [f32::INFINITY, -f32::INFINITY],
+    ]
+    .map(Vec2::from)
 }
 
 #[cfg(test)]
@@ -102,8 +126,18 @@ mod tests {
 
     #[test]
     fn points_lie_in_the_square_and_directions_on_both_sides_of_the_horizon() {
-        assert!(hard_points().iter().all(|u| (0.0..1.0).contains(&u.x) && (0.0..1.0).contains(&u.y)));
-        let valid = hard_directions().iter().filter(|d| crate::geom::is_upper(d.w)).count();
-        assert!(valid > 50 && hard_directions().len() - valid > 10, "{valid}");
+        assert!(
+            hard_points()
+                .iter()
+                .all(|u| (0.0..1.0).contains(&u.x) && (0.0..1.0).contains(&u.y))
+        );
+        let valid = hard_directions()
+            .iter()
+            .filter(|d| crate::geom::is_upper(d.w))
+            .count();
+        assert!(
+            valid > 50 && hard_directions().len() - valid > 10,
+            "{valid}"
+        );
     }
 }

@@ -62,17 +62,36 @@ fn at(
     let wo = spherical(degrees.to_radians(), 2.5).as_vec3();
     let judged = hard.exact && !(subject.case.is_narrow && degrees > RESOLVED_DEG);
     let brdf: &dyn Brdf = &*subject.brdf;
-    let moments = |points| Moments::of(sampler, brdf, &Quadrature::new(wo, points), Importance::Mean);
+    let moments = |points| {
+        Moments::of(
+            sampler,
+            brdf,
+            &Quadrature::new(wo, points),
+            Importance::Mean,
+        )
+    };
     let (mut fine, mut coarse) = (moments(POINTS_PER_BIN), moments(COARSE));
-    let draws: Vec<Option<DirectionSample>> =
-        (0..DRAWS).map(|i| sampler.sample(wo, PointSet::Random.point(subject.seed, i, 0))).collect();
+    let draws: Vec<Option<DirectionSample>> = (0..DRAWS)
+        .map(|i| sampler.sample(wo, PointSet::Random.point(subject.seed, i, 0)))
+        .collect();
     let failed = draws.iter().filter(|d| d.is_none()).count() as f64 / DRAWS as f64;
     let torn = subject.case.is_torn && subject.thoroughness == Thoroughness::Full;
-    let settled = if torn { PDF_INTEGRAL_TORN } else { PDF_INTEGRAL };
+    let settled = if torn {
+        PDF_INTEGRAL_TORN
+    } else {
+        PDF_INTEGRAL
+    };
     let judge = |fine: &Moments, coarse: &Moments| {
-        let (mass, rough) = (fine.spread(SCALAR).pdf_integral, coarse.spread(SCALAR).pdf_integral);
+        let (mass, rough) = (
+            fine.spread(SCALAR).pdf_integral,
+            coarse.spread(SCALAR).pdf_integral,
+        );
         let lost = (1.0 - mass).clamp(failed, 1.0);
-        let chance = if failed > 0.0 { bernstein(lost * (1.0 - lost), 1.0) } else { 0.0 };
+        let chance = if failed > 0.0 {
+            bernstein(lost * (1.0 - lost), 1.0)
+        } else {
+            0.0
+        };
         (mass, rough, settled + (mass - rough).abs() + chance)
     };
     let (mut mass, mut rough, mut bound) = judge(&fine, &coarse);
@@ -90,7 +109,10 @@ fn at(
         format!("at {degrees}°: integral {mass:.6} ({rough:.6} with fewer points), failed draws {failed:.6}"),
     );
     let estimate = mean_weight(brdf, wo, Importance::Mean, draws.into_iter())[SCALAR];
-    [mass, energy(subject, (hard, judged), degrees, &fine, &coarse, estimate)]
+    [
+        mass,
+        energy(subject, (hard, judged), degrees, &fine, &coarse, estimate),
+    ]
 }
 
 fn energy(
@@ -107,7 +129,11 @@ fn energy(
     // f32 rounding of weights and pdf adds up to 10⁻⁵ where nothing else does.
     let bound = bernstein(variance, reach) + 2.0 * (expected - rough).abs() + 1e-5 * expected;
     let deviation = (estimate - expected).abs();
-    let value = if deviation == 0.0 { 0.0 } else { deviation / bound };
+    let value = if deviation == 0.0 {
+        0.0
+    } else {
+        deviation / bound
+    };
     subject.outcome(
         hard.name,
         HardCheck::Energy,

@@ -127,13 +127,24 @@ pub fn check_hard(
         for (rule, &lookup) in LookupRule::ALL.iter().enumerate() {
             let brdf = Arc::new(Measured::new(table.clone(), lookup));
             let angles = thoroughness.angles(number);
-            let subject = Subject { case, lookup, brdf, thoroughness, angles, seed };
+            let subject = Subject {
+                case,
+                lookup,
+                brdf,
+                thoroughness,
+                angles,
+                seed,
+            };
             outcomes.extend(pointwise::values(&subject));
             let samplers = hard_samplers().into_iter().enumerate();
-            let taken: Vec<HardSampler> =
-                samplers.filter(|(k, _)| thoroughness.takes(rule, number, *k)).map(|(_, s)| s).collect();
-            let each: Result<Vec<Vec<HardOutcome>>> =
-                taken.par_iter().map(|sampler| subject.cross(sampler)).collect();
+            let taken: Vec<HardSampler> = samplers
+                .filter(|(k, _)| thoroughness.takes(rule, number, *k))
+                .map(|(_, s)| s)
+                .collect();
+            let each: Result<Vec<Vec<HardOutcome>>> = taken
+                .par_iter()
+                .map(|sampler| subject.cross(sampler))
+                .collect();
             outcomes.extend(each?.into_iter().flatten());
         }
         progress();

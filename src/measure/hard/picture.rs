@@ -5,11 +5,19 @@ use std::sync::Arc;
 use super::{HardCheck, HardOutcome, HardSampler, Subject};
 use crate::Result;
 use crate::points::PointSet;
-use crate::render::{EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render};
+use crate::render::{
+    EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render,
+};
 use crate::sampler::Sampler;
 
 /// A picture of so many pixels, wide enough for both spheres and the light between them.
-const SETTINGS: Settings = Settings { width: 18, height: 12, samples: 2, seed: 5, points: PointSet::Sobol };
+const SETTINGS: Settings = Settings {
+    width: 18,
+    height: 12,
+    samples: 2,
+    seed: 5,
+    points: PointSet::Sobol,
+};
 
 /// [`HardCheck::Picture`]: two spheres on a floor that see each other.
 pub(super) fn picture(
@@ -21,22 +29,37 @@ pub(super) fn picture(
     for light in 0..3 {
         let spec = scene(light);
         let plan = EffectPlan::of(&spec);
-        let surface = Surface { brdf: subject.brdf.clone(), sampler: Some(sampler.clone()) };
+        let surface = Surface {
+            brdf: subject.brdf.clone(),
+            sampler: Some(sampler.clone()),
+        };
         let scene = Scene::build(&spec, &plan, |_, _| Ok(surface.clone()))?;
         let film = render(&scene, &plan, &SETTINGS, &|_| {})?;
         for k in 0..SETTINGS.width * SETTINGS.height {
             let (x, y) = (k % SETTINGS.width, k / SETTINGS.width);
             let (mean, error) = (film.mean(x, y), film.standard_error(x, y));
-            let right = [mean, error].iter().all(|v| v.is_finite() && v.min_element() >= 0.0);
+            let right = [mean, error]
+                .iter()
+                .all(|v| v.is_finite() && v.min_element() >= 0.0);
             count += 1;
             if !right {
                 violations += 1;
-                note = format!("pixel ({x}, {y}) under {}: {mean} ± {error}", spec.lights[0].kind());
+                note = format!(
+                    "pixel ({x}, {y}) under {}: {mean} ± {error}",
+                    spec.lights[0].kind()
+                );
             }
         }
         film.to_image()?;
     }
-    Ok(subject.outcome(hard.name, HardCheck::Picture, f64::from(violations), Some(0.0), count, note))
+    Ok(subject.outcome(
+        hard.name,
+        HardCheck::Picture,
+        f64::from(violations),
+        Some(0.0),
+        count,
+        note,
+    ))
 }
 
 /// Under a point, an area or an environment light.
@@ -47,5 +70,9 @@ fn scene(light: usize) -> SceneSpec {
         1 => row.row_area(),
         _ => LightSpec::Environment(EnvironmentSource::Studio),
     };
-    SceneSpec { lights: vec![light], floor: Some(0.4), ..row }
+    SceneSpec {
+        lights: vec![light],
+        floor: Some(0.4),
+        ..row
+    }
 }

@@ -33,8 +33,20 @@ impl Tally {
         }
     }
 
-    fn outcome(self, subject: &Subject<'_>, sampler: &'static str, check: HardCheck) -> HardOutcome {
-        subject.outcome(sampler, check, self.violations as f64, Some(0.0), self.count, self.first)
+    fn outcome(
+        self,
+        subject: &Subject<'_>,
+        sampler: &'static str,
+        check: HardCheck,
+    ) -> HardOutcome {
+        subject.outcome(
+            sampler,
+            check,
+            self.violations as f64,
+            Some(0.0),
+            self.count,
+            self.first,
+        )
     }
 }
 
@@ -49,11 +61,21 @@ struct Worst {
 impl Worst {
     fn add(&mut self, a: f64, b: f64, describe: impl FnOnce() -> String) {
         self.count += 1;
-        let difference = if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
+        let difference = if a == b {
+            0.0
+        } else {
+            (a - b).abs() / a.abs().max(b.abs())
+        };
         // A NaN is the largest difference.
         if difference.is_nan() || difference > self.value {
-            (self.value, self.place) =
-                (if difference.is_nan() { f64::INFINITY } else { difference }, describe());
+            (self.value, self.place) = (
+                if difference.is_nan() {
+                    f64::INFINITY
+                } else {
+                    difference
+                },
+                describe(),
+            );
         }
     }
 }
@@ -69,18 +91,35 @@ pub(super) fn values(subject: &Subject<'_>) -> Vec<HardOutcome> {
         for (&wi, &in_batch) in partners.iter().zip(&batch) {
             let (f, f_cos) = (subject.brdf.eval(wo, wi), subject.brdf.eval_cos(wo, wi));
             let valid = is_upper(wo) && is_upper(wi);
-            let right = is_value(f) && is_value(f_cos) && f == in_batch && (valid || f == Rgb::ZERO);
+            let right =
+                is_value(f) && is_value(f_cos) && f == in_batch && (valid || f == Rgb::ZERO);
             tally.check(right, || {
-                format!("{} {wo:?}, {wi:?}: f {f}, in a batch {in_batch}, f cos {f_cos}", direction.about)
+                format!(
+                    "{} {wo:?}, {wi:?}: f {f}, in a batch {in_batch}, f cos {f_cos}",
+                    direction.about
+                )
             });
             let other = subject.brdf.eval(wi, wo);
-            exchanged.add(f.x.into(), other.x.into(), || format!("{wo:?}, {wi:?}: {f}, {other}"));
+            exchanged.add(f.x.into(), other.x.into(), || {
+                format!("{wo:?}, {wi:?}: {f}, {other}")
+            });
         }
     }
     let mut out = vec![tally.outcome(subject, "", HardCheck::Values)];
     if subject.case.header().phi_d_bins == 180 {
-        let Worst { count, value, place } = exchanged;
-        out.push(subject.outcome("", HardCheck::Reciprocity, value, Some(RECIPROCITY), count, place));
+        let Worst {
+            count,
+            value,
+            place,
+        } = exchanged;
+        out.push(subject.outcome(
+            "",
+            HardCheck::Reciprocity,
+            value,
+            Some(RECIPROCITY),
+            count,
+            place,
+        ));
     }
     out
 }
@@ -96,16 +135,34 @@ pub(super) fn draws(
     hard: &HardSampler,
     sampler: &dyn DirectionSampler,
 ) -> Vec<HardOutcome> {
-    let mut probe = Probe { subject, sampler, tally: Tally::default(), agreement: Worst::default() };
+    let mut probe = Probe {
+        subject,
+        sampler,
+        tally: Tally::default(),
+        agreement: Worst::default(),
+    };
     let points = hard_points();
     for direction in hard_directions() {
         probe.direction(&direction.about, direction.w, &points);
     }
-    let Probe { tally, agreement, .. } = probe;
-    let Worst { count, value, place } = agreement;
+    let Probe {
+        tally, agreement, ..
+    } = probe;
+    let Worst {
+        count,
+        value,
+        place,
+    } = agreement;
     vec![
         tally.outcome(subject, hard.name, HardCheck::Draws),
-        subject.outcome(hard.name, HardCheck::Agreement, value, Some(AGREEMENT), count, place),
+        subject.outcome(
+            hard.name,
+            HardCheck::Agreement,
+            value,
+            Some(AGREEMENT),
+            count,
+            place,
+        ),
     ]
 }
 
@@ -123,13 +180,21 @@ impl Probe<'_> {
         }
         for count in [0, 1, 7] {
             let many = self.sampler.sample_many(wo, count, self.subject.seed);
-            self.tally.check(many.len() == count, || format!("{} draws of {count}", many.len()));
-            many.into_iter().for_each(|draw| self.draw(about, wo, Vec2::ZERO, draw));
+            self.tally.check(many.len() == count, || {
+                format!("{} draws of {count}", many.len())
+            });
+            many.into_iter()
+                .for_each(|draw| self.draw(about, wo, Vec2::ZERO, draw));
         }
         for wi in hard_partners(wo) {
             let pdf = self.sampler.pdf(wo, wi);
-            let right = if is_upper(wo) && is_upper(wi) { pdf >= 0.0 && pdf.is_finite() } else { pdf == 0.0 };
-            self.tally.check(right, || format!("{about} {wo:?}: pdf {pdf} of {wi:?}"));
+            let right = if is_upper(wo) && is_upper(wi) {
+                pdf >= 0.0 && pdf.is_finite()
+            } else {
+                pdf == 0.0
+            };
+            self.tally
+                .check(right, || format!("{about} {wo:?}: pdf {pdf} of {wi:?}"));
         }
     }
 
@@ -143,9 +208,12 @@ impl Probe<'_> {
             && is_direction(wi)
             && (pdf > 0.0 && pdf.is_finite())
             && (weight.is_finite() && weight.min_element() >= 0.0);
-        self.tally.check(right, || format!("{about} {wo:?}, u {u}: wi {wi:?}, pdf {pdf}, weight {weight}"));
+        self.tally.check(right, || {
+            format!("{about} {wo:?}, u {u}: wi {wi:?}, pdf {pdf}, weight {weight}")
+        });
         let other = f64::from(self.sampler.pdf(wo, wi));
-        self.agreement
-            .add(f64::from(pdf), other, || format!("{about} {wo:?}, u {u}: {pdf} and {other} at {wi:?}"));
+        self.agreement.add(f64::from(pdf), other, || {
+            format!("{about} {wo:?}, u {u}: {pdf} and {other} at {wi:?}")
+        });
     }
 }

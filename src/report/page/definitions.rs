@@ -6,12 +6,20 @@ use crate::measure::compare::{Comparison, LIT_FROM, MaterialComparison, Referenc
 use crate::report::Sheet;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
-    let entry =
-        |(term, text): &(&str, String)| format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text));
+    let entry = |(term, text): &(&str, String)| {
+        format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text))
+    };
     let all: String = terms(comparison).iter().map(entry).collect();
     let mut body = format!("<dl>\n{all}</dl>\n");
-    if comparison.materials.iter().any(|m| !m.references.is_empty()) {
-        body += &table("References of the lit point and their own errors", &references(comparison));
+    if comparison
+        .materials
+        .iter()
+        .any(|m| !m.references.is_empty())
+    {
+        body += &table(
+            "References of the lit point and their own errors",
+            &references(comparison),
+        );
     }
     Section::new("definitions", "Definitions", body)
 }
@@ -74,15 +82,29 @@ fn on_errors(angles: usize) -> Vec<(&'static str, String)> {
 }
 
 fn references(comparison: &Comparison) -> Sheet {
-    let mut sheet = Sheet::new(&["material", "wo", "radiance", "relative error of the reference"]);
+    let mut sheet = Sheet::new(&[
+        "material",
+        "wo",
+        "radiance",
+        "relative error of the reference",
+    ]);
     let rows = |m: &MaterialComparison| {
         let row = |r: &Reference| {
-            let figures =
-                [format!("{}°", r.theta_o_deg), format!("{:.5}", r.radiance), format!("{:.1e}", r.error)];
-            std::iter::once(m.material.clone()).chain(figures).collect::<Vec<_>>()
+            let figures = [
+                format!("{}°", r.theta_o_deg),
+                format!("{:.5}", r.radiance),
+                format!("{:.1e}", r.error),
+            ];
+            std::iter::once(m.material.clone())
+                .chain(figures)
+                .collect::<Vec<_>>()
         };
         m.references.iter().map(row).collect::<Vec<_>>()
     };
-    comparison.materials.iter().flat_map(rows).for_each(|row| sheet.push(row));
+    comparison
+        .materials
+        .iter()
+        .flat_map(rows)
+        .for_each(|row| sheet.push(row));
     sheet
 }

@@ -27,11 +27,19 @@ pub(super) fn family(competitor: &Competitor) -> usize {
 
 /// The first of each family of those that draw from the BRDF alone, and then the first of all of these with the first of
 /// each family that knows the light; `all` begins with the best.
-pub(super) fn chosen<'a, T>(all: &[&'a T], competitor: impl Fn(&T) -> &Competitor) -> [Vec<&'a T>; 2] {
+pub(super) fn chosen<'a, T>(
+    all: &[&'a T],
+    competitor: impl Fn(&T) -> &Competitor,
+) -> [Vec<&'a T>; 2] {
     let mut seen = BTreeSet::new();
-    let firsts: Vec<&T> = all.iter().copied().filter(|t| seen.insert(family(competitor(t)))).collect();
-    let (brdf, mut light): (Vec<&T>, Vec<&T>) =
-        firsts.into_iter().partition(|t| competitor(t).technique == Technique::Brdf);
+    let firsts: Vec<&T> = all
+        .iter()
+        .copied()
+        .filter(|t| seen.insert(family(competitor(t))))
+        .collect();
+    let (brdf, mut light): (Vec<&T>, Vec<&T>) = firsts
+        .into_iter()
+        .partition(|t| competitor(t).technique == Technique::Brdf);
     if !light.is_empty() {
         light.extend(brdf.first());
     }

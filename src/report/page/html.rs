@@ -5,7 +5,10 @@ use crate::report::Sheet;
 
 /// A part of the page under a heading; `id` is what the contents link to.
 pub(super) fn section(id: &str, title: &str, body: &str) -> String {
-    format!("<section id=\"{id}\">\n<h2>{}</h2>\n{body}</section>\n", escape(title))
+    format!(
+        "<section id=\"{id}\">\n<h2>{}</h2>\n{body}</section>\n",
+        escape(title)
+    )
 }
 
 /// A paragraph of plain text.
@@ -20,9 +23,15 @@ pub(super) fn subheading(text: &str) -> String {
 
 /// A table of a sheet, whose first column names the rows.
 pub(super) fn table(caption: &str, sheet: &Sheet) -> String {
-    let words: Vec<&str> =
-        (0..sheet.heading.len()).map(|i| if is_text(sheet, i) { WORDS } else { "" }).collect();
-    let heading: String = sheet.heading.iter().zip(&words).map(|(h, class)| column_head(h, class)).collect();
+    let words: Vec<&str> = (0..sheet.heading.len())
+        .map(|i| if is_text(sheet, i) { WORDS } else { "" })
+        .collect();
+    let heading: String = sheet
+        .heading
+        .iter()
+        .zip(&words)
+        .map(|(h, class)| column_head(h, class))
+        .collect();
     let row = |cells: &Vec<String>| {
         let cells = cells.iter().map(|c| escape(c)).enumerate();
         let cell = |(i, text): (usize, String)| match i {
@@ -41,7 +50,10 @@ const WORDS: &str = " class=\"words\"";
 /// Whether no cell of a column is a figure.
 fn is_text(sheet: &Sheet, column: usize) -> bool {
     let first = |row: &Vec<String>| row.get(column).and_then(|cell| cell.chars().next());
-    sheet.rows.iter().all(|row| first(row).is_some_and(char::is_alphabetic))
+    sheet
+        .rows
+        .iter()
+        .all(|row| first(row).is_some_and(char::is_alphabetic))
 }
 
 /// A heading of a column; `attributes` begin with a space.
@@ -60,7 +72,9 @@ pub(super) fn framed(caption: &str, head: &str, body: &str) -> String {
 
 /// Charts side by side, as many as the screen holds.
 pub(super) fn charts<'a>(pictures: impl IntoIterator<Item = &'a String>) -> String {
-    let figures: String =
-        pictures.into_iter().map(|svg| format!("<figure class=\"chart\">\n{svg}</figure>\n")).collect();
+    let figures: String = pictures
+        .into_iter()
+        .map(|svg| format!("<figure class=\"chart\">\n{svg}</figure>\n"))
+        .collect();
     format!("<div class=\"charts\">\n{figures}</div>\n")
 }

@@ -29,9 +29,18 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     .into_iter()
     .flatten()
     .collect();
-    let link = |s: &Section| format!("<li><a href=\"#{}\">{}</a></li>\n", s.id, html::escape(s.title));
+    let link = |s: &Section| {
+        format!(
+            "<li><a href=\"#{}\">{}</a></li>\n",
+            s.id,
+            html::escape(s.title)
+        )
+    };
     let contents: String = sections.iter().map(link).collect();
-    let body: String = sections.iter().map(|s| html::section(s.id, s.title, &s.body)).collect();
+    let body: String = sections
+        .iter()
+        .map(|s| html::section(s.id, s.title, &s.body))
+        .collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n\

@@ -2,7 +2,9 @@
 
 use super::Section;
 use super::html::{column_head, escape, framed, paragraph};
-use crate::measure::compare::{Comparison, Curve, MaterialComparison, Reach, SHARED_BY, TARGETS, reach};
+use crate::measure::compare::{
+    Comparison, Curve, MaterialComparison, Reach, SHARED_BY, TARGETS, reach,
+};
 use crate::report::compare::{by_time, duration};
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
@@ -19,27 +21,44 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
 
 fn table(material: &MaterialComparison) -> String {
     let curves = by_time(&material.curves);
-    let needs: Vec<[Option<Reach>; TARGETS.len()]> =
-        curves.iter().map(|c| TARGETS.map(|target| reach(c, target))).collect();
+    let needs: Vec<[Option<Reach>; TARGETS.len()]> = curves
+        .iter()
+        .map(|c| TARGETS.map(|target| reach(c, target)))
+        .collect();
     let least = |target: usize, share: usize| {
-        let seconds = needs.iter().filter_map(|n| n[target]).map(|r| r.seconds[share]);
+        let seconds = needs
+            .iter()
+            .filter_map(|n| n[target])
+            .map(|r| r.seconds[share]);
         seconds.fold(f64::INFINITY, f64::min)
     };
     let least: [[f64; SHARED_BY.len()]; TARGETS.len()] =
         std::array::from_fn(|t| std::array::from_fn(|s| least(t, s)));
     let row = |(curve, needs): (&&Curve, &[Option<Reach>; TARGETS.len()])| {
-        let cells: String = needs.iter().zip(&least).map(|(r, least)| cells(r.as_ref(), least)).collect();
+        let cells: String = needs
+            .iter()
+            .zip(&least)
+            .map(|(r, least)| cells(r.as_ref(), least))
+            .collect();
         format!("<tr>{}{cells}</tr>\n", start(curve))
     };
     let body: String = curves.iter().zip(&needs).map(row).collect();
-    framed(&format!("{}: what it takes to reach an error", material.material), &head(), &body)
+    framed(
+        &format!("{}: what it takes to reach an error", material.material),
+        &head(),
+        &body,
+    )
 }
 
 fn head() -> String {
-    let first: String =
-        ["sampler", "KB", "build", "ns a sample"].map(|h| column_head(h, " rowspan=\"2\"")).concat();
+    let first: String = ["sampler", "KB", "build", "ns a sample"]
+        .map(|h| column_head(h, " rowspan=\"2\""))
+        .concat();
     let group = |target: f64| {
-        format!("<th scope=\"colgroup\" class=\"first\" colspan=\"4\">to {} %</th>", target * 100.0)
+        format!(
+            "<th scope=\"colgroup\" class=\"first\" colspan=\"4\">to {} %</th>",
+            target * 100.0
+        )
     };
     let columns = [
         column_head("N", " class=\"first\""),
@@ -48,7 +67,10 @@ fn head() -> String {
         column_head("of 10⁹", ""),
     ];
     let groups = TARGETS.map(group).concat();
-    format!("<tr>{first}{groups}</tr>\n<tr>{}</tr>\n", columns.concat().repeat(TARGETS.len()))
+    format!(
+        "<tr>{first}{groups}</tr>\n<tr>{}</tr>\n",
+        columns.concat().repeat(TARGETS.len())
+    )
 }
 
 fn start(curve: &Curve) -> String {
@@ -71,7 +93,10 @@ fn cells(reach: Option<&Reach>, least: &[f64; SHARED_BY.len()]) -> String {
         text => format!("<td>{text}</td>"),
     };
     let times: String = reach.seconds.iter().zip(least).map(seconds).collect();
-    format!("<td class=\"first\">{about}{}</td>{times}", count(reach.samples))
+    format!(
+        "<td class=\"first\">{about}{}</td>{times}",
+        count(reach.samples)
+    )
 }
 
 /// A number of samples to two or three digits: "7", "5300", "1.2e6".

@@ -24,11 +24,17 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
 }
 
 fn scene(picture: &PictureComparison) -> String {
-    let shown: Vec<&PictureResult> =
-        picture.results.iter().filter(|r| r.samples == PICTURE_SAMPLES && !r.png.is_empty()).collect();
+    let shown: Vec<&PictureResult> = picture
+        .results
+        .iter()
+        .filter(|r| r.samples == PICTURE_SAMPLES && !r.png.is_empty())
+        .collect();
     let title = format!("{}: {}", picture.scene.name(), picture.material);
     let figures: String = shown.iter().map(|r| result(&title, r)).collect();
-    let row = format!("<div class=\"pictures\">\n{}{figures}</div>\n", reference(&title, picture));
+    let row = format!(
+        "<div class=\"pictures\">\n{}{figures}</div>\n",
+        reference(&title, picture)
+    );
     subheading(&title) + &row + &errors(&title, picture)
 }
 
@@ -45,9 +51,14 @@ fn reference(title: &str, picture: &PictureComparison) -> String {
 
 fn result(title: &str, result: &PictureResult) -> String {
     let error = percent(result.errors.mean_relative);
-    let picture = image(&result.png, &format!("{title}, {}: error {error}", result.label));
-    let difference =
-        image(&result.difference, &format!("{title}, {}: difference from the reference", result.label));
+    let picture = image(
+        &result.png,
+        &format!("{title}, {}: error {error}", result.label),
+    );
+    let difference = image(
+        &result.difference,
+        &format!("{title}, {}: difference from the reference", result.label),
+    );
     format!(
         "<figure>{picture}{difference}<figcaption><b>{error}</b> {}, {}</figcaption></figure>\n",
         escape(&result.label),
@@ -69,7 +80,11 @@ fn image(png: &[u8], alt: &str) -> String {
 
 fn percent(share: f64) -> String {
     let percent = share * 100.0;
-    if percent < 10.0 { format!("{percent:.2} %") } else { format!("{percent:.1} %") }
+    if percent < 10.0 {
+        format!("{percent:.2} %")
+    } else {
+        format!("{percent:.1} %")
+    }
 }
 
 /// Charts of errors against samples, if there are several numbers of them.
@@ -78,20 +93,32 @@ fn errors(title: &str, picture: &PictureComparison) -> String {
     if picture.results.iter().all(|r| r.samples == most) {
         return String::new();
     }
-    let mut best: Vec<&PictureResult> = picture.results.iter().filter(|r| r.samples == most).collect();
+    let mut best: Vec<&PictureResult> = picture
+        .results
+        .iter()
+        .filter(|r| r.samples == most)
+        .collect();
     best.sort_by(|a, b| a.errors.mean_relative.total_cmp(&b.errors.mean_relative));
     let groups = chosen(&best, |r| &r.competitor);
-    let pictures: Vec<String> =
-        groups.iter().filter(|g| !g.is_empty()).map(|g| chart(title, picture, g)).collect();
+    let pictures: Vec<String> = groups
+        .iter()
+        .filter(|g| !g.is_empty())
+        .map(|g| chart(title, picture, g))
+        .collect();
     charts(&pictures)
 }
 
 fn chart(title: &str, picture: &PictureComparison, shown: &[&PictureResult]) -> String {
     let series = |of: &&PictureResult| {
-        let same = picture.results.iter().filter(|r| r.competitor == of.competitor);
+        let same = picture
+            .results
+            .iter()
+            .filter(|r| r.competitor == of.competitor);
         Series {
             label: of.label.clone(),
-            points: same.map(|r| (r.samples as f64, r.errors.mean_relative)).collect(),
+            points: same
+                .map(|r| (r.samples as f64, r.errors.mean_relative))
+                .collect(),
             style: family(&of.competitor),
             marks: Marks::Each,
             ..Series::default()
@@ -103,5 +130,11 @@ fn chart(title: &str, picture: &PictureComparison, shown: &[&PictureResult]) -> 
     );
     let x = Axis::new("samples a pixel", Scale::Log);
     let y = Axis::new("mean relative error", Scale::Log);
-    Lines { caption, x, y, series: shown.iter().map(series).collect() }.svg()
+    Lines {
+        caption,
+        x,
+        y,
+        series: shown.iter().map(series).collect(),
+    }
+    .svg()
 }

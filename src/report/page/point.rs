@@ -17,7 +17,11 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
                 that does not. Bands hold the true error with 95 %; where one reaches below a third of the error found, it is \
                 drawn to there. In brackets the fitted slope: −0.5 is plain Monte \
                 Carlo, −1 halves the error with twice the samples.";
-    Section::new("point", "Error against samples and seconds", paragraph(note) + &all)
+    Section::new(
+        "point",
+        "Error against samples and seconds",
+        paragraph(note) + &all,
+    )
 }
 
 /// What an error is held against.
@@ -93,7 +97,12 @@ fn material(material: &MaterialComparison) -> String {
     if !light.is_empty() {
         let name = format!("{name}, light too");
         pictures.push(chart(&name, &light, Across::Samples, Points::Sobol));
-        pictures.push(chart(&name, &light, Across::SecondsWithBuild, Points::Sobol));
+        pictures.push(chart(
+            &name,
+            &light,
+            Across::SecondsWithBuild,
+            Points::Sobol,
+        ));
     }
     subheading(name) + &charts(&pictures)
 }
@@ -103,7 +112,10 @@ fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> Strin
         let (errors, slope) = points.errors(curve);
         let place = |e: &ErrorPoint| across.place(curve, e.samples);
         let band = match across {
-            Across::Samples => errors.iter().map(|e| (place(e), e.low.max(e.rmse / 3.0), e.high)).collect(),
+            Across::Samples => errors
+                .iter()
+                .map(|e| (place(e), e.low.max(e.rmse / 3.0), e.high))
+                .collect(),
             Across::Seconds | Across::SecondsWithBuild => Vec::new(),
         };
         Series {
@@ -124,7 +136,13 @@ fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> Strin
     );
     let x = Axis::new(across.title(), Scale::Log);
     let y = Axis::new("relative RMSE", Scale::Log);
-    Lines { caption, x, y, series: curves.iter().map(series).collect() }.svg()
+    Lines {
+        caption,
+        x,
+        y,
+        series: curves.iter().map(series).collect(),
+    }
+    .svg()
 }
 
 /// Two decimals with a true minus.

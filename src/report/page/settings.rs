@@ -6,8 +6,13 @@ use crate::measure::compare::{Comparison, RMSE_SAMPLES, Setting, SettingsCompari
 use crate::plot::{Axis, Caption, Group, Scale, Scatter, ScatterPoint};
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
-    let filled = comparison.settings.iter().filter(|s| !s.settings.is_empty());
-    let all: String = filled.map(|of| subheading(&of.material) + &charts(&pictures(of))).collect();
+    let filled = comparison
+        .settings
+        .iter()
+        .filter(|s| !s.settings.is_empty());
+    let all: String = filled
+        .map(|of| subheading(&of.material) + &charts(&pictures(of)))
+        .collect();
     if all.is_empty() {
         return None;
     }
@@ -30,26 +35,46 @@ const RMSE: Measure = ("relative RMSE", |s| s.rmse);
 const SPREAD: Measure = ("relative standard deviation of a weight", |s| s.relstd);
 
 fn pictures(of: &SettingsComparison) -> Vec<String> {
-    [(BYTES, RMSE), (BUILD, RMSE), (DRAW, SPREAD)].map(|(x, y)| chart(of, x, y)).to_vec()
+    [(BYTES, RMSE), (BUILD, RMSE), (DRAW, SPREAD)]
+        .map(|(x, y)| chart(of, x, y))
+        .to_vec()
 }
 
 fn chart(of: &SettingsComparison, x: Measure, y: Measure) -> String {
     let mut groups: Vec<Group> = Vec::new();
     for setting in &of.settings {
         let knob = &setting.knob;
-        let point = ScatterPoint { x: x.1(setting), y: y.1(setting), label: knob.value.clone() };
+        let point = ScatterPoint {
+            x: x.1(setting),
+            y: y.1(setting),
+            label: knob.value.clone(),
+        };
         match groups.iter_mut().find(|g| g.label == knob.name) {
             Some(group) => group.points.push(point),
             None => {
                 let style = groups.len();
-                groups.push(Group { label: knob.name.clone(), points: vec![point], style });
+                groups.push(Group {
+                    label: knob.name.clone(),
+                    points: vec![point],
+                    style,
+                });
             }
         }
     }
     let caption = Caption::new(
         format!("{}: {}", of.material, x.0),
-        format!("{} against {}, one mark a setting, by what is set.", y.0, x.0),
+        format!(
+            "{} against {}, one mark a setting, by what is set.",
+            y.0, x.0
+        ),
     );
     let axis = |m: Measure| Axis::new(m.0, Scale::Log);
-    Scatter { caption, x: axis(x), y: axis(y), groups, front: true }.svg()
+    Scatter {
+        caption,
+        x: axis(x),
+        y: axis(y),
+        groups,
+        front: true,
+    }
+    .svg()
 }

@@ -16,10 +16,18 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let one = |of: &MaterialCharts| {
         subheading(&of.material)
             + &{
-                let pairs = of.densities.iter().zip(&of.discs).flat_map(|(density, disc)| [density, disc]);
+                let pairs = of
+                    .densities
+                    .iter()
+                    .zip(&of.discs)
+                    .flat_map(|(density, disc)| [density, disc]);
                 charts([&of.lobe]) + &charts(pairs)
             }
     };
     let all: String = comparison.charts.iter().map(one).collect();
-    Section::new("shapes", "Lobes, densities, directions", paragraph(&note) + &all)
+    Section::new(
+        "shapes",
+        "Lobes, densities, directions",
+        paragraph(&note) + &all,
+    )
 }

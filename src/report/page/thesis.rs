@@ -14,5 +14,9 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let note = "Figures of R. Montes's thesis (Universidad de Granada, 2008), measured on its own machine, an AMD Opteron of \
                 2007, and from the MERL measurements themselves; beside them ours, of this run. Ratios are the thesis's \
                 figure over ours: above 1, ours is the smaller.";
-    Section::new("thesis", "Beside the thesis of 2008", paragraph(note) + &all)
+    Section::new(
+        "thesis",
+        "Beside the thesis of 2008",
+        paragraph(note) + &all,
+    )
 }

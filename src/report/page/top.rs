@@ -11,7 +11,11 @@ use crate::sampler::SamplerSpec;
 /// The plan in words.
 pub(super) fn measured(comparison: &Comparison) -> String {
     let plan = &comparison.plan;
-    let materials: Vec<&str> = comparison.materials.iter().map(|m| m.material.as_str()).collect();
+    let materials: Vec<&str> = comparison
+        .materials
+        .iter()
+        .map(|m| m.material.as_str())
+        .collect();
     let (point, picture) = (&plan.point, &plan.picture);
     let angles: Vec<String> = point.theta_o_deg.iter().map(|t| format!("{t}°")).collect();
     let last = (point.first_seed + point.seeds).saturating_sub(1);
@@ -22,21 +26,54 @@ pub(super) fn measured(comparison: &Comparison) -> String {
         false => "full",
     };
     let lines = [
-        ("Materials", if materials.is_empty() { "none".into() } else { materials.join(", ") }),
+        (
+            "Materials",
+            if materials.is_empty() {
+                "none".into()
+            } else {
+                materials.join(", ")
+            },
+        ),
         ("Run", extent.to_owned()),
-        ("Lookup", format!("{}: what a table says between its samples", plan.lookup.name())),
+        (
+            "Lookup",
+            format!(
+                "{}: what a table says between its samples",
+                plan.lookup.name()
+            ),
+        ),
         ("Light on the point", plan.sky.clone()),
         ("Viewer", format!("{} from the normal", angles.join(", "))),
-        ("Seeds", format!("{} to {last}: {} estimates at each angle", point.first_seed, point.seeds)),
-        ("Pictures", format!("{}² pixels, seed {}", picture.side, picture.seed)),
-        ("Threads", format!("{} to build and render; one to time a sample", comparison.threads)),
+        (
+            "Seeds",
+            format!(
+                "{} to {last}: {} estimates at each angle",
+                point.first_seed, point.seeds
+            ),
+        ),
+        (
+            "Pictures",
+            format!("{}² pixels, seed {}", picture.side, picture.seed),
+        ),
+        (
+            "Threads",
+            format!(
+                "{} to build and render; one to time a sample",
+                comparison.threads
+            ),
+        ),
     ];
-    let line =
-        |(term, text): &(&str, String)| format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text));
+    let line = |(term, text): &(&str, String)| {
+        format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text))
+    };
     let intro = "Samplers of measured materials against one another: how far off an estimate is after so many samples, so \
                  many seconds, and with so many bytes. All figures come from one run of merlkit compare; its \
                  compare.json and compare.csv hold them in full.";
-    format!("{}<dl>\n{}</dl>\n", paragraph(intro), lines.iter().map(line).collect::<String>())
+    format!(
+        "{}<dl>\n{}</dl>\n",
+        paragraph(intro),
+        lines.iter().map(line).collect::<String>()
+    )
 }
 
 /// Every material's verdict.
@@ -48,11 +85,15 @@ pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
         let sentence = match &m.verdict {
             Some(verdict) => verdict.sentence.clone(),
             None => {
-                format!("{}: no sampler's error falls to 1 %, nor so that one could tell when", m.material)
+                format!(
+                    "{}: no sampler's error falls to 1 %, nor so that one could tell when",
+                    m.material
+                )
             }
         };
-        let loses =
-            loses(m).map_or(String::new(), |l| format!(" <span class=\"loses\">{}</span>", escape(&l)));
+        let loses = loses(m).map_or(String::new(), |l| {
+            format!(" <span class=\"loses\">{}</span>", escape(&l))
+        });
         format!("<li>{}.{loses}</li>\n", escape(&sentence))
     };
     let items: String = comparison.materials.iter().map(item).collect();
@@ -60,16 +101,23 @@ pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
                 samplers that draw from the BRDF alone. Extrapolated samples have a ~ in the tables. Times vary \
                 from run to run: one run does not decide between near equals.";
     let table = table("Who reaches 1 % first", &summary(comparison));
-    let body = format!("<ul class=\"verdicts\">\n{items}</ul>\n{}{table}", paragraph(note));
+    let body = format!(
+        "<ul class=\"verdicts\">\n{items}</ul>\n{}{table}",
+        paragraph(note)
+    );
     Section::new("verdicts", "Verdicts", body)
 }
 
 /// That the half-vector table is not the quickest, where it isn't.
 fn loses(material: &MaterialComparison) -> Option<String> {
-    let verdict = material.verdict.as_ref().filter(|v| v.sampler != HALF_VECTOR)?;
+    let verdict = material
+        .verdict
+        .as_ref()
+        .filter(|v| v.sampler != HALF_VECTOR)?;
     let name = &material.material;
     let half_vector = quickest(&material.curves, |c| {
-        c.competitor.technique == Technique::Brdf && matches!(c.competitor.spec, SamplerSpec::HalfVector(_))
+        c.competitor.technique == Technique::Brdf
+            && matches!(c.competitor.spec, SamplerSpec::HalfVector(_))
     });
     Some(match half_vector {
         Some((label, seconds)) => format!(
@@ -98,8 +146,10 @@ fn seconds_of(verdict: &Verdict) -> f64 {
 
 /// Label and seconds to 1 % of the quickest of some.
 fn quickest(curves: &[Curve], of: impl Fn(&Curve) -> bool) -> Option<(&str, f64)> {
-    let times =
-        curves.iter().filter(|c| of(c)).filter_map(|c| Some((c.label.as_str(), reach(c, 0.01)?.seconds[1])));
+    let times = curves
+        .iter()
+        .filter(|c| of(c))
+        .filter_map(|c| Some((c.label.as_str(), reach(c, 0.01)?.seconds[1])));
     times.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -114,22 +164,27 @@ fn summary(comparison: &Comparison) -> Sheet {
         "best that samples the light too",
     ]);
     for material in &comparison.materials {
-        let Some(verdict) = &material.verdict else { continue };
+        let Some(verdict) = &material.verdict else {
+            continue;
+        };
         let brdf = |c: &Curve| c.competitor.technique == Technique::Brdf;
         let table = quickest(&material.curves, |c| {
             brdf(c) && matches!(c.competitor.spec, SamplerSpec::HalfVector(_))
         });
         let light = quickest(&material.curves, |c| !brdf(c));
-        let named = |(label, s): (&str, f64)| format!("{label}: {} ({})", duration(s), times(s, verdict));
+        let named =
+            |(label, s): (&str, f64)| format!("{label}: {} ({})", duration(s), times(s, verdict));
         sheet.push(vec![
             material.material.clone(),
             verdict.best.clone(),
             format!("{:.1}", verdict.table_bytes as f64 / 1000.0),
             duration(seconds_of(verdict)),
-            verdict.cosine_ratio.map_or("never".into(), |r| match r < 1000.0 {
-                true => format!("{r:.2}× the time"),
-                false => "over 1000× the time".into(),
-            }),
+            verdict
+                .cosine_ratio
+                .map_or("never".into(), |r| match r < 1000.0 {
+                    true => format!("{r:.2}× the time"),
+                    false => "over 1000× the time".into(),
+                }),
             table.map_or("never".into(), named),
             light.map_or("not measured".into(), named),
         ]);

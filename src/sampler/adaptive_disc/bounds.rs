@@ -35,7 +35,11 @@ struct Range {
 impl MaxTable {
     pub fn new(brdf: &Measured, importance: Importance) -> Self {
         let table = brdf.table();
-        let values: Vec<f32> = table.cells().iter().map(|c| importance.of(c.truncate())).collect();
+        let values: Vec<f32> = table
+            .cells()
+            .iter()
+            .map(|c| importance.of(c.truncate()))
+            .collect();
         let phi_d_bins = table.phi_d_bins();
         let (mut levels, mut widths) = (vec![values], vec![phi_d_bins]);
         while widths[widths.len() - 1] > 1 {
@@ -43,7 +47,10 @@ impl MaxTable {
             let finer = &levels[levels.len() - 1];
             let next = finer
                 .chunks(width)
-                .flat_map(|row| row.chunks(2).map(|pair| pair.iter().copied().fold(0.0, f32::max)))
+                .flat_map(|row| {
+                    row.chunks(2)
+                        .map(|pair| pair.iter().copied().fold(0.0, f32::max))
+                })
                 .collect();
             levels.push(next);
             widths.push(width.div_ceil(2));
@@ -53,7 +60,12 @@ impl MaxTable {
             LookupRule::Linear => (0, 1),
             LookupRule::Centred => (1, 1),
         };
-        Self { levels, widths, phi_d_bins, reach }
+        Self {
+            levels,
+            widths,
+            phi_d_bins,
+            reach,
+        }
     }
 
     /// The table's value for a pair of directions by floor lookup: from a plane of scalars, a quarter of the table's memory.
@@ -69,8 +81,9 @@ impl MaxTable {
         let region = Region::of(wo, rect);
         let h = self.widen(region.theta_h(), THETA_H_BINS);
         let d = self.widen(region.theta_d(), THETA_D_BINS);
-        let phi =
-            region.phi_d(self.phi_d_bins).map(|r| (r.0 - self.reach.0 as i64, r.1 + self.reach.1 as i64));
+        let phi = region
+            .phi_d(self.phi_d_bins)
+            .map(|r| (r.0 - self.reach.0 as i64, r.1 + self.reach.1 as i64));
         let whole = &self.levels[self.levels.len() - 1];
         let mut max = 0.0f32;
         for row_h in h.low..=h.high {
@@ -86,7 +99,10 @@ impl MaxTable {
     }
 
     fn widen(&self, r: Range, bins: usize) -> Range {
-        Range { low: r.low.saturating_sub(self.reach.0), high: (r.high + self.reach.1).min(bins - 1) }
+        Range {
+            low: r.low.saturating_sub(self.reach.0),
+            high: (r.high + self.reach.1).min(bins - 1),
+        }
     }
 
     /// Maximum of a row over unwrapped bins `phi`, or all of it.
@@ -94,11 +110,15 @@ impl MaxTable {
         let bins = self.phi_d_bins as i64;
         match phi {
             Some((low, high)) if high - low + 1 < bins => {
-                let (a, b) = (low.rem_euclid(bins) as usize, high.rem_euclid(bins) as usize);
+                let (a, b) = (
+                    low.rem_euclid(bins) as usize,
+                    high.rem_euclid(bins) as usize,
+                );
                 if a <= b {
                     self.run(row, a, b)
                 } else {
-                    self.run(row, a, self.phi_d_bins - 1).max(self.run(row, 0, b))
+                    self.run(row, a, self.phi_d_bins - 1)
+                        .max(self.run(row, 0, b))
                 }
             }
             _ => self.levels[self.levels.len() - 1][row],
@@ -141,20 +161,37 @@ struct Region {
 
 impl Region {
     fn of(wo: DVec3, rect: Rect) -> Self {
-        let rect = Rect { low: rect.low - SLACK, high: rect.high + SLACK };
+        let rect = Rect {
+            low: rect.low - SLACK,
+            high: rect.high + SLACK,
+        };
         let height = |r2: f64| (1.0 - r2).max(0.0).sqrt();
         let (near2, far2) = rect.distances_squared(DVec2::ZERO);
         let z = ((height(far2) - SLACK).max(0.0), height(near2) + SLACK);
         // ρ = |wo.xy + wi.xy| is a distance from −wo.xy.
         let rho2 = rect.distances_squared(DVec2::new(-wo.x, 0.0));
-        let tan2_theta_h = (rho2.0 / (wo.z + z.1).powi(2), rho2.1 / (wo.z + z.0).max(1e-30).powi(2));
-        let cosine = (wo.x * rect.low.x + wo.z * z.0 - SLACK, wo.x * rect.high.x + wo.z * z.1 + SLACK);
+        let tan2_theta_h = (
+            rho2.0 / (wo.z + z.1).powi(2),
+            rho2.1 / (wo.z + z.0).max(1e-30).powi(2),
+        );
+        let cosine = (
+            wo.x * rect.low.x + wo.z * z.0 - SLACK,
+            wo.x * rect.high.x + wo.z * z.1 + SLACK,
+        );
         let (low, high) = (cosine.0.clamp(-1.0, 1.0), cosine.1.clamp(-1.0, 1.0));
         // tan²θd = (1 − c)/(1 + c) falls with c, the cosine between the directions.
-        let tan2_theta_d = ((1.0 - high) / (1.0 + high), (1.0 - low) / (1.0 + low).max(1e-30));
+        let tan2_theta_d = (
+            (1.0 - high) / (1.0 + high),
+            (1.0 - low) / (1.0 + low).max(1e-30),
+        );
         let cos_theta_d = (((1.0 + low) * 0.5).sqrt(), ((1.0 + high) * 0.5).sqrt());
         let dz = (wo.z - z.1, wo.z - z.0);
-        let ends = [dz.0 * cos_theta_d.0, dz.0 * cos_theta_d.1, dz.1 * cos_theta_d.0, dz.1 * cos_theta_d.1];
+        let ends = [
+            dz.0 * cos_theta_d.0,
+            dz.0 * cos_theta_d.1,
+            dz.1 * cos_theta_d.0,
+            dz.1 * cos_theta_d.1,
+        ];
         Self {
             tan2_theta_h,
             tan2_theta_d,
@@ -168,12 +205,18 @@ impl Region {
 
     fn theta_h(&self) -> Range {
         let (low, high) = self.tan2_theta_h;
-        Range { low: BinIndex::theta_h_of_tan2(low), high: BinIndex::theta_h_of_tan2(high) }
+        Range {
+            low: BinIndex::theta_h_of_tan2(low),
+            high: BinIndex::theta_h_of_tan2(high),
+        }
     }
 
     fn theta_d(&self) -> Range {
         let (low, high) = self.tan2_theta_d;
-        Range { low: BinIndex::theta_d_of_tan2(low), high: BinIndex::theta_d_of_tan2(high) }
+        Range {
+            low: BinIndex::theta_d_of_tan2(low),
+            high: BinIndex::theta_d_of_tan2(high),
+        }
     }
 
     /// Bins of φd, unwrapped: may run below 0 or past the last; `None` for all.
@@ -185,7 +228,8 @@ impl Region {
         // A rectangle across the cut of the arctangent is turned by π, and its bins turned back.
         let turned = a0 < 0.0 && c0 <= 0.0 && c1 >= 0.0;
         let sign = if turned { -1.0 } else { 1.0 };
-        let corners = [(a0, c0), (a0, c1), (a1, c0), (a1, c1)].map(|(a, c)| (sign * c).atan2(sign * a));
+        let corners =
+            [(a0, c0), (a0, c1), (a1, c0), (a1, c1)].map(|(a, c)| (sign * c).atan2(sign * a));
         let low = corners.iter().copied().fold(f64::MAX, f64::min);
         let high = corners.iter().copied().fold(f64::MIN, f64::max);
         let turn = if turned && bins == 360 { 180 } else { 0 };

@@ -38,7 +38,9 @@ const COARSEST: u32 = 3;
 pub(super) fn trees(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Trees {
     match settings.leaves {
         LeafChoice::Warp => Trees::Warped(warps(brdf, settings, knots)),
-        LeafChoice::Envelope | LeafChoice::Integral => Trees::Rejecting(forest(brdf, settings, knots)),
+        LeafChoice::Envelope | LeafChoice::Integral => {
+            Trees::Rejecting(forest(brdf, settings, knots))
+        }
     }
 }
 
@@ -51,7 +53,13 @@ fn warps(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) ->
             // It only decides on divisions: a rough one will do.
             let integral = slice.integral(10.0 * NORMALISER_STEP);
             if USABLE.contains(&integral) {
-                WarpGrower { settings, slice: &slice, bounds: &bounds, integral }.grow()
+                WarpGrower {
+                    settings,
+                    slice: &slice,
+                    bounds: &bounds,
+                    integral,
+                }
+                .grow()
             } else {
                 warp::Tree::void()
             }
@@ -72,8 +80,18 @@ fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
             let mut integral = slice.integral(NORMALISER_STEP);
             let leaves = match (&settings.construction, &bounds) {
                 _ if !USABLE.contains(&integral) => Vec::new(),
-                (Construction::Grid(side), _) => Grower::new(settings, Image::new(&slice, *side)).grow(),
-                (_, Some(bounds)) => Grower::new(settings, Points { slice: &slice, bounds, integral }).grow(),
+                (Construction::Grid(side), _) => {
+                    Grower::new(settings, Image::new(&slice, *side)).grow()
+                }
+                (_, Some(bounds)) => Grower::new(
+                    settings,
+                    Points {
+                        slice: &slice,
+                        bounds,
+                        integral,
+                    },
+                )
+                .grow(),
                 (_, None) => Vec::new(),
             };
             let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
@@ -108,7 +126,12 @@ impl<'a> Slice<'a> {
         theta: f64,
     ) -> Self {
         let plane = table.filter(|_| brdf.rule() == LookupRule::Floor);
-        Self { brdf, settings, plane, wo: spherical(theta, 0.0).as_vec3() }
+        Self {
+            brdf,
+            settings,
+            plane,
+            wo: spherical(theta, 0.0).as_vec3(),
+        }
     }
 
     #[inline]
@@ -121,7 +144,8 @@ impl<'a> Slice<'a> {
 
     /// ∫ f over the disc.
     fn integral(&self, tolerance: f64) -> f64 {
-        Quadrature::new(self.wo, 1).integrate_refined(tolerance, |wi| self.value(wi) * f64::from(wi.z))
+        Quadrature::new(self.wo, 1)
+            .integrate_refined(tolerance, |wi| self.value(wi) * f64::from(wi.z))
     }
 
     /// ∫ f over the disc with as many points as any bin is given.
@@ -131,7 +155,11 @@ impl<'a> Slice<'a> {
 
     pub fn value_on_disc(&self, p: DVec2) -> f64 {
         let z2 = 1.0 - p.length_squared();
-        if z2 > 0.0 { self.value(p.extend(z2.sqrt()).as_vec3()) } else { 0.0 }
+        if z2 > 0.0 {
+            self.value(p.extend(z2.sqrt()).as_vec3())
+        } else {
+            0.0
+        }
     }
 }
 
@@ -169,7 +197,12 @@ struct Grower<'a, C> {
 impl<'a, C: Contents> Grower<'a, C> {
     fn new(settings: &'a AdaptiveDiscSettings, contents: C) -> Self {
         let wasted = settings.waste * contents.total();
-        Self { settings, contents, wasted, leaves: Vec::new() }
+        Self {
+            settings,
+            contents,
+            wasted,
+            leaves: Vec::new(),
+        }
     }
 
     /// The leaves that can be drawn, in Z-order.
@@ -200,7 +233,11 @@ impl<'a, C: Contents> Grower<'a, C> {
             LeafChoice::Envelope | LeafChoice::Warp => f64::from(bound) * content.area,
         };
         if weight > 0.0 && bound > 0.0 {
-            self.leaves.push(Grown { square, bound, weight });
+            self.leaves.push(Grown {
+                square,
+                bound,
+                weight,
+            });
         }
     }
 
@@ -242,7 +279,11 @@ impl Contents for Points<'_> {
             sum += f;
             seen = seen.max(f);
         }
-        Content { integral: sum / (side * side) as f64 * rect.area(), seen, area: rect.area() }
+        Content {
+            integral: sum / (side * side) as f64 * rect.area(),
+            seen,
+            area: rect.area(),
+        }
     }
 
     fn bound(&self, rect: Rect, _: &Content) -> f32 {
@@ -265,10 +306,15 @@ impl Image {
     fn new(slice: &Slice<'_>, side: u32) -> Self {
         let n = side as usize;
         let at = |i: usize| (i as f64 + 0.5) / n as f64 * 2.0 - 1.0;
-        let values: Vec<f32> =
-            (0..n * n).map(|k| slice.value_on_disc(DVec2::new(at(k % n), at(k / n))) as f32).collect();
+        let values: Vec<f32> = (0..n * n)
+            .map(|k| slice.value_on_disc(DVec2::new(at(k % n), at(k / n))) as f32)
+            .collect();
         let total = values.iter().map(|&v| f64::from(v)).sum::<f64>() * (2.0 / n as f64).powi(2);
-        Self { side: n, values, total }
+        Self {
+            side: n,
+            values,
+            total,
+        }
     }
 
     /// Pixels whose centres lie in [low, low + side) of one axis.
@@ -297,7 +343,11 @@ impl Contents for Image {
                 seen = seen.max(f);
             }
         }
-        Content { integral: sum * (2.0 / self.side as f64).powi(2), seen, area: rect.area() }
+        Content {
+            integral: sum * (2.0 / self.side as f64).powi(2),
+            seen,
+            area: rect.area(),
+        }
     }
 
     fn bound(&self, _: Rect, content: &Content) -> f32 {
@@ -323,7 +373,13 @@ mod tests {
     }
 
     /// The largest value over its leaf's bound, at `points` of each leaf of tree `k`.
-    fn worst_share(forest: &Forest, k: usize, slice: &Slice, points: usize, random: &mut Stream) -> f64 {
+    fn worst_share(
+        forest: &Forest,
+        k: usize,
+        slice: &Slice,
+        points: usize,
+        random: &mut Stream,
+    ) -> f64 {
         let mut worst = 0.0f64;
         for leaf in forest.tree(k).iter().map(|leaf| Drawn::new(leaf, 0.0)) {
             for _ in 0..points {
@@ -343,12 +399,19 @@ mod tests {
         crate::merl::embedded_names().par_iter().for_each(|name| {
             let brdf = Measured::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
             let forest = forest(&brdf, &settings, knots);
-            assert!(forest.bytes() < 1_000_000, "{name}: {} bytes", forest.bytes());
+            assert!(
+                forest.bytes() < 1_000_000,
+                "{name}: {} bytes",
+                forest.bytes()
+            );
             let mut random = Stream::new(2);
             for k in 0..settings.tables {
                 let slice = Slice::new(&brdf, &settings, None, knots.theta(k));
                 let worst = worst_share(&forest, k, &slice, 20, &mut random);
-                assert!(worst <= 1.0, "{name}, knot {k}: a value {worst} times the bound");
+                assert!(
+                    worst <= 1.0,
+                    "{name}, knot {k}: a value {worst} times the bound"
+                );
             }
         });
     }
@@ -362,18 +425,30 @@ mod tests {
             ("violet-acrylic", LookupRule::Centred),
         ] {
             let brdf = Measured::new(Arc::new(decode_embedded(name).unwrap()), rule);
-            let settings = AdaptiveDiscSettings { tables: 9, ..Default::default() };
+            let settings = AdaptiveDiscSettings {
+                tables: 9,
+                ..Default::default()
+            };
             let knots = ThetaKnots::new(9, TableChoice::Nearest).unwrap();
             let forest = forest(&brdf, &settings, knots);
             let mut random = Stream::new(1);
             for k in 0..9 {
                 let slice = Slice::new(&brdf, &settings, None, knots.theta(k));
                 let worst = worst_share(&forest, k, &slice, 100, &mut random);
-                assert!(worst <= 1.0, "{name}, knot {k}: a value {worst} times the bound");
-                assert!(worst > 0.8, "{name}, knot {k}: the bounds are slack, at best {worst}");
+                assert!(
+                    worst <= 1.0,
+                    "{name}, knot {k}: a value {worst} times the bound"
+                );
+                assert!(
+                    worst > 0.8,
+                    "{name}, knot {k}: the bounds are slack, at best {worst}"
+                );
                 let volume: f64 = forest.tree(k).iter().map(volume).sum();
                 let trials = volume / forest.integral(k);
-                assert!((1.0..3.0).contains(&trials), "{name}, knot {k}: {trials} trials a draw");
+                assert!(
+                    (1.0..3.0).contains(&trials),
+                    "{name}, knot {k}: {trials} trials a draw"
+                );
                 assert_eq!(forest.tree(k).last().unwrap().upper, WHOLE);
             }
         }
@@ -382,8 +457,14 @@ mod tests {
     /// What the refined construction mends: under the thesis's image, metals exceed their bounds.
     #[test]
     fn the_image_of_the_thesis_gives_no_bounds() {
-        let brdf = Measured::new(Arc::new(decode_embedded("chrome").unwrap()), LookupRule::Floor);
-        let settings = AdaptiveDiscSettings { tables: 3, ..AdaptiveDiscSettings::as_published() };
+        let brdf = Measured::new(
+            Arc::new(decode_embedded("chrome").unwrap()),
+            LookupRule::Floor,
+        );
+        let settings = AdaptiveDiscSettings {
+            tables: 3,
+            ..AdaptiveDiscSettings::as_published()
+        };
         let knots = ThetaKnots::new(3, TableChoice::Nearest).unwrap();
         let forest = forest(&brdf, &settings, knots);
         let slice = Slice::new(&brdf, &settings, None, knots.theta(1));
@@ -391,7 +472,9 @@ mod tests {
         for leaf in forest.tree(1).iter().map(|leaf| Drawn::new(leaf, 0.0)) {
             for _ in 0..100 {
                 let t = DVec2::new(random.next_f64(), random.next_f64());
-                let value = leaf.direction(t, DVec2::X).map_or(0.0, |wi| slice.value(wi));
+                let value = leaf
+                    .direction(t, DVec2::X)
+                    .map_or(0.0, |wi| slice.value(wi));
                 exceeded += u32::from(value > f64::from(leaf.bound));
             }
         }

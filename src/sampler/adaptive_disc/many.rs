@@ -22,9 +22,18 @@ pub(super) fn sample_many(
     let view = disc.view(wo);
     let mut random = Stream::new(seed);
     let floor = disc.settings.floor;
-    let trees = [(1.0 - floor) * (1.0 - view.near.share), (1.0 - floor) * view.near.share];
+    let trees = [
+        (1.0 - floor) * (1.0 - view.near.share),
+        (1.0 - floor) * view.near.share,
+    ];
     let [first, second, ignoring] = share_out(count, [trees[0], trees[1], floor], &mut random);
-    let mut batch = Batch { disc, forest, view, random, out: Vec::with_capacity(count) };
+    let mut batch = Batch {
+        disc,
+        forest,
+        view,
+        random,
+        out: Vec::with_capacity(count),
+    };
     batch.cosine(ignoring, seed);
     batch.tree(batch.view.near.first, first, seed);
     batch.tree(batch.view.near.second, second, seed);
@@ -39,7 +48,11 @@ fn share_out<const N: usize>(count: usize, weights: [f64; N], random: &mut Strea
     let (offset, mut cumulated, mut given) = (random.next_f64(), 0.0, 0);
     std::array::from_fn(|i| {
         cumulated += weights[i];
-        let until = if i + 1 == N { count } else { (cumulated / total * count as f64 + offset) as usize };
+        let until = if i + 1 == N {
+            count
+        } else {
+            (cumulated / total * count as f64 + offset) as usize
+        };
         let share = until.min(count).saturating_sub(given);
         given += share;
         share
@@ -98,7 +111,11 @@ impl Batch<'_> {
         let wi = leaf.direction(point, self.view.turn)?;
         let accepted =
             self.random.next_f64() * f64::from(leaf.bound) < self.disc.value(k, self.view.turn, wi);
-        let wi = if accepted { self.disc.carried(k, &self.view, wi)? } else { return None };
+        let wi = if accepted {
+            self.disc.carried(k, &self.view, wi)?
+        } else {
+            return None;
+        };
         self.disc.finish(&self.view, wi)
     }
 }
@@ -122,7 +139,10 @@ mod tests {
             }
         }
         for (sum, weight) in sums.iter().zip(weights) {
-            assert!((*sum as f64 / f64::from(rounds) - 3.5 * weight).abs() < 0.03, "{sums:?}");
+            assert!(
+                (*sum as f64 / f64::from(rounds) - 3.5 * weight).abs() < 0.03,
+                "{sums:?}"
+            );
         }
     }
 }

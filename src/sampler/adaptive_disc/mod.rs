@@ -130,7 +130,10 @@ impl AdaptiveDiscSettings {
     /// Rejection on the whole disc, under the largest value for each tree's `wo` (thesis 5.1.1, 4.3.2): trees without
     /// subdivisions.
     pub fn rejection() -> Self {
-        Self { depth: 0, ..Self::default() }
+        Self {
+            depth: 0,
+            ..Self::default()
+        }
     }
 
     fn check(&self) -> Result<()> {
@@ -142,7 +145,10 @@ impl AdaptiveDiscSettings {
             );
         }
         if !(0..=DEEPEST).contains(&self.depth) {
-            return refuse(format!("depth is {}", self.depth), "choose 0 to 14 subdivisions");
+            return refuse(
+                format!("depth is {}", self.depth),
+                "choose 0 to 14 subdivisions",
+            );
         }
         if !(0.0..=1.0).contains(&self.floor) || !(0.0..1.0).contains(&self.waste) {
             return refuse(
@@ -159,7 +165,10 @@ impl AdaptiveDiscSettings {
         if let Construction::Grid(side) = self.construction
             && !(8..=4096).contains(&side)
         {
-            return refuse(format!("the grid has {side} pixels a side"), "choose 8 to 4096");
+            return refuse(
+                format!("the grid has {side} pixels a side"),
+                "choose 8 to 4096",
+            );
         }
         Ok(())
     }
@@ -237,13 +246,24 @@ impl AdaptiveDisc {
         Ok(Self::new(brdf, settings, knots, trees))
     }
 
-    fn new(brdf: Arc<Measured>, settings: AdaptiveDiscSettings, knots: ThetaKnots, trees: Trees) -> Self {
+    fn new(
+        brdf: Arc<Measured>,
+        settings: AdaptiveDiscSettings,
+        knots: ThetaKnots,
+        trees: Trees,
+    ) -> Self {
         let direction = |k| {
             let (sin, cos) = knots.theta(k).sin_cos();
             [sin as f32, cos as f32]
         };
         let directions = (0..knots.count()).map(direction).collect();
-        Self { brdf, settings, knots, directions, trees }
+        Self {
+            brdf,
+            settings,
+            knots,
+            directions,
+            trees,
+        }
     }
 
     /// The settings it was built with.
@@ -258,7 +278,11 @@ impl AdaptiveDisc {
     fn view(&self, wo: Vec3) -> View {
         let xy = wo.truncate().as_dvec2();
         let turn = xy.try_normalize().unwrap_or(DVec2::X);
-        View { wo: wo.as_dvec3(), turn, near: self.knots.neighbours(wo) }
+        View {
+            wo: wo.as_dvec3(),
+            turn,
+            near: self.knots.neighbours(wo),
+        }
     }
 
     /// Direction of knot `k` at the azimuth of `wo`.
@@ -282,9 +306,10 @@ impl AdaptiveDisc {
             Trees::Rejecting(forest) if forest.integral(k) > 0.0 => {
                 self.value(k, turn, wi) / forest.integral(k)
             }
-            Trees::Warped(warps) if !warps.is_void(k) => {
-                warps.density(k, DVec2::new(turn.x, -turn.y).rotate(wi.truncate().as_dvec2()))
-            }
+            Trees::Warped(warps) if !warps.is_void(k) => warps.density(
+                k,
+                DVec2::new(turn.x, -turn.y).rotate(wi.truncate().as_dvec2()),
+            ),
             _ => FRAC_1_PI,
         };
         projected * f64::from(wi.z)
@@ -302,7 +327,11 @@ impl AdaptiveDisc {
             let sum = view.wo + wi;
             let ratio = 2.0 * knot.dot(sum) / sum.length_squared();
             let there = ratio * sum - knot;
-            if there.z > 0.0 { ratio.abs() * self.knot_density(k, view.turn, there.as_vec3()) } else { 0.0 }
+            if there.z > 0.0 {
+                ratio.abs() * self.knot_density(k, view.turn, there.as_vec3())
+            } else {
+                0.0
+            }
         };
         let wi = wi.as_dvec3();
         came_from(wi) + came_from(DVec3::new(wi.x, wi.y, -wi.z))
@@ -325,15 +354,29 @@ impl AdaptiveDisc {
     fn carried(&self, k: usize, view: &View, drawn: Vec3) -> Option<Vec3> {
         let wi = self.carry(k, view, drawn);
         let stays = self.settings.carry == Carry::Direction
-            || self.tree_density(k, view, wi) >= LEAST_LEFT * self.knot_density(k, view.turn, drawn);
+            || self.tree_density(k, view, wi)
+                >= LEAST_LEFT * self.knot_density(k, view.turn, drawn);
         stays.then_some(wi)
     }
 
     /// Density per solid angle of the mixture of the trees at `view` and the floor.
     fn density(&self, view: &View, wi: Vec3) -> f32 {
-        let Neighbours { first, second, share } = view.near;
-        let first = if share < 1.0 { (1.0 - share) * self.tree_density(first, view, wi) } else { 0.0 };
-        let trees = first + if share > 0.0 { share * self.tree_density(second, view, wi) } else { 0.0 };
+        let Neighbours {
+            first,
+            second,
+            share,
+        } = view.near;
+        let first = if share < 1.0 {
+            (1.0 - share) * self.tree_density(first, view, wi)
+        } else {
+            0.0
+        };
+        let trees = first
+            + if share > 0.0 {
+                share * self.tree_density(second, view, wi)
+            } else {
+                0.0
+            };
         let floor = self.settings.floor;
         let density = (1.0 - floor) * trees + floor * FRAC_1_PI * f64::from(wi.z);
         density.min(f64::from(f32::MAX)) as f32
@@ -345,7 +388,9 @@ impl AdaptiveDisc {
             Trees::Rejecting(forest) if forest.integral(k) > 0.0 => {
                 self.accepted(forest, k, turn, point, random)
             }
-            Trees::Warped(warps) if !warps.is_void(k) => Some(warp::direction(warps.draw(k, point), turn)),
+            Trees::Warped(warps) if !warps.is_void(k) => {
+                Some(warp::direction(warps.draw(k, point), turn))
+            }
             _ => Some(cosine_hemisphere(point).as_vec3()),
         }
     }
@@ -398,8 +443,16 @@ impl DirectionSampler for AdaptiveDisc {
             cosine_hemisphere(DVec2::new(x, u.y)).as_vec3()
         } else {
             let (first, y) = split_unit(u.y, 1.0 - view.near.share);
-            let k = if first { view.near.first } else { view.near.second };
-            self.carried(k, &view, self.draw(k, view.turn, DVec2::new(x, y), &mut random)?)?
+            let k = if first {
+                view.near.first
+            } else {
+                view.near.second
+            };
+            self.carried(
+                k,
+                &view,
+                self.draw(k, view.turn, DVec2::new(x, y), &mut random)?,
+            )?
         };
         self.finish(&view, wi)
     }

@@ -20,13 +20,19 @@ pub(super) struct Rect {
 }
 
 impl Square {
-    pub const ROOT: Self = Self { corner: DVec2::NEG_ONE, side: 2.0 };
+    pub const ROOT: Self = Self {
+        corner: DVec2::NEG_ONE,
+        side: 2.0,
+    };
 
     /// Child 0..4: bit 0 is the upper half in x, bit 1 in y.
     #[inline]
     pub fn child(self, i: usize) -> Self {
         let side = self.side * 0.5;
-        Self { corner: self.corner + side * DVec2::new((i & 1) as f64, (i >> 1) as f64), side }
+        Self {
+            corner: self.corner + side * DVec2::new((i & 1) as f64, (i >> 1) as f64),
+            side,
+        }
     }
 
     /// Depth in the upper four bits, then the square's column and row among all of its depth, fourteen bits each.
@@ -42,7 +48,10 @@ impl Square {
         // 2^(1 − depth), by its exponent.
         let side = f64::from_bits((1024 - u64::from(code >> 28)) << 52);
         let place = DVec2::new(f64::from(code >> 14 & 0x3fff), f64::from(code & 0x3fff));
-        Self { corner: place * side - 1.0, side }
+        Self {
+            corner: place * side - 1.0,
+            side,
+        }
     }
 
     /// Bounding rectangle of the part inside the unit disc; `None` if there is none.
@@ -63,7 +72,10 @@ impl Square {
             return None;
         }
         let reach = DVec2::new(reach2.x.sqrt(), reach2.y.sqrt());
-        let rect = Rect { low: low.max(-reach), high: high.min(reach) };
+        let rect = Rect {
+            low: low.max(-reach),
+            high: high.min(reach),
+        };
         (rect.low.x < rect.high.x && rect.low.y < rect.high.y).then_some(rect)
     }
 }
@@ -111,7 +123,10 @@ mod tests {
     fn rectangles_hold_the_part_inside_and_touch_the_circle() {
         let mut leaves = vec![Square::ROOT];
         for _ in 0..4 {
-            leaves = leaves.iter().flat_map(|s| (0..4).map(|i| s.child(i))).collect();
+            leaves = leaves
+                .iter()
+                .flat_map(|s| (0..4).map(|i| s.child(i)))
+                .collect();
         }
         let n = 40;
         for square in leaves {
@@ -122,12 +137,19 @@ mod tests {
                 if p.length_squared() < 1.0 {
                     inside += 1;
                     let r = square.inside_disc().unwrap();
-                    assert!(p.cmpge(r.low).all() && p.cmple(r.high).all(), "{square:?} {r:?} {p}");
+                    assert!(
+                        p.cmpge(r.low).all() && p.cmple(r.high).all(),
+                        "{square:?} {r:?} {p}"
+                    );
                 }
             }
             if let Some(r) = square.inside_disc() {
-                let share = f64::from(inside) / f64::from(n * n) * square.side * square.side / r.area();
-                assert!(share > 0.45, "{square:?}: the rectangle is mostly outside, {share}");
+                let share =
+                    f64::from(inside) / f64::from(n * n) * square.side * square.side / r.area();
+                assert!(
+                    share > 0.45,
+                    "{square:?}: the rectangle is mostly outside, {share}"
+                );
             }
         }
     }

@@ -36,7 +36,8 @@ const BENDS: usize = 8;
 impl Subdivision {
     /// Outline of a cell on the disc, without repeating the first point. Squares that are laid over the disc may reach beyond.
     pub fn outline(&self, cell: &Cell) -> Vec<DVec2> {
-        let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].map(|c| cell.corner + cell.side * c);
+        let corners =
+            [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].map(|c| cell.corner + cell.side * c);
         if !self.warped {
             return corners.to_vec();
         }
@@ -44,7 +45,8 @@ impl Subdivision {
         let bends = ((BENDS as f64 * cell.side).ceil() as usize).max(2);
         let side = |i: usize| {
             let (from, to) = (corners[i], corners[(i + 1) % 4]);
-            (0..bends).map(move |j| concentric_disc((from.lerp(to, j as f64 / bends as f64) + 1.0) * 0.5))
+            (0..bends)
+                .map(move |j| concentric_disc((from.lerp(to, j as f64 / bends as f64) + 1.0) * 0.5))
         };
         (0..4).flat_map(side).collect()
     }
@@ -58,7 +60,11 @@ impl AdaptiveDisc {
             Trees::Rejecting(forest) => (laid(forest, k), false),
             Trees::Warped(warps) => (mapped(warps, k), true),
         };
-        Subdivision { theta_o: self.knots.theta(k), cells, warped }
+        Subdivision {
+            theta_o: self.knots.theta(k),
+            cells,
+            warped,
+        }
     }
 }
 
@@ -82,7 +88,11 @@ fn laid(forest: &Forest, k: usize) -> Vec<Cell> {
             open.extend((0..4).rev().map(|i| square.child(i)));
         } else {
             let share = leaves.get(&code).copied().unwrap_or(0.0);
-            cells.push(Cell { corner: square.corner, side: square.side, share });
+            cells.push(Cell {
+                corner: square.corner,
+                side: square.side,
+                share,
+            });
         }
     }
     cells
@@ -97,10 +107,17 @@ fn parent(code: u32) -> u32 {
 /// The leaves of a warp.
 fn mapped(warps: &Warps, k: usize) -> Vec<Cell> {
     let root = (!warps.is_void(k)).then(|| warps.starts[k] as usize);
-    let (mut open, mut cells) = (vec![(Square::ROOT, root.map_or(0.0, |_| 1.0), root)], Vec::new());
+    let (mut open, mut cells) = (
+        vec![(Square::ROOT, root.map_or(0.0, |_| 1.0), root)],
+        Vec::new(),
+    );
     while let Some((square, share, node)) = open.pop() {
         let Some(node) = node.map(|n| &warps.nodes[n]) else {
-            cells.push(Cell { corner: square.corner, side: square.side, share });
+            cells.push(Cell {
+                corner: square.corner,
+                side: square.side,
+                share,
+            });
             continue;
         };
         for i in (0..4).rev() {

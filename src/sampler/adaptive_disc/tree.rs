@@ -49,7 +49,9 @@ pub(super) struct Grown {
 impl Grown {
     /// Bound times area.
     pub fn volume(&self) -> f64 {
-        self.square.inside_disc().map_or(0.0, |rect| rect.area() * f64::from(self.bound))
+        self.square
+            .inside_disc()
+            .map_or(0.0, |rect| rect.area() * f64::from(self.bound))
     }
 }
 
@@ -65,8 +67,16 @@ pub(super) struct Drawn {
 impl Forest {
     /// Leaves, starts and integrals; the guide is made here.
     pub fn new(leaves: Vec<Leaf>, starts: Vec<u32>, integrals: Vec<f32>) -> Self {
-        let guide = starts.windows(2).flat_map(|w| guide(&leaves[w[0] as usize..w[1] as usize])).collect();
-        Self { leaves, starts, integrals, guide }
+        let guide = starts
+            .windows(2)
+            .flat_map(|w| guide(&leaves[w[0] as usize..w[1] as usize]))
+            .collect();
+        Self {
+            leaves,
+            starts,
+            integrals,
+            guide,
+        }
     }
 
     /// Puts trees together, each given by its leaves in Z-order and its integral.
@@ -78,8 +88,16 @@ impl Forest {
             leaves.extend(grown.iter().enumerate().map(|(i, g)| {
                 sum += g.weight;
                 let last = i + 1 == grown.len();
-                let upper = if last { WHOLE } else { (sum / total * f64::from(WHOLE)) as u32 };
-                Leaf { upper, bound: g.bound, code: g.square.code() }
+                let upper = if last {
+                    WHOLE
+                } else {
+                    (sum / total * f64::from(WHOLE)) as u32
+                };
+                Leaf {
+                    upper,
+                    bound: g.bound,
+                    code: g.square.code(),
+                }
             }));
             starts.push(leaves.len() as u32);
         }
@@ -112,14 +130,23 @@ impl Forest {
         let leaves = self.tree(k);
         let r = u * f64::from(WHOLE);
         let start = self.starts[k] as usize;
-        let mut i =
-            usize::from(self.guide[start + ((u * leaves.len() as f64) as usize).min(leaves.len() - 1)]);
+        let mut i = usize::from(
+            self.guide[start + ((u * leaves.len() as f64) as usize).min(leaves.len() - 1)],
+        );
         while i + 1 < leaves.len() && f64::from(leaves[i].upper) <= r {
             i += 1;
         }
-        let below = if i == 0 { 0.0 } else { f64::from(leaves[i - 1].upper) };
+        let below = if i == 0 {
+            0.0
+        } else {
+            f64::from(leaves[i - 1].upper)
+        };
         let share = f64::from(leaves[i].upper) - below;
-        let rest = if share > 0.0 { ((r - below) / share).clamp(0.0, 1.0f64.next_down()) } else { 0.0 };
+        let rest = if share > 0.0 {
+            ((r - below) / share).clamp(0.0, 1.0f64.next_down())
+        } else {
+            0.0
+        };
         Drawn::new(&leaves[i], rest)
     }
 }
@@ -142,8 +169,15 @@ fn guide(leaves: &[Leaf]) -> Vec<u16> {
 impl Drawn {
     pub fn new(leaf: &Leaf, rest: f64) -> Self {
         let square = Square::of_code(leaf.code);
-        let rect = square.inside_disc().unwrap_or(Rect { low: square.corner, high: square.corner });
-        Self { rect, bound: leaf.bound, rest }
+        let rect = square.inside_disc().unwrap_or(Rect {
+            low: square.corner,
+            high: square.corner,
+        });
+        Self {
+            rect,
+            bound: leaf.bound,
+            rest,
+        }
     }
 
     /// Direction at relative position `t` of the leaf, turned by the azimuth whose cosine and sine are `turn`; `None`

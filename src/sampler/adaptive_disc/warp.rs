@@ -134,7 +134,11 @@ fn splits(mass: &[f64; 4]) -> [u16; 3] {
         let units = (low / (low + high) * f64::from(u16::MAX)).round() as u16;
         units.clamp(u16::from(low > 0.0), u16::MAX - u16::from(high > 0.0))
     };
-    [share(mass[0] + mass[2], mass[1] + mass[3]), share(mass[0], mass[2]), share(mass[1], mass[3])]
+    [
+        share(mass[0] + mass[2], mass[1] + mass[3]),
+        share(mass[0], mass[2]),
+        share(mass[1], mass[3]),
+    ]
 }
 
 /// A tree as it grows.
@@ -146,7 +150,10 @@ pub(super) struct Tree {
 impl Tree {
     /// A tree without mass.
     pub fn void() -> Self {
-        Self { mass: 0.0, children: None }
+        Self {
+            mass: 0.0,
+            children: None,
+        }
     }
 }
 
@@ -180,15 +187,38 @@ struct Allowance {
 
 impl WarpGrower<'_> {
     pub fn grow(&self) -> Tree {
-        let (root, depth) = (Rect { low: DVec2::ZERO, high: DVec2::ONE }, self.settings.depth.min(DEEPEST));
+        let (root, depth) = (
+            Rect {
+                low: DVec2::ZERO,
+                high: DVec2::ONE,
+            },
+            self.settings.depth.min(DEEPEST),
+        );
         let waste = |raise: i32| match raise {
             0 => self.settings.waste,
             _ => self.settings.waste.max(1e-6) * 4f64.powi(raise),
         };
         (0..=RAISES)
-            .map(|raise| (waste(raise), if raise < RAISES { depth } else { depth.min(FULL) }))
+            .map(|raise| {
+                (
+                    waste(raise),
+                    if raise < RAISES {
+                        depth
+                    } else {
+                        depth.min(FULL)
+                    },
+                )
+            })
             .find_map(|(waste, depth)| {
-                self.visit(root, 0, &mut Allowance { waste, depth, nodes: MOST_NODES })
+                self.visit(
+                    root,
+                    0,
+                    &mut Allowance {
+                        waste,
+                        depth,
+                        nodes: MOST_NODES,
+                    },
+                )
             })
             .unwrap_or(Tree::void())
     }
@@ -199,24 +229,38 @@ impl WarpGrower<'_> {
         if depth >= COARSEST.min(self.settings.depth) {
             let (mean, square) = self.moments(cell);
             if depth >= left.depth || !self.is_uneven(cell, area, [mean, square], left.waste) {
-                return Some(Tree { mass: mean * area, children: None });
+                return Some(Tree {
+                    mass: mean * area,
+                    children: None,
+                });
             }
         }
         left.nodes = left.nodes.checked_sub(1)?;
         let half = (cell.high - cell.low) * 0.5;
         let mut child = |i: u32| {
             let low = cell.low + half * DVec2::new(f64::from(i & 1), f64::from(i >> 1));
-            self.visit(Rect { low, high: low + half }, depth + 1, left)
+            self.visit(
+                Rect {
+                    low,
+                    high: low + half,
+                },
+                depth + 1,
+                left,
+            )
         };
         let children = [child(0)?, child(1)?, child(2)?, child(3)?];
-        Some(Tree { mass: children.iter().map(|c| c.mass).sum(), children: Some(Box::new(children)) })
+        Some(Tree {
+            mass: children.iter().map(|c| c.mass).sum(),
+            children: Some(Box::new(children)),
+        })
     }
 
     /// Mean of f and of its square over a cell of the square.
     fn moments(&self, cell: Rect) -> (f64, f64) {
         let (mut sum, mut squares) = (0.0, 0.0);
         for k in 0..POINTS * POINTS {
-            let t = DVec2::new((k % POINTS) as f64 + 0.5, (k / POINTS) as f64 + 0.5) / POINTS as f64;
+            let t =
+                DVec2::new((k % POINTS) as f64 + 0.5, (k / POINTS) as f64 + 0.5) / POINTS as f64;
             let f = self.slice.value_on_disc(concentric_disc(cell.at(t)));
             sum += f;
             squares += f * f;
@@ -227,18 +271,28 @@ impl WarpGrower<'_> {
 
     /// Whether the weights of a cell spread enough to matter, or a peak that no point met may hide in it.
     fn is_uneven(&self, cell: Rect, area: f64, [mean, square]: [f64; 2], waste: f64) -> bool {
-        let spread = if mean > 0.0 { (square / mean - mean) * area } else { 0.0 };
+        let spread = if mean > 0.0 {
+            (square / mean - mean) * area
+        } else {
+            0.0
+        };
         if spread > VARIANCE * waste * self.integral {
             return true;
         }
-        let bound = f64::from(self.bounds.over(self.slice.wo.as_dvec3(), box_on_disc(cell)));
+        let bound = f64::from(
+            self.bounds
+                .over(self.slice.wo.as_dvec3(), box_on_disc(cell)),
+        );
         bound > self.settings.n_max * mean && (bound - mean) * area > waste * self.integral
     }
 }
 
 /// Bounding rectangle on the disc of a cell of the square that lies in one of its quadrants.
 fn box_on_disc(cell: Rect) -> Rect {
-    let centred = Rect { low: cell.low * 2.0 - 1.0, high: cell.high * 2.0 - 1.0 };
+    let centred = Rect {
+        low: cell.low * 2.0 - 1.0,
+        high: cell.high * 2.0 - 1.0,
+    };
     let sign = DVec2::new(
         if centred.low.x < 0.0 { -1.0 } else { 1.0 },
         if centred.low.y < 0.0 { -1.0 } else { 1.0 },
@@ -260,13 +314,18 @@ fn box_on_disc(cell: Rect) -> Rect {
     let low = inside * DVec2::new(most.cos().max(0.0), least.sin());
     let high = outside * DVec2::new(least.cos(), most.sin());
     let (low, high) = (low * sign, high * sign);
-    Rect { low: low.min(high), high: low.max(high) }
+    Rect {
+        low: low.min(high),
+        high: low.max(high),
+    }
 }
 
 /// The direction over a point of the disc, turned by the azimuth whose cosine and sine are `turn`.
 #[inline]
 pub(super) fn direction(p: DVec2, turn: DVec2) -> Vec3 {
-    turn.rotate(p).extend((1.0 - p.length_squared()).max(0.0).sqrt()).as_vec3()
+    turn.rotate(p)
+        .extend((1.0 - p.length_squared()).max(0.0).sqrt())
+        .as_vec3()
 }
 
 #[cfg(test)]
@@ -275,19 +334,34 @@ mod tests {
     use crate::geom::Lattice;
 
     fn tree(mass: f64) -> Tree {
-        Tree { mass, children: None }
+        Tree {
+            mass,
+            children: None,
+        }
     }
 
     fn inner(children: [Tree; 4]) -> Tree {
-        Tree { mass: children.iter().map(|c| c.mass).sum(), children: Some(Box::new(children)) }
+        Tree {
+            mass: children.iter().map(|c| c.mass).sum(),
+            children: Some(Box::new(children)),
+        }
     }
 
     fn warps() -> Warps {
         let mut warps = Warps::default();
         warps.push(&tree(0.0));
-        let deep =
-            inner([tree(1e-9), tree(0.0), inner([tree(1.0), tree(2.0), tree(0.5), tree(4.0)]), tree(3.0)]);
-        warps.push(&inner([tree(1.0), deep, tree(0.0), inner([tree(1.0), tree(1.0), tree(9.0), tree(0.0)])]));
+        let deep = inner([
+            tree(1e-9),
+            tree(0.0),
+            inner([tree(1.0), tree(2.0), tree(0.5), tree(4.0)]),
+            tree(3.0),
+        ]);
+        warps.push(&inner([
+            tree(1.0),
+            deep,
+            tree(0.0),
+            inner([tree(1.0), tree(1.0), tree(9.0), tree(0.0)]),
+        ]));
         warps
     }
 
@@ -314,10 +388,16 @@ mod tests {
         let warps = warps();
         for (x, y) in Lattice::at_least(2000).points() {
             let (u, step) = (DVec2::new(x, y), DVec2::new(1e-9, 1e-9));
-            let (p, q) = (warps.draw(1, u), warps.draw(1, (u + step).min(DVec2::splat(0.999_999_999))));
+            let (p, q) = (
+                warps.draw(1, u),
+                warps.draw(1, (u + step).min(DVec2::splat(0.999_999_999))),
+            );
             assert!(p.length_squared() < 1.0 && warps.density(1, p) > 0.0, "{u}");
             let jump = (p - q).length();
-            assert!(jump < 1e-3 || warps.density(1, p) != warps.density(1, q), "{u}: {jump}");
+            assert!(
+                jump < 1e-3 || warps.density(1, p) != warps.density(1, q),
+                "{u}: {jump}"
+            );
         }
         for corner in [DVec2::ZERO, DVec2::splat(1.0f64.next_down())] {
             assert!(warps.draw(1, corner).length_squared() < 1.0);
@@ -331,11 +411,15 @@ mod tests {
             let side = 1.0 / f64::from(cells);
             for k in 0..cells * cells {
                 let low = DVec2::new(f64::from(k % cells), f64::from(k / cells)) * side;
-                let cell = Rect { low, high: low + side };
+                let cell = Rect {
+                    low,
+                    high: low + side,
+                };
                 let bounds = box_on_disc(cell);
                 for (x, y) in Lattice::at_least(50).points() {
                     let p = concentric_disc(cell.at(DVec2::new(x, y)));
-                    let inside = p.cmpge(bounds.low - 1e-12).all() && p.cmple(bounds.high + 1e-12).all();
+                    let inside =
+                        p.cmpge(bounds.low - 1e-12).all() && p.cmple(bounds.high + 1e-12).all();
                     assert!(inside, "{cell:?} {bounds:?} {p}");
                 }
             }

@@ -34,9 +34,17 @@ impl ThetaAxis {
             ThetaSpacing::Merl => FIRST_BIN,
             ThetaSpacing::Uniform => 1.0 / cells as f64,
         };
-        let beyond = Self { spacing, first: 0.0, cap: 0.0 };
+        let beyond = Self {
+            spacing,
+            first: 0.0,
+            cap: 0.0,
+        };
         let half = beyond.theta(first) * 0.5;
-        Self { spacing, first, cap: 2.0 * half.sin().powi(2) }
+        Self {
+            spacing,
+            first,
+            cap: 2.0 * half.sin().powi(2),
+        }
     }
 
     /// θh at `a`.
@@ -58,7 +66,11 @@ impl ThetaAxis {
             ThetaSpacing::Merl => (theta / FRAC_PI_2).sqrt(),
             ThetaSpacing::Uniform => theta / FRAC_PI_2,
         };
-        if a < self.first { 2.0 * (theta * 0.5).sin().powi(2) / self.cap * self.first } else { a.min(1.0) }
+        if a < self.first {
+            2.0 * (theta * 0.5).sin().powi(2) / self.cap * self.first
+        } else {
+            a.min(1.0)
+        }
     }
 
     /// sin θh · dθh/da: solid angle a radian of azimuth and unit of a, at `a` where the sine of θh is `sin`.

@@ -26,7 +26,10 @@ pub(super) fn tables(
         .map(|k| {
             let wo = spherical(knots.theta(k), 0.0).as_vec3();
             let value = |h| contribution(brdf, settings.importance, wo, h);
-            curves(&masses([settings.theta_h, settings.phi_h], axis, value), settings.tolerance)
+            curves(
+                &masses([settings.theta_h, settings.phi_h], axis, value),
+                settings.tolerance,
+            )
         })
         .collect();
     let (mut marginal, mut conditional) = (Curves::new(), Curves::new());
@@ -43,7 +46,10 @@ pub(in crate::sampler) fn masses(
     axis: ThetaAxis,
     value: impl Fn(DVec3) -> f64,
 ) -> Array2<f64> {
-    let fine = [POINTS[0].div_ceil(rows).max(1), POINTS[1].div_ceil(columns).max(1)];
+    let fine = [
+        POINTS[0].div_ceil(rows).max(1),
+        POINTS[1].div_ceil(columns).max(1),
+    ];
     let azimuths: Vec<(f64, f64)> = (0..columns * fine[1])
         .map(|j| ((j as f64 + 0.5) / (columns * fine[1]) as f64 * TAU).sin_cos())
         .collect();
@@ -63,7 +69,12 @@ pub(in crate::sampler) fn masses(
 
 /// f·cosθi·dσ(wi)/dσ(h) of a half vector; 0 where it reflects below the horizon.
 #[inline]
-pub(in crate::sampler) fn contribution(brdf: &dyn Brdf, importance: Importance, wo: Vec3, h: DVec3) -> f64 {
+pub(in crate::sampler) fn contribution(
+    brdf: &dyn Brdf,
+    importance: Importance,
+    wo: Vec3,
+    h: DVec3,
+) -> f64 {
     let wi = reflect_about(wo.as_dvec3(), h);
     if wi.z <= 0.0 {
         return 0.0;
@@ -82,7 +93,11 @@ fn curves(masses: &Array2<f64>, tolerance: Option<f64>) -> (Curves, Curves) {
     let knots = push(&mut marginal, &marginal_sums, tolerance);
     for piece in knots.windows(2) {
         let rows = masses.slice(ndarray::s![piece[0]..piece[1], ..]);
-        push(&mut conditional, &cumulated(rows.sum_axis(Axis(0))), tolerance);
+        push(
+            &mut conditional,
+            &cumulated(rows.sum_axis(Axis(0))),
+            tolerance,
+        );
     }
     (marginal, conditional)
 }

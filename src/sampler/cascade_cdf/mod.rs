@@ -63,7 +63,12 @@ impl Default for CascadeCdfSettings {
 impl CascadeCdfSettings {
     /// Every knot of 256 × 32 cells a table.
     pub fn uniform() -> Self {
-        Self { theta_h: 256, phi_h: 32, tolerance: None, ..Self::default() }
+        Self {
+            theta_h: 256,
+            phi_h: 32,
+            tolerance: None,
+            ..Self::default()
+        }
     }
 
     /// What the thesis used for its tables 6.23 and 6.24; `compressed` starts from 1024 × 512 cells.
@@ -75,7 +80,16 @@ impl CascadeCdfSettings {
             floor: 0.0,
             ..Self::default()
         };
-        if compressed { published } else { Self { theta_h: 256, phi_h: 32, tolerance: None, ..published } }
+        if compressed {
+            published
+        } else {
+            Self {
+                theta_h: 256,
+                phi_h: 32,
+                tolerance: None,
+                ..published
+            }
+        }
     }
 
     fn check(&self) -> Result<()> {
@@ -86,15 +100,23 @@ impl CascadeCdfSettings {
             }
         }
         // Knots are numbered in 32 bits, and without compression there is one at every edge of a cell.
-        let knots = self.tables.saturating_mul((self.theta_h + 1) * (self.phi_h + 2));
+        let knots = self
+            .tables
+            .saturating_mul((self.theta_h + 1) * (self.phi_h + 2));
         if u32::try_from(knots).is_err() {
             return refuse(
-                format!("{} tables of {} × {} cells", self.tables, self.theta_h, self.phi_h),
+                format!(
+                    "{} tables of {} × {} cells",
+                    self.tables, self.theta_h, self.phi_h
+                ),
                 "choose fewer: at most 4·10⁹ cells in all",
             );
         }
         if !(0.0..=1.0).contains(&self.floor) {
-            return refuse(format!("floor is {}", self.floor), "choose a share between 0 and 1");
+            return refuse(
+                format!("floor is {}", self.floor),
+                "choose a share between 0 and 1",
+            );
         }
         if self.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
             return refuse(
@@ -126,7 +148,11 @@ impl Tables {
                 Some(first)
             })
             .collect();
-        Self { marginal, conditional, first }
+        Self {
+            marginal,
+            conditional,
+            first,
+        }
     }
 }
 
@@ -149,7 +175,12 @@ impl CascadeCdf {
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
         let axis = ThetaAxis::new(settings.spacing, settings.theta_h);
         let tables = build::tables(brdf, &settings, knots, axis);
-        Ok(Self { settings, knots, axis, tables })
+        Ok(Self {
+            settings,
+            knots,
+            axis,
+            tables,
+        })
     }
 
     /// Puts a sampler together from stored tables, which must have been validated.
@@ -157,7 +188,12 @@ impl CascadeCdf {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
         let axis = ThetaAxis::new(settings.spacing, settings.theta_h);
-        Ok(Self { settings, knots, axis, tables })
+        Ok(Self {
+            settings,
+            knots,
+            axis,
+            tables,
+        })
     }
 
     /// The settings it was built with.
@@ -174,7 +210,10 @@ impl CascadeCdf {
     fn draw(&self, k: usize, u: DVec2) -> DVec2 {
         let invert = |curves: &Curves, curve: usize, u: f64| {
             let s = curves.find(curve, u);
-            (s, s.x0 + ((u - s.c0) / (s.c1 - s.c0)).clamp(0.0, 1.0) * (s.x1 - s.x0))
+            (
+                s,
+                s.x0 + ((u - s.c0) / (s.c1 - s.c0)).clamp(0.0, 1.0) * (s.x1 - s.x0),
+            )
         };
         let (piece, x) = invert(&self.tables.marginal, k, u.x);
         let conditional = self.tables.first[k] as usize + piece.index;
@@ -185,7 +224,10 @@ impl CascadeCdf {
     #[inline]
     fn square_density(&self, k: usize, at: DVec2) -> f64 {
         let piece = self.tables.marginal.at(k, at.x);
-        let within = self.tables.conditional.at(self.tables.first[k] as usize + piece.index, at.y);
+        let within = self
+            .tables
+            .conditional
+            .at(self.tables.first[k] as usize + piece.index, at.y);
         let cells = (self.settings.theta_h * self.settings.phi_h) as f64;
         // One division for both densities: it is what takes time here.
         (piece.c1 - piece.c0) * (within.c1 - within.c0) * cells
@@ -202,16 +244,32 @@ impl CascadeCdf {
         };
         let turn = azimuth * (1.0 / TAU);
         let b = if turn < 0.0 { turn + 1.0 } else { turn };
-        let at = DVec2::new(a * self.settings.theta_h as f64, b * self.settings.phi_h as f64);
+        let at = DVec2::new(
+            a * self.settings.theta_h as f64,
+            b * self.settings.phi_h as f64,
+        );
         // dσ(h) = 2π sinθh (dθh/da) da db, and dσ(wi) = 4 (wo·h) dσ(h) with wo·h = |wo + wi|/2.
         let length = sum.length();
         let to_solid_angle = 1.0 / (TAU * self.axis.solid_angle(a, rho / length) * 2.0 * length);
         let cosine = wi.z * FRAC_1_PI;
         let of = |k: usize| {
-            if self.tables.marginal.is_void(k) { cosine } else { self.square_density(k, at) * to_solid_angle }
+            if self.tables.marginal.is_void(k) {
+                cosine
+            } else {
+                self.square_density(k, at) * to_solid_angle
+            }
         };
-        let first = if near.share < 1.0 { (1.0 - near.share) * of(near.first) } else { 0.0 };
-        let tables = first + if near.share > 0.0 { near.share * of(near.second) } else { 0.0 };
+        let first = if near.share < 1.0 {
+            (1.0 - near.share) * of(near.first)
+        } else {
+            0.0
+        };
+        let tables = first
+            + if near.share > 0.0 {
+                near.share * of(near.second)
+            } else {
+                0.0
+            };
         let floor = self.settings.floor;
         ((1.0 - floor) * tables + floor * cosine).min(f64::from(f32::MAX)) as f32
     }

@@ -24,7 +24,12 @@ impl CascadeCdf {
     pub fn marginal(&self, theta_o: f64) -> ShownCdf {
         let (k, cells) = (self.knots.nearest(theta_o), self.settings.theta_h);
         let (curve, knots) = shown(&self.tables.marginal, k, cells, |cell| self.theta_h(cell));
-        ShownCdf { theta_o: self.knots.theta(k), theta_h: [0.0, self.theta_h(cells as f64)], curve, knots }
+        ShownCdf {
+            theta_o: self.knots.theta(k),
+            theta_h: [0.0, self.theta_h(cells as f64)],
+            curve,
+            knots,
+        }
     }
 
     /// The conditional over φh, counted from `wo`, of the same table and of the piece of the marginal that holds its median:
@@ -33,13 +38,23 @@ impl CascadeCdf {
         let k = self.knots.nearest(theta_o);
         let theta_o = self.knots.theta(k);
         if self.tables.marginal.is_void(k) {
-            return ShownCdf { theta_o, theta_h: [0.0; 2], curve: Vec::new(), knots: Vec::new() };
+            return ShownCdf {
+                theta_o,
+                theta_h: [0.0; 2],
+                curve: Vec::new(),
+                knots: Vec::new(),
+            };
         }
         let (piece, cells) = (self.tables.marginal.find(k, 0.5), self.settings.phi_h);
         let conditional = self.tables.first[k] as usize + piece.index;
         let phi = |cell: f64| cell / cells as f64 * TAU;
         let (curve, knots) = shown(&self.tables.conditional, conditional, cells, phi);
-        ShownCdf { theta_o, theta_h: [self.theta_h(piece.x0), self.theta_h(piece.x1)], curve, knots }
+        ShownCdf {
+            theta_o,
+            theta_h: [self.theta_h(piece.x0), self.theta_h(piece.x1)],
+            curve,
+            knots,
+        }
     }
 
     /// θh at a coordinate of the grid.
@@ -55,7 +70,9 @@ fn shown(curves: &Curves, k: usize, cells: usize, angle: impl Fn(f64) -> f64) ->
     if curves.is_void(k) {
         return (Vec::new(), Vec::new());
     }
-    let ends = (0..curves.segments(k)).map(|i| curves.segment(k, i)).map(|piece| (angle(piece.x1), piece.c1));
+    let ends = (0..curves.segments(k))
+        .map(|i| curves.segment(k, i))
+        .map(|piece| (angle(piece.x1), piece.c1));
     let at = |cell: f64| {
         let piece = curves.at(k, cell);
         let t = (cell - piece.x0) / (piece.x1 - piece.x0);

@@ -24,7 +24,11 @@ const FIRST_FLOOR: f64 = 0.01;
 const FLOORS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
 
 /// The sampler of the given factors.
-pub(super) fn factored(brdf: &dyn Brdf, settings: FactoredSettings, factors: Factors) -> Result<Factored> {
+pub(super) fn factored(
+    brdf: &dyn Brdf,
+    settings: FactoredSettings,
+    factors: Factors,
+) -> Result<Factored> {
     let grid = grid(brdf, &settings, &factors)?;
     let outer = Factorisation::of(&grid, factors.outer);
     Factored::from_parts(settings, terms(&outer, &factors))
@@ -33,22 +37,46 @@ pub(super) fn factored(brdf: &dyn Brdf, settings: FactoredSettings, factors: Fac
 /// The sampler of those factors that make weights most even, by the measure that lobes are fitted by. The first of equals, that
 /// is the smallest; for a black material, the smallest of all.
 pub(super) fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factored> {
-    let least = Factors { outer: 1, inner: 1, theta: THETA, phi: TRIED.2[0], half: true, floor: FIRST_FLOOR };
-    let smallest = factored(brdf, FactoredSettings { factors: Some(least), ..settings }, least)?;
+    let least = Factors {
+        outer: 1,
+        inner: 1,
+        theta: THETA,
+        phi: TRIED.2[0],
+        half: true,
+        floor: FIRST_FLOOR,
+    };
+    let smallest = factored(
+        brdf,
+        FactoredSettings {
+            factors: Some(least),
+            ..settings
+        },
+        least,
+    )?;
     let nodes = Nodes::of(brdf, settings.importance);
     if nodes.is_empty() {
         return Ok(smallest);
     }
     let rate = |factors: Factors, terms: Terms| {
-        let settings = FactoredSettings { factors: Some(factors), ..settings };
+        let settings = FactoredSettings {
+            factors: Some(factors),
+            ..settings
+        };
         let sampler = Factored::from_parts(settings, terms)?;
         Ok((nodes.unevenness(|wo, wi| sampler.density(wo, wi)), sampler))
     };
     let grids = grids(brdf, &settings, least)?;
-    let jobs: Vec<_> = grids.iter().flat_map(|grid| TRIED.0.map(|outer| (grid, outer))).collect();
+    let jobs: Vec<_> = grids
+        .iter()
+        .flat_map(|grid| TRIED.0.map(|outer| (grid, outer)))
+        .collect();
     let of_job = |&((base, grid), outer): &(&(Factors, Array2<f64>), usize)| {
         let found = Factorisation::of(grid, outer);
-        let each = TRIED.1.map(|inner| Factors { outer, inner, ..*base });
+        let each = TRIED.1.map(|inner| Factors {
+            outer,
+            inner,
+            ..*base
+        });
         first_least(each.into_iter().map(|f| rate(f, terms(&found, &f))))
     };
     let each: Vec<Result<Option<(f64, Factored)>>> = jobs.par_iter().map(of_job).collect();
@@ -67,8 +95,12 @@ fn grids(
     settings: &FactoredSettings,
     least: Factors,
 ) -> Result<Vec<(Factors, Array2<f64>)>> {
-    let each = TRIED.2.into_iter().flat_map(|phi| [true, false].map(|half| Factors { phi, half, ..least }));
-    each.map(|factors| Ok((factors, grid(brdf, settings, &factors)?))).collect()
+    let each = TRIED
+        .2
+        .into_iter()
+        .flat_map(|phi| [true, false].map(|half| Factors { phi, half, ..least }));
+    each.map(|factors| Ok((factors, grid(brdf, settings, &factors)?)))
+        .collect()
 }
 
 /// The first of the least of what is rated.
@@ -125,7 +157,8 @@ impl Factorisation {
         let (rows, columns) = matrix.dim();
         let block = |i: usize| i * rank / rows;
         // Each term begins as the mean of a block of rows, with some of all rows so that nothing is 0 for good.
-        let mut left = Array2::from_shape_fn((rows, rank), |(i, j)| if block(i) == j { 1.0 } else { 0.1 });
+        let mut left =
+            Array2::from_shape_fn((rows, rank), |(i, j)| if block(i) == j { 1.0 } else { 0.1 });
         let mean = matrix.sum_axis(Axis(0)) / rows as f64;
         let mut right = Array2::zeros((rank, columns));
         for (i, row) in matrix.outer_iter().enumerate() {
@@ -150,7 +183,9 @@ impl Factorisation {
 
 /// `matrix`/`product`, 0 where there is nothing to be matched.
 fn ratio(matrix: &Array2<f64>, product: &Array2<f64>) -> Array2<f64> {
-    ndarray::Zip::from(matrix).and(product).map_collect(|&m, &p| if m > 0.0 && p > 0.0 { m / p } else { 0.0 })
+    ndarray::Zip::from(matrix)
+        .and(product)
+        .map_collect(|&m, &p| if m > 0.0 && p > 0.0 { m / p } else { 0.0 })
 }
 
 /// Divisors: 1 in place of 0, over which only 0 stands.
@@ -164,8 +199,9 @@ fn terms(outer: &Factorisation, factors: &Factors) -> Terms {
     let mut weights: Array2<f64> = Array2::zeros((tables, factors.terms()));
     let (mut theta, mut phi) = (Curves::new(), Curves::new());
     for (j, function) in outer.right.outer_iter().enumerate() {
-        let cells =
-            Array2::from_shape_fn((factors.theta, factors.phi), |(a, b)| function[a * factors.phi + b]);
+        let cells = Array2::from_shape_fn((factors.theta, factors.phi), |(a, b)| {
+            function[a * factors.phi + b]
+        });
         let inner = Factorisation::of(&cells, factors.inner);
         let masses = inner.left.sum_axis(Axis(0));
         let whole = masses.sum();
@@ -175,10 +211,16 @@ fn terms(outer: &Factorisation, factors: &Factors) -> Terms {
             let l = j * factors.inner + k;
             let drawn = whole > 0.0 && !theta.is_void(l) && !phi.is_void(l);
             let share = if drawn { masses[k] / whole } else { 0.0 };
-            weights.column_mut(l).assign(&(&outer.left.column(j) * share));
+            weights
+                .column_mut(l)
+                .assign(&(&outer.left.column(j) * share));
         }
     }
     let sums = positive(weights.sum_axis(Axis(1))).insert_axis(Axis(1));
     let weights = (weights / &sums).iter().map(|&w| w as f32).collect();
-    Terms { weights, theta, phi }
+    Terms {
+        weights,
+        theta,
+        phi,
+    }
 }

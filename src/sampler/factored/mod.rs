@@ -56,7 +56,11 @@ pub struct FactoredSettings {
 
 impl Default for FactoredSettings {
     fn default() -> Self {
-        Self { tables: 32, factors: None, importance: Importance::Mean }
+        Self {
+            tables: 32,
+            factors: None,
+            importance: Importance::Mean,
+        }
     }
 }
 
@@ -64,7 +68,10 @@ impl FactoredSettings {
     pub(super) fn check(&self) -> Result<()> {
         let refuse = |what: String, fix: &str| Err(Error::argument(what, fix));
         if !(1..=256).contains(&self.tables) {
-            return refuse(format!("{} tables of factors", self.tables), "choose 1 to 256");
+            return refuse(
+                format!("{} tables of factors", self.tables),
+                "choose 1 to 256",
+            );
         }
         let Some(factors) = self.factors else {
             return Ok(());
@@ -80,7 +87,10 @@ impl FactoredSettings {
             }
         }
         if !(0.0..=1.0).contains(&factors.floor) {
-            return refuse(format!("floor is {}", factors.floor), "choose a share between 0 and 1");
+            return refuse(
+                format!("floor is {}", factors.floor),
+                "choose a share between 0 and 1",
+            );
         }
         Ok(())
     }
@@ -123,12 +133,18 @@ impl Factored {
     /// Puts a sampler together from terms that have been validated; the settings must name the factors.
     pub(super) fn from_parts(settings: FactoredSettings, terms: Terms) -> Result<Self> {
         settings.check()?;
-        let factors = settings
-            .factors
-            .ok_or_else(|| Error::argument("a factored sampler without factors", "build it again"))?;
+        let factors = settings.factors.ok_or_else(|| {
+            Error::argument("a factored sampler without factors", "build it again")
+        })?;
         let knots = ThetaKnots::new(settings.tables, TableChoice::Mixture)?;
         let axis = ThetaAxis::new(ThetaSpacing::Merl, factors.theta);
-        Ok(Self { settings, factors, knots, axis, terms })
+        Ok(Self {
+            settings,
+            factors,
+            knots,
+            axis,
+            terms,
+        })
     }
 
     /// The settings it was built with, and the factors chosen.
@@ -173,7 +189,8 @@ impl Factored {
         // dσ(w) = 2π sinθ (dθ/da) da db, and for half vectors dσ(wi) = 4 (wo·h) dσ(h) with wo·h = |wo + wi|/2.
         let sine = w.truncate().length() / length;
         let jacobian = if self.factors.half { 2.0 * length } else { 1.0 };
-        let to_solid_angle = cells[0] * cells[1] / (TAU * self.axis.solid_angle(a, sine) * jacobian);
+        let to_solid_angle =
+            cells[0] * cells[1] / (TAU * self.axis.solid_angle(a, sine) * jacobian);
         let kept = 1.0 - self.factors.floor;
         kept * sum * to_solid_angle + (1.0 - kept * shares).max(0.0) * wi.z * FRAC_1_PI
     }
@@ -200,14 +217,19 @@ impl Factored {
             }
             below += share;
         }
-        (None, ((u - below) / (1.0 - below)).clamp(0.0, 1.0f64.next_down()))
+        (
+            None,
+            ((u - below) / (1.0 - below)).clamp(0.0, 1.0f64.next_down()),
+        )
     }
 }
 
 /// `w` turned about the normal by the azimuth of `wo` (`sign` = 1), or back (−1).
 fn turned(w: DVec3, wo: DVec3, sign: f64) -> DVec3 {
     let turn = wo.truncate().try_normalize().unwrap_or(DVec2::X);
-    DVec2::new(turn.x, sign * turn.y).rotate(w.truncate()).extend(w.z)
+    DVec2::new(turn.x, sign * turn.y)
+        .rotate(w.truncate())
+        .extend(w.z)
 }
 
 impl DirectionSampler for Factored {
@@ -217,7 +239,9 @@ impl DirectionSampler for Factored {
         let u = DVec2::new(x, f64::from(u.y));
         let wi = match term {
             None => cosine_hemisphere(u),
-            Some(l) if self.factors.half => reflect_about(wo.as_dvec3(), self.draw(wo.as_dvec3(), l, u)),
+            Some(l) if self.factors.half => {
+                reflect_about(wo.as_dvec3(), self.draw(wo.as_dvec3(), l, u))
+            }
             Some(l) => self.draw(wo.as_dvec3(), l, u),
         }
         .as_vec3();
@@ -232,6 +256,8 @@ impl DirectionSampler for Factored {
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(self.terms.weights.as_slice()) + self.terms.theta.bytes() + self.terms.phi.bytes()
+        size_of_val(self.terms.weights.as_slice())
+            + self.terms.theta.bytes()
+            + self.terms.phi.bytes()
     }
 }

@@ -21,11 +21,29 @@ pub(super) fn sample(about: &About<Blend>, points: &[Vec2]) -> Vec<Option<Direct
         return sample_about(*about, points);
     }
     let mixed = Mixed::new(&about.blend);
-    let About { table, square, per_segment, unit, .. } = *about;
-    sample_about(About { table, square, blend: &mixed, per_segment, unit }, points)
+    let About {
+        table,
+        square,
+        per_segment,
+        unit,
+        ..
+    } = *about;
+    sample_about(
+        About {
+            table,
+            square,
+            blend: &mixed,
+            per_segment,
+            unit,
+        },
+        points,
+    )
 }
 
-fn sample_about<M: Mixture + Copy>(about: About<M>, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
+fn sample_about<M: Mixture + Copy>(
+    about: About<M>,
+    points: &[Vec2],
+) -> Vec<Option<DirectionSample>> {
     let mut samples = Vec::with_capacity(points.len());
     for points in points.chunks(LANES) {
         let draws = Draws::of(|_| about, points);
@@ -41,7 +59,11 @@ pub(super) fn sample_pairs(
     points: &[Vec2],
     out: &mut [Option<DirectionSample>],
 ) {
-    for ((wo, points), out) in wo.chunks(LANES).zip(points.chunks(LANES)).zip(out.chunks_mut(LANES)) {
+    for ((wo, points), out) in wo
+        .chunks(LANES)
+        .zip(points.chunks(LANES))
+        .zip(out.chunks_mut(LANES))
+    {
         let views = Views::about(table, &Units::of(wo), out.len());
         let draws = Draws::of(|k| views.at(k), points);
         for (k, out) in out.iter_mut().enumerate().take(LANES) {
@@ -52,12 +74,20 @@ pub(super) fn sample_pairs(
 
 /// The density of each of `wi` about the `wo` of the same place; the slices are of one length.
 pub(super) fn pdf_pairs(table: &HalfVectorTable, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
-    for ((wo, wi), out) in wo.chunks(LANES).zip(wi.chunks(LANES)).zip(out.chunks_mut(LANES)) {
+    for ((wo, wi), out) in wo
+        .chunks(LANES)
+        .zip(wi.chunks(LANES))
+        .zip(out.chunks_mut(LANES))
+    {
         let views = Views::about(table, &Units::of(wo), out.len());
         let wi = Units::of(wi);
         let pdfs = densities(|k| views.at(k), &wi.directions, out.len());
         for (k, out) in out.iter_mut().enumerate().take(LANES) {
-            *out = if views.upper[k] & wi.upper[k] { pdfs[k] } else { 0.0 };
+            *out = if views.upper[k] & wi.upper[k] {
+                pdfs[k]
+            } else {
+                0.0
+            };
         }
     }
 }
@@ -82,12 +112,18 @@ impl<'a> Views<'a> {
         for (k, out) in blends.iter_mut().enumerate().take(count).skip(1) {
             *out = blend(k);
         }
-        Self { table, squares, blends, upper: wo.upper }
+        Self {
+            table,
+            squares,
+            blends,
+            upper: wo.upper,
+        }
     }
 
     #[inline(always)]
     fn at(&self, k: usize) -> About<'a, Blend<'a>> {
-        self.table.with(Square::from_array(self.squares.get(k)), self.blends[k])
+        self.table
+            .with(Square::from_array(self.squares.get(k)), self.blends[k])
     }
 }
 
@@ -113,7 +149,12 @@ impl Draws {
         }
         let mut wi = Columns::ZERO;
         for k in 0..points.len().min(LANES) {
-            wi.set(k, about(k).direction(Choice::from_array(choices.get(k))).to_array());
+            wi.set(
+                k,
+                about(k)
+                    .direction(Choice::from_array(choices.get(k)))
+                    .to_array(),
+            );
         }
         let pdf = densities(about, &wi, points.len());
         Self { wi, pdf }
@@ -121,7 +162,10 @@ impl Draws {
 
     #[inline(always)]
     fn sample(&self, k: usize) -> DirectionSample {
-        DirectionSample { wi: self.wi.get(k).into(), pdf: self.pdf[k] }
+        DirectionSample {
+            wi: self.wi.get(k).into(),
+            pdf: self.pdf[k],
+        }
     }
 }
 
@@ -141,7 +185,12 @@ fn densities<'a, M: Mixture + 'a>(
     }
     let place = |k: usize| {
         let [cap, b, jacobian] = places.get(k);
-        Place { cap, tan2: tan2[k], b, jacobian }
+        Place {
+            cap,
+            tan2: tan2[k],
+            b,
+            jacobian,
+        }
     };
     let mut found = Columns::ZERO;
     for k in 0..count {

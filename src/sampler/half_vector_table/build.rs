@@ -34,13 +34,20 @@ pub(super) struct Tabulated {
 /// Tables of all knots, in parallel over knots.
 pub(super) fn tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Stored {
     let cosines = knot_cosines(settings.tables);
-    let tabulated: Vec<Tabulated> =
-        cosines.par_iter().map(|&c| tabulate(brdf, settings, f64::from(c).acos())).collect();
+    let tabulated: Vec<Tabulated> = cosines
+        .par_iter()
+        .map(|&c| tabulate(brdf, settings, f64::from(c).acos()))
+        .collect();
     let edges = rows::choose(&tabulated, settings.rows);
     let fit = Fit::new(columns(settings), settings.segments);
     let each: Vec<Vec<Row>> = tabulated
         .par_iter()
-        .map(|t| edges.windows(2).map(|pair| Row::of(t, pair[0]..pair[1], &fit)).collect())
+        .map(|t| {
+            edges
+                .windows(2)
+                .map(|pair| Row::of(t, pair[0]..pair[1], &fit))
+                .collect()
+        })
         .collect();
     Stored {
         rows: each
@@ -48,7 +55,11 @@ pub(super) fn tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Stored {
             .flat_map(|table| quantise_rows(&table.iter().map(|r| r.mass).collect::<Vec<_>>()))
             .collect(),
         slopes: each.iter().flatten().map(|r| r.slope).collect(),
-        nodes: each.iter().flatten().flat_map(|r| quantise_nodes(&r.density)).collect(),
+        nodes: each
+            .iter()
+            .flatten()
+            .flat_map(|r| quantise_nodes(&r.density))
+            .collect(),
         edges: edges.into_iter().map(|e| e as u16).collect(),
         cosines,
         width: settings.segments + 1,
@@ -108,7 +119,10 @@ struct Sums {
 
 impl Sums {
     fn new(columns: usize) -> Self {
-        Self { mass: Array2::zeros((PARTS, columns)), first: vec![0.0; PARTS] }
+        Self {
+            mass: Array2::zeros((PARTS, columns)),
+            first: vec![0.0; PARTS],
+        }
     }
 
     fn add(&mut self, part: usize, column: usize, x: f64, value: f64) {
@@ -139,11 +153,20 @@ fn blend(f: Sums, cosine: Sums, width: Vec<f64>) -> Tabulated {
     } else {
         (0.0, 1.0 / all)
     };
-    let first = f.first.iter().zip(&cosine.first).map(|(f, c)| f * of_f + c * of_cosine);
+    let first = f
+        .first
+        .iter()
+        .zip(&cosine.first)
+        .map(|(f, c)| f * of_f + c * of_cosine);
     let mass = f.mass * of_f + cosine.mass * of_cosine;
     let part = mass.sum_axis(Axis(1)).to_vec();
     let centre = first.zip(&part).map(|(first, sum)| first / sum).collect();
-    Tabulated { mass, part, centre, width }
+    Tabulated {
+        mass,
+        part,
+        centre,
+        width,
+    }
 }
 
 /// A row before it is quantised.
@@ -178,7 +201,11 @@ pub(super) fn slope_of(tabulated: &Tabulated, parts: std::ops::Range<usize>) -> 
         mass += m;
     }
     // Midpoints see 1 − 1/n² of a part's own slope, which is little of a row of many parts.
-    if mass > 0.0 { 6.0 * (first / (mass * start) - 0.5) } else { 0.0 }
+    if mass > 0.0 {
+        6.0 * (first / (mass * start) - 0.5)
+    } else {
+        0.0
+    }
 }
 
 /// Least-squares fit of a function that is linear between equidistant nodes to sums over columns.
@@ -195,8 +222,12 @@ const LOWEST_NODE: f64 = 2e-3;
 
 impl Fit {
     fn new(columns: usize, segments: usize) -> Self {
-        let mut fit =
-            Self { columns, segments, diagonal: vec![0.0; segments + 1], factor: vec![0.0; segments] };
+        let mut fit = Self {
+            columns,
+            segments,
+            diagonal: vec![0.0; segments + 1],
+            factor: vec![0.0; segments],
+        };
         for column in 0..columns {
             let (i, x) = fit.hat(column);
             fit.diagonal[i] += (1.0 - x) * (1.0 - x);
@@ -259,7 +290,10 @@ mod tests {
     }
 
     fn columns_of(segments: usize) -> usize {
-        columns(&HalfVectorSettings { segments, ..HalfVectorSettings::default() })
+        columns(&HalfVectorSettings {
+            segments,
+            ..HalfVectorSettings::default()
+        })
     }
 
     #[test]

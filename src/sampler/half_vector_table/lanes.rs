@@ -37,7 +37,10 @@ impl Units {
     /// [`unit_upper`] of up to [`LANES`] directions.
     #[inline(always)]
     pub fn of(w: &[Vec3]) -> Self {
-        let mut units = Self { directions: Columns::ZERO, upper: [true; LANES] };
+        let mut units = Self {
+            directions: Columns::ZERO,
+            upper: [true; LANES],
+        };
         for (k, w) in w.iter().enumerate().take(LANES) {
             units.directions.set(k, w.to_array());
         }

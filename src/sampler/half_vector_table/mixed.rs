@@ -26,8 +26,10 @@ impl Mixed {
     pub fn new(blend: &Blend) -> Self {
         let (n, segments) = (blend.tables.row_count(), blend.segments());
         let rows: Vec<Row> = (0..n).map(|i| blend.row(i)).collect();
-        let (mut nodes, mut sums) =
-            (Vec::with_capacity(n * (segments + 1)), Vec::with_capacity(n * segments));
+        let (mut nodes, mut sums) = (
+            Vec::with_capacity(n * (segments + 1)),
+            Vec::with_capacity(n * segments),
+        );
         for row in 0..n {
             let (first, second) = blend.nodes(row);
             let (mut sum, mut last) = (0, None);
@@ -49,7 +51,14 @@ impl Mixed {
             }
             *first = row as u8;
         }
-        Self { segments, guide, slopes: (0..n).map(|i| blend.slope(i)).collect(), rows, nodes, sums }
+        Self {
+            segments,
+            guide,
+            slopes: (0..n).map(|i| blend.slope(i)).collect(),
+            rows,
+            nodes,
+            sums,
+        }
     }
 }
 
@@ -89,6 +98,10 @@ impl Mixture for &Mixed {
     #[inline(always)]
     fn segment(&self, row: usize, index: usize) -> Segment {
         let nodes = &self.nodes[row * (self.segments + 1) + index..][..2];
-        Segment { index: index as u32 as f32, low: nodes[0], high: nodes[1] }
+        Segment {
+            index: index as u32 as f32,
+            low: nodes[0],
+            high: nodes[1],
+        }
     }
 }

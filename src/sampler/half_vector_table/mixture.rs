@@ -70,7 +70,10 @@ pub trait Mixture {
     fn find_row(&self, u: f32) -> (Row, f32) {
         let target = (f64::from(u) * ROW_TOTAL) as u32;
         let row = self.row(self.index_of(target));
-        (row, (target.saturating_sub(row.below) as f32 / row.mass as f32).min(1.0))
+        (
+            row,
+            (target.saturating_sub(row.below) as f32 / row.mass as f32).min(1.0),
+        )
     }
 
     /// The segment of a row in which the azimuth's probability passes `u` in [0, 1], and what is left of it within.
@@ -78,7 +81,10 @@ pub trait Mixture {
     fn find_segment(&self, row: usize, u: f32) -> (Segment, f32) {
         let target = (f64::from(u) * NODE_TOTAL) as u32;
         let (index, below) = self.segment_of(row, target);
-        (self.segment(row, index), target.saturating_sub(below) as f32)
+        (
+            self.segment(row, index),
+            target.saturating_sub(below) as f32,
+        )
     }
 
     /// The segment at `y` in [0, 1] of a row's azimuth, and the position within it.

@@ -73,12 +73,21 @@ impl HalfVectorSettings {
     ];
 
     const fn preset(tables: usize, rows: usize, segments: usize, fold: bool) -> Self {
-        Self { tables, rows, segments, fold, importance: Importance::Mean }
+        Self {
+            tables,
+            rows,
+            segments,
+            fold,
+            importance: Importance::Mean,
+        }
     }
 
     /// The same for the mean of the channels: what presets are told by.
     pub(super) fn with_mean(self) -> Self {
-        Self { importance: Importance::Mean, ..self }
+        Self {
+            importance: Importance::Mean,
+            ..self
+        }
     }
 
     /// Bytes of the tables in memory; a file holds some 1 to 15 % less, and a header.
@@ -112,7 +121,9 @@ const LAST_KNOT: f64 = 89.0 / 180.0 * PI;
 pub(super) fn knot_cosines(tables: usize) -> Vec<f32> {
     let steps = tables.saturating_sub(1).max(1) as f64;
     let power = if tables < 8 { 2.0 } else { 1.5 };
-    (0..tables).map(|k| (LAST_KNOT * (1.0 - (1.0 - k as f64 / steps).powf(power))).cos() as f32).collect()
+    (0..tables)
+        .map(|k| (LAST_KNOT * (1.0 - (1.0 - k as f64 / steps).powf(power))).cos() as f32)
+        .collect()
 }
 
 /// A density over the half-vector square at each of a few angles of `wo`.
@@ -142,7 +153,10 @@ impl HalfVectorTable {
 
     /// Puts a sampler together from tables that have been validated.
     pub(super) fn from_parts(settings: HalfVectorSettings, stored: Stored) -> Self {
-        Self { settings, tables: Tables::new(stored) }
+        Self {
+            settings,
+            tables: Tables::new(stored),
+        }
     }
 
     /// The settings it was built with.
@@ -165,7 +179,11 @@ impl HalfVectorTable {
         let x = position(place.cap, low, width);
         let u = row.probability(below_on_slope(about.blend.slope(row.index), x));
         let y = unit_azimuth(place.b, self.settings.fold);
-        let v = refold(about.blend.azimuth_below(row.index, y), place.b, self.settings.fold);
+        let v = refold(
+            about.blend.azimuth_below(row.index, y),
+            place.b,
+            self.settings.fold,
+        );
         Some(Vec2::new(u as f32, v as f32))
     }
 
@@ -177,7 +195,13 @@ impl HalfVectorTable {
     }
 
     /// The density of such draws at a `place` of the square; `widest` is the unit of its `b`.
-    pub(super) fn pdf_turned(&self, square: &Square, place: &Place, widest: f32, turn: Turn) -> f32 {
+    pub(super) fn pdf_turned(
+        &self,
+        square: &Square,
+        place: &Place,
+        widest: f32,
+        turn: Turn,
+    ) -> f32 {
         let about = self.about(*square);
         let (b, slope) = turn.to_table(place.b, widest);
         let found = about.find(&Place { b, ..*place });
@@ -194,7 +218,13 @@ impl HalfVectorTable {
     fn with<'a>(&'a self, square: Square, blend: Blend<'a>) -> About<'a, Blend<'a>> {
         let (segments, unit) = blend.scale();
         // The azimuth's share runs over [−1, 1]: half the density on [0, 1].
-        About { table: self, square, blend, per_segment: 1.0 / segments, unit: 0.5 * unit }
+        About {
+            table: self,
+            square,
+            blend,
+            per_segment: 1.0 / segments,
+            unit: 0.5 * unit,
+        }
     }
 }
 
@@ -240,28 +270,85 @@ struct Found {
 impl Choice {
     #[inline(always)]
     fn to_array(self) -> [f32; 9] {
-        let Self { low, width, slope, share, segment, rest, side } = self;
-        [low, width, slope, share, segment.index, segment.low, segment.high, rest, side]
+        let Self {
+            low,
+            width,
+            slope,
+            share,
+            segment,
+            rest,
+            side,
+        } = self;
+        [
+            low,
+            width,
+            slope,
+            share,
+            segment.index,
+            segment.low,
+            segment.high,
+            rest,
+            side,
+        ]
     }
 
     #[inline(always)]
     fn from_array([low, width, slope, share, index, first, second, rest, side]: [f32; 9]) -> Self {
-        let segment = Segment { index, low: first, high: second };
-        Self { low, width, slope, share, segment, rest, side }
+        let segment = Segment {
+            index,
+            low: first,
+            high: second,
+        };
+        Self {
+            low,
+            width,
+            slope,
+            share,
+            segment,
+            rest,
+            side,
+        }
     }
 }
 
 impl Found {
     #[inline(always)]
     fn to_array(self) -> [f32; 8] {
-        let Self { low, width, slope, mass, segment, share } = self;
-        [low, width, slope, mass, segment.index, segment.low, segment.high, share]
+        let Self {
+            low,
+            width,
+            slope,
+            mass,
+            segment,
+            share,
+        } = self;
+        [
+            low,
+            width,
+            slope,
+            mass,
+            segment.index,
+            segment.low,
+            segment.high,
+            share,
+        ]
     }
 
     #[inline(always)]
     fn from_array([low, width, slope, mass, index, first, second, share]: [f32; 8]) -> Self {
-        let segment = Segment { index, low: first, high: second };
-        Self { low, width, slope, mass, segment, share }
+        let segment = Segment {
+            index,
+            low: first,
+            high: second,
+        };
+        Self {
+            low,
+            width,
+            slope,
+            mass,
+            segment,
+            share,
+        }
     }
 }
 
@@ -277,7 +364,8 @@ impl<M: Mixture> About<'_, M> {
     /// The row that holds a place.
     #[inline(always)]
     fn row(&self, place: &Place) -> Row {
-        self.blend.row(self.table.tables.row_of(self.square.part(place)))
+        self.blend
+            .row(self.table.tables.row_of(self.square.part(place)))
     }
 
     #[inline(always)]
@@ -292,7 +380,15 @@ impl<M: Mixture> About<'_, M> {
         let (low, width) = self.span(row);
         let (v, side) = unfold(u, self.table.settings.fold);
         let (segment, rest) = self.blend.find_segment(row, v);
-        Choice { low, width, slope: self.blend.slope(row), share, segment, rest, side }
+        Choice {
+            low,
+            width,
+            slope: self.blend.slope(row),
+            share,
+            segment,
+            rest,
+            side,
+        }
     }
 
     /// The point of the square that was chosen: cap and azimuth.
@@ -300,7 +396,11 @@ impl<M: Mixture> About<'_, M> {
     fn point(&self, choice: Choice) -> (f32, f32) {
         let cap = choice.low + choice.width * find_on_slope(choice.slope, choice.share);
         let y = (choice.segment.index + find_in(choice.segment, choice.rest)) * self.per_segment;
-        let b = if self.table.settings.fold { y * choice.side } else { 2.0 * y - 1.0 };
+        let b = if self.table.settings.fold {
+            y * choice.side
+        } else {
+            2.0 * y - 1.0
+        };
         (cap, b.clamp(-1.0, 1.0))
     }
 
@@ -316,7 +416,14 @@ impl<M: Mixture> About<'_, M> {
         let (low, width) = self.span(row.index);
         let y = unit_azimuth(place.b, self.table.settings.fold);
         let (segment, share) = self.blend.segment_at(row.index, y);
-        Found { low, width, slope: self.blend.slope(row.index), mass: row.mass(), segment, share }
+        Found {
+            low,
+            width,
+            slope: self.blend.slope(row.index),
+            mass: row.mass(),
+            segment,
+            share,
+        }
     }
 
     #[inline(always)]
@@ -336,7 +443,10 @@ impl<M: Mixture> About<'_, M> {
     #[inline]
     fn sample(&self, u: Vec2) -> DirectionSample {
         let wi = self.direction(self.choose(u));
-        DirectionSample { wi, pdf: self.pdf(wi) }
+        DirectionSample {
+            wi,
+            pdf: self.pdf(wi),
+        }
     }
 }
 
@@ -366,12 +476,20 @@ fn unit_azimuth(b: f32, fold: bool) -> f32 {
 #[inline(always)]
 fn unfold(u: f32, fold: bool) -> (f32, f32) {
     let side = 2.0 * u - 1.0;
-    if fold { (side.abs(), 1f32.copysign(side)) } else { (u, 1.0) }
+    if fold {
+        (side.abs(), 1f32.copysign(side))
+    } else {
+        (u, 1.0)
+    }
 }
 
 /// The inverse of [`unfold`], the side being that of `b`.
 fn refold(v: f64, b: f32, fold: bool) -> f64 {
-    if fold { 0.5 + 0.5 * v.copysign(f64::from(b)) } else { v }
+    if fold {
+        0.5 + 0.5 * v.copysign(f64::from(b))
+    } else {
+        v
+    }
 }
 
 impl DirectionSampler for HalfVectorTable {
@@ -383,7 +501,9 @@ impl DirectionSampler for HalfVectorTable {
 
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        unit_upper(wo).zip(unit_upper(wi)).map_or(0.0, |(wo, wi)| self.about(Square::about(wo)).pdf(wi))
+        unit_upper(wo)
+            .zip(unit_upper(wi))
+            .map_or(0.0, |(wo, wi)| self.about(Square::about(wo)).pdf(wi))
     }
 
     fn bytes(&self) -> usize {
@@ -392,7 +512,10 @@ impl DirectionSampler for HalfVectorTable {
 
     fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
         let square = unit_upper(wo).map(Square::about);
-        square.map_or_else(|| vec![None; points.len()], |square| batch::sample(&self.about(square), points))
+        square.map_or_else(
+            || vec![None; points.len()],
+            |square| batch::sample(&self.about(square), points),
+        )
     }
 
     fn sample_pairs(&self, wo: &[Vec3], points: &[Vec2], out: &mut [Option<DirectionSample>]) {

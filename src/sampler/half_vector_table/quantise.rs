@@ -8,7 +8,11 @@ pub fn quantise_rows(masses: &[f64]) -> Vec<u16> {
     let room = |i: usize| u32::from(ONE) - (n - 1 - i) as u32;
     let step = |(i, mass): (usize, &f64)| {
         sum += mass;
-        let at = if i + 1 == n { u32::from(ONE) } else { (sum * f64::from(ONE)).round() as u32 };
+        let at = if i + 1 == n {
+            u32::from(ONE)
+        } else {
+            (sum * f64::from(ONE)).round() as u32
+        };
         last = at.clamp(last + 1, room(i));
         last as u16
     };
@@ -20,7 +24,11 @@ pub fn quantise_nodes(density: &[f64]) -> Vec<u16> {
     let last = density.len() - 1;
     // The two ends count once, the others twice.
     let weight = |i: usize| if i == 0 || i == last { 1 } else { 2 };
-    let sum: f64 = density.iter().enumerate().map(|(i, d)| d * f64::from(weight(i))).sum();
+    let sum: f64 = density
+        .iter()
+        .enumerate()
+        .map(|(i, d)| d * f64::from(weight(i)))
+        .sum();
     let scale = f64::from(NODE_SUM) / sum;
     let (mut nodes, mut spent, mut exact) = (Vec::with_capacity(last + 1), 0u32, 0.0);
     for (i, d) in density[..last].iter().enumerate() {
@@ -53,8 +61,18 @@ mod tests {
 
     #[test]
     fn rows_rise_to_one_whatever_the_masses() {
-        let spike = |at: usize| (0..79).map(|i| f64::from(u8::from(i == at))).collect::<Vec<_>>();
-        for masses in [spike(0), spike(40), spike(78), vec![1.0 / 79.0; 79], vec![1.0]] {
+        let spike = |at: usize| {
+            (0..79)
+                .map(|i| f64::from(u8::from(i == at)))
+                .collect::<Vec<_>>()
+        };
+        for masses in [
+            spike(0),
+            spike(40),
+            spike(78),
+            vec![1.0 / 79.0; 79],
+            vec![1.0],
+        ] {
             let rows = quantise_rows(&masses);
             assert!(rows[0] > 0 && rows.is_sorted_by(|a, b| a < b));
             assert_eq!(*rows.last().unwrap(), ONE);
@@ -70,7 +88,10 @@ mod tests {
                 let mut density = random(width, seed + 100 * width as u64);
                 density[0] += end + 1e-9;
                 let nodes = quantise_nodes(&density);
-                let sum: u32 = nodes.windows(2).map(|p| u32::from(p[0]) + u32::from(p[1])).sum();
+                let sum: u32 = nodes
+                    .windows(2)
+                    .map(|p| u32::from(p[0]) + u32::from(p[1]))
+                    .sum();
                 assert_eq!(sum, NODE_SUM, "{width} {seed}");
                 let total: f64 = density.windows(2).map(|p| p[0] + p[1]).sum();
                 for (n, d) in nodes.iter().zip(&density) {

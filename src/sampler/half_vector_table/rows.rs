@@ -20,7 +20,11 @@ pub(super) fn choose(tables: &[Tabulated], count: usize) -> Vec<usize> {
     let mut best = vec![vec![(f64::INFINITY, 0); PARTS + 1]; count + 1];
     best[0][0].0 = 0.0;
     for start in 0..PARTS {
-        let end = if start < MERL_PARTS { MERL_PARTS } else { PARTS };
+        let end = if start < MERL_PARTS {
+            MERL_PARTS
+        } else {
+            PARTS
+        };
         for stop in start + 1..=end.min(start + longest) {
             let cost: f64 = coarse.iter().map(|t| t.cost(start, stop)).sum();
             for rows in 1..=count {
@@ -59,7 +63,9 @@ impl<'a> Coarse<'a> {
     /// ∫ f²/p over a row of parts, less its mass, which is what p = f would give.
     fn cost(&self, start: usize, stop: usize) -> f64 {
         let (mass, width) = (&self.mass[start..stop], &self.tabulated.width[start..stop]);
-        let columns = mass.iter().fold([0.0; COLUMNS], |sum, m| std::array::from_fn(|c| sum[c] + m[c]));
+        let columns = mass.iter().fold([0.0; COLUMNS], |sum, m| {
+            std::array::from_fn(|c| sum[c] + m[c])
+        });
         let inverse = columns.map(|c| if c > 0.0 { 1.0 / c } else { 0.0 });
         let per_width = 1.0 / width.iter().sum::<f64>();
         let slope = slope_of(self.tabulated, start..stop).clamp(-0.95, 0.95);
@@ -84,12 +90,19 @@ mod tests {
         let mut mass = Array2::from_shape_fn((PARTS, 16), |(part, _)| density(part));
         mass /= mass.sum();
         let part = mass.sum_axis(Axis(1)).to_vec();
-        Tabulated { mass, part, centre: vec![0.5; PARTS], width: vec![1.0; PARTS] }
+        Tabulated {
+            mass,
+            part,
+            centre: vec![0.5; PARTS],
+            width: vec![1.0; PARTS],
+        }
     }
 
     #[test]
     fn rows_are_cut_where_the_density_jumps() {
-        let steps = |p: usize| [5.0, 1.0, 3.0, 0.2, 0.1][[7, 20, 40, 63].iter().filter(|&&e| p >= e).count()];
+        let steps = |p: usize| {
+            [5.0, 1.0, 3.0, 0.2, 0.1][[7, 20, 40, 63].iter().filter(|&&e| p >= e).count()]
+        };
         assert_eq!(choose(&[tabulated(steps)], 5), [0, 7, 20, 40, 63, PARTS]);
     }
 

@@ -25,8 +25,9 @@ pub const UPPER_PARTS: usize = 16;
 pub const PARTS: usize = MERL_PARTS + UPPER_PARTS;
 
 /// Caps at the edges of MERL's bins, 0 to [`MERL_PARTS`].
-static MERL_CAPS: LazyLock<[f32; MERL_PARTS + 1]> =
-    LazyLock::new(|| std::array::from_fn(|i| (FRAC_PI_4 * (i as f64 / 90.0).powi(2)).sin().powi(2) as f32));
+static MERL_CAPS: LazyLock<[f32; MERL_PARTS + 1]> = LazyLock::new(|| {
+    std::array::from_fn(|i| (FRAC_PI_4 * (i as f64 / 90.0).powi(2)).sin().powi(2) as f32)
+});
 
 /// Azimuths narrower than this, as tan(φ/4), are less than f32 directions resolve.
 const NARROWEST: f32 = 1e-6;
@@ -42,10 +43,16 @@ impl Edge {
     /// Edge number `edge`, 0 to [`PARTS`].
     pub fn of_part(edge: usize) -> Self {
         if edge <= MERL_PARTS {
-            return Self { fixed: MERL_CAPS[edge], share: 0.0 };
+            return Self {
+                fixed: MERL_CAPS[edge],
+                share: 0.0,
+            };
         }
         let share = (edge - MERL_PARTS) as f32 / UPPER_PARTS as f32;
-        Self { fixed: MERL_CAPS[MERL_PARTS] * (1.0 - share), share }
+        Self {
+            fixed: MERL_CAPS[MERL_PARTS] * (1.0 - share),
+            share,
+        }
     }
 
     /// The part of the cap that is the same for every `wo`.
@@ -93,24 +100,46 @@ impl Square {
         let rho = rho2.sqrt();
         let scale = 1.0 / (rho2 + wo.z * wo.z).sqrt();
         let turn = 1.0 / rho;
-        let azimuth = if rho > 0.0 { (wo.x * turn, wo.y * turn) } else { (1.0, 0.0) };
+        let azimuth = if rho > 0.0 {
+            (wo.x * turn, wo.y * turn)
+        } else {
+            (1.0, 0.0)
+        };
         let (sin_o, cos_o) = (rho * scale, wo.z * scale);
         // cos θmax = cos(π/4 + θo/2).
         let cos_max = cos_o / (2.0 * (1.0 + sin_o)).sqrt();
-        Self { wo, sin_o, cos_o, azimuth, top: 0.5 * (1.0 - cos_max) }
+        Self {
+            wo,
+            sin_o,
+            cos_o,
+            azimuth,
+            top: 0.5 * (1.0 - cos_max),
+        }
     }
 
     /// Its numbers, for arrays of many squares.
     #[inline(always)]
     pub(super) fn to_array(self) -> [f32; 8] {
-        let Self { wo, sin_o, cos_o, azimuth, top } = self;
+        let Self {
+            wo,
+            sin_o,
+            cos_o,
+            azimuth,
+            top,
+        } = self;
         [wo.x, wo.y, wo.z, sin_o, cos_o, azimuth.0, azimuth.1, top]
     }
 
     /// The inverse of [`Self::to_array`].
     #[inline(always)]
     pub(super) fn from_array([x, y, z, sin_o, cos_o, c, s, top]: [f32; 8]) -> Self {
-        Self { wo: Vec3::new(x, y, z), sin_o, cos_o, azimuth: (c, s), top }
+        Self {
+            wo: Vec3::new(x, y, z),
+            sin_o,
+            cos_o,
+            azimuth: (c, s),
+            top,
+        }
     }
 
     /// Cosine of the polar angle of `wo`.
@@ -162,14 +191,22 @@ impl Square {
     }
 
     /// Directions and weights at one cap and many azimuths, for tabulating: `visit(wi, dσ(wi) per dcap db)` for each `b`.
-    pub fn along(&self, cap: f32, azimuths: impl Iterator<Item = f32>, mut visit: impl FnMut(Vec3, f32)) {
+    pub fn along(
+        &self,
+        cap: f32,
+        azimuths: impl Iterator<Item = f32>,
+        mut visit: impl FnMut(Vec3, f32),
+    ) {
         let (sin_h, cos_h) = sin_cos(cap);
         let widest = self.widest(sin_h, cos_h);
         for b in azimuths {
             let quarter = b * widest;
             let (sin, cos) = sin_cos_of_quarter(quarter);
             let cos_d = self.sin_o * sin_h * cos + self.cos_o * cos_h;
-            visit(self.reflect(sin_h, cos_h, sin, cos), 32.0 * cos_d * widest / (1.0 + quarter * quarter));
+            visit(
+                self.reflect(sin_h, cos_h, sin, cos),
+                32.0 * cos_d * widest / (1.0 + quarter * quarter),
+            );
         }
     }
 
@@ -191,7 +228,12 @@ impl Square {
         let jacobian = 16.0 * length * widest / (1.0 + quarter * quarter);
         let sum = self.wo.as_dvec3() + wi.as_dvec3();
         let tan2 = (sum.x * sum.x + sum.y * sum.y) / (sum.z * sum.z);
-        Place { cap, tan2, b, jacobian }
+        Place {
+            cap,
+            tan2,
+            b,
+            jacobian,
+        }
     }
 
     /// The part that holds a half vector, by its squared tangent below the last of MERL's bins, as lookups do.
@@ -218,7 +260,10 @@ fn sin_cos(cap: f32) -> (f32, f32) {
 fn sin_cos_of_quarter(q: f32) -> (f32, f32) {
     let scale = 1.0 / (1.0 + q * q);
     let (sin_half, cos_half) = (2.0 * q * scale, (1.0 - q * q) * scale);
-    (2.0 * sin_half * cos_half, (cos_half - sin_half) * (cos_half + sin_half))
+    (
+        2.0 * sin_half * cos_half,
+        (cos_half - sin_half) * (cos_half + sin_half),
+    )
 }
 
 /// tan(φ/4) of the azimuth of (x, y), whose length is `rho`; 0 for length 0.
@@ -229,7 +274,10 @@ fn tan_of_quarter(x: f32, y: f32, rho: f32) -> f32 {
     let scale = 1.0 / (2.0 * rho * sum).sqrt().max(f32::MIN_POSITIVE);
     let (large, small) = (sum * scale, y.abs() * scale);
     let back = x < 0.0;
-    let (sin_half, cos_half) = (if back { large } else { small }, if back { small } else { large });
+    let (sin_half, cos_half) = (
+        if back { large } else { small },
+        if back { small } else { large },
+    );
     // 1 but for azimuths of half vectors too close to the normal to have one.
     (sin_half / (1.0 + cos_half)).min(1.0).copysign(y)
 }
@@ -251,12 +299,18 @@ mod tests {
             for (s, t) in Lattice::at_least(500).points() {
                 let (cap, b) = ((s * edge(&square, PARTS)) as f32, (2.0 * t - 1.0) as f32);
                 let wi = square.direction(cap, b);
-                assert!(wi.z > -1e-6 && (wi.length() - 1.0).abs() < 2e-6, "θo {theta_o}, {s} {t}: {wi}");
+                assert!(
+                    wi.z > -1e-6 && (wi.length() - 1.0).abs() < 2e-6,
+                    "θo {theta_o}, {s} {t}: {wi}"
+                );
                 let place = square.place(wi);
                 assert!((place.cap - cap).abs() < 1e-6, "{theta_o}: {cap} {place:?}");
                 let part = square.part(&place);
                 let edges = [part, part + 1].map(|e| edge(&square, e) as f32);
-                assert!(edges[0] - 1e-6 < cap && cap < edges[1] + 1e-6, "{cap} {place:?}");
+                assert!(
+                    edges[0] - 1e-6 < cap && cap < edges[1] + 1e-6,
+                    "{cap} {place:?}"
+                );
                 let slack = 1e-5 / (s * (1.0 - s)).max(1e-3) as f32;
                 assert!((place.b - b).abs() < slack, "{theta_o}, {s}: {b} {place:?}");
             }
@@ -276,11 +330,16 @@ mod tests {
                 // The quarter's tangent as a share of the largest, against the angle's share.
                 let phi_max = rectangle.phi_max(theta_h);
                 let share = 4.0 * (b * (0.25 * phi_max).tan()).atan() / phi_max;
-                let slope =
-                    phi_max * (1.0 + (0.25 * share * phi_max).tan().powi(2)) / (4.0 * (0.25 * phi_max).tan());
+                let slope = phi_max * (1.0 + (0.25 * share * phi_max).tan().powi(2))
+                    / (4.0 * (0.25 * phi_max).tan());
                 let (expected, per_theta) = rectangle.direction(theta_h, share);
                 let here = format!("θo {theta_o}, {s} {t}");
-                assert!(square.direction(cap as f32, b as f32).abs_diff_eq(expected, 5e-6), "{here}");
+                assert!(
+                    square
+                        .direction(cap as f32, b as f32)
+                        .abs_diff_eq(expected, 5e-6),
+                    "{here}"
+                );
                 // dcap/dθh = sin θh/2.
                 let agrees = |jacobian: f32| {
                     let ratio = f64::from(jacobian) * 0.5 * theta_h.sin() * slope / per_theta;

@@ -78,9 +78,14 @@ pub struct Blend<'a> {
 impl Tables {
     /// Adds the derived tables to arrays that keep the rules of [`Stored`].
     pub fn new(stored: Stored) -> Self {
-        let lines = stored.edges.iter().map(|&e| Edge::of_part(usize::from(e))).collect();
-        let row_of =
-            std::array::from_fn(|part| stored.edges[1..].partition_point(|&e| usize::from(e) <= part) as u8);
+        let lines = stored
+            .edges
+            .iter()
+            .map(|&e| Edge::of_part(usize::from(e)))
+            .collect();
+        let row_of = std::array::from_fn(|part| {
+            stored.edges[1..].partition_point(|&e| usize::from(e) <= part) as u8
+        });
         let block_count = blocks_of(stored.width - 1);
         let sums = |row: &[u16]| {
             let mut sum = 0;
@@ -92,7 +97,13 @@ impl Tables {
             (0..block_count).map(add).collect::<Vec<u16>>()
         };
         let blocks = stored.nodes.chunks(stored.width).flat_map(sums).collect();
-        Self { stored, lines, row_of, blocks, block_count }
+        Self {
+            stored,
+            lines,
+            row_of,
+            blocks,
+            block_count,
+        }
     }
 
     /// What a file holds of them.
@@ -102,7 +113,11 @@ impl Tables {
 
     /// Bytes of all arrays.
     pub fn bytes(&self) -> usize {
-        bytes(self.stored.cosines.len(), self.row_count(), self.stored.width - 1)
+        bytes(
+            self.stored.cosines.len(),
+            self.row_count(),
+            self.stored.width - 1,
+        )
     }
 
     /// Number of rows.
@@ -129,11 +144,21 @@ impl Tables {
         let cosines = &self.stored.cosines;
         let last = cosines.len() - 1;
         // Counting all is sooner done than searching: comparisons don't wait for each other.
-        let second = (cosines.iter().map(|&c| u32::from(c > cos_o)).sum::<u32>() as usize).min(last);
+        let second =
+            (cosines.iter().map(|&c| u32::from(c > cos_o)).sum::<u32>() as usize).min(last);
         let first = second.saturating_sub(1);
         let (high, low) = (cosines[first], cosines[second]);
-        let share = if high > low { ((high - cos_o) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
-        Blend { tables: self, first, second, share: (share * SHARES as f32 + 0.5) as u32 }
+        let share = if high > low {
+            ((high - cos_o) / (high - low)).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        Blend {
+            tables: self,
+            first,
+            second,
+            share: (share * SHARES as f32 + 0.5) as u32,
+        }
     }
 }
 
@@ -147,22 +172,37 @@ impl Blend<'_> {
 
     /// Row `row` of both tables, of `values` that hold `rows` of `width` for every table.
     #[inline(always)]
-    fn both<'b, T>(&self, values: &'b [T], rows: usize, row: usize, width: usize) -> (&'b [T], &'b [T]) {
+    fn both<'b, T>(
+        &self,
+        values: &'b [T],
+        rows: usize,
+        row: usize,
+        width: usize,
+    ) -> (&'b [T], &'b [T]) {
         let at = |table: usize| (table * rows + row) * width;
-        (&values[at(self.first)..][..width], &values[at(self.second)..][..width])
+        (
+            &values[at(self.first)..][..width],
+            &values[at(self.second)..][..width],
+        )
     }
 
     #[inline(always)]
     pub(super) fn nodes(&self, row: usize) -> (&[u16], &[u16]) {
         let tables = self.tables;
-        self.both(&tables.stored.nodes, tables.row_count(), row, tables.stored.width)
+        self.both(
+            &tables.stored.nodes,
+            tables.row_count(),
+            row,
+            tables.stored.width,
+        )
     }
 
     /// The block in which the sum passes `target`, and the sum below it.
     #[inline(always)]
     fn find_block(&self, row: usize, target: u32) -> (usize, u32) {
         let tables = self.tables;
-        let (first, second) = self.both(&tables.blocks, tables.row_count(), row, tables.block_count);
+        let (first, second) =
+            self.both(&tables.blocks, tables.row_count(), row, tables.block_count);
         let (mut block, mut below) = (0, 0);
         for (&a, &b) in first.iter().zip(second) {
             let sum = self.mix(a, b);
@@ -206,13 +246,22 @@ impl Mixture for Blend<'_> {
     #[inline(always)]
     fn row(&self, index: usize) -> Row {
         let (first, second) = self.both(&self.tables.stored.rows, 1, 0, self.tables.row_count());
-        let below = if index == 0 { 0 } else { self.mix(first[index - 1], second[index - 1]) };
-        Row { index, below, mass: self.mix(first[index], second[index]) - below }
+        let below = if index == 0 {
+            0
+        } else {
+            self.mix(first[index - 1], second[index - 1])
+        };
+        Row {
+            index,
+            below,
+            mass: self.mix(first[index], second[index]) - below,
+        }
     }
 
     #[inline(always)]
     fn slope(&self, row: usize) -> f32 {
-        let (first, second) = self.both(&self.tables.stored.slopes, self.tables.row_count(), row, 1);
+        let (first, second) =
+            self.both(&self.tables.stored.slopes, self.tables.row_count(), row, 1);
         let (first, second) = (i32::from(first[0]), i32::from(second[0]));
         let mixed = first * (SHARES - self.share) as i32 + second * self.share as i32;
         mixed as f32 * (SLOPE_UNIT / SHARES as f32)
@@ -242,7 +291,11 @@ impl Mixture for Blend<'_> {
         let (first, second) = self.nodes(row);
         let low = self.mix(first[index], second[index]) as f32;
         let high = self.mix(first[index + 1], second[index + 1]) as f32;
-        Segment { index: index as u32 as f32, low, high }
+        Segment {
+            index: index as u32 as f32,
+            low,
+            high,
+        }
     }
 }
 
@@ -262,9 +315,17 @@ mod tests {
     fn example() -> Tables {
         let rows: Vec<u16> = [random(11, 1), random(11, 2), random(11, 3)]
             .iter()
-            .flat_map(|m| quantise_rows(&m.iter().map(|x| x / m.iter().sum::<f64>()).collect::<Vec<_>>()))
+            .flat_map(|m| {
+                quantise_rows(
+                    &m.iter()
+                        .map(|x| x / m.iter().sum::<f64>())
+                        .collect::<Vec<_>>(),
+                )
+            })
             .collect();
-        let nodes = (0..33).flat_map(|i| quantise_nodes(&random(12, 10 + i))).collect();
+        let nodes = (0..33)
+            .flat_map(|i| quantise_nodes(&random(12, 10 + i)))
+            .collect();
         Tables::new(Stored {
             cosines: vec![1.0, 0.5, 0.1],
             edges: (0..=11).collect(),
@@ -290,7 +351,10 @@ mod tests {
                 let (segment, rest) = blend.find_segment(row.index, u);
                 let y = (segment.index + find_in(segment, rest)) / 11.0;
                 let back = blend.azimuth_below(row.index, y);
-                assert!((back - f64::from(u)).abs() < 1e-5, "{cos_o} {u} {y}: {back}");
+                assert!(
+                    (back - f64::from(u)).abs() < 1e-5,
+                    "{cos_o} {u} {y}: {back}"
+                );
                 let slope = blend.slope(row.index);
                 let back = below_on_slope(slope, find_on_slope(slope, u));
                 assert!((back - f64::from(u)).abs() < 1e-6, "{slope} {u}: {back}");
@@ -305,12 +369,28 @@ mod tests {
             let blend = tables.at(cos_o);
             let mixed = &Mixed::new(&blend);
             for i in 0..2000 {
-                let u = if i == 1999 { 1f32.next_down() } else { i as f32 / 2000.0 };
+                let u = if i == 1999 {
+                    1f32.next_down()
+                } else {
+                    i as f32 / 2000.0
+                };
                 let ((a, x), (b, y)) = (blend.find_row(u), mixed.find_row(u));
-                assert_eq!((a.index, a.below, a.mass, x), (b.index, b.below, b.mass, y), "{u}");
+                assert_eq!(
+                    (a.index, a.below, a.mass, x),
+                    (b.index, b.below, b.mass, y),
+                    "{u}"
+                );
                 assert_eq!(blend.slope(a.index), mixed.slope(a.index));
-                assert_eq!(blend.find_segment(i % 11, u), mixed.find_segment(i % 11, u), "{u}");
-                assert_eq!(blend.segment_at(i % 11, u), mixed.segment_at(i % 11, u), "{u}");
+                assert_eq!(
+                    blend.find_segment(i % 11, u),
+                    mixed.find_segment(i % 11, u),
+                    "{u}"
+                );
+                assert_eq!(
+                    blend.segment_at(i % 11, u),
+                    mixed.segment_at(i % 11, u),
+                    "{u}"
+                );
             }
         }
     }
@@ -326,7 +406,11 @@ mod tests {
             (0.01, 1, 2, SHARES),
         ] {
             let b = tables.at(cos_o);
-            assert_eq!((b.first, b.second, b.share), (first, second, share), "{cos_o}");
+            assert_eq!(
+                (b.first, b.second, b.share),
+                (first, second, share),
+                "{cos_o}"
+            );
         }
     }
 
@@ -355,7 +439,9 @@ mod tests {
             f64::from((s.low + (s.high - s.low) * share) * unit)
         };
         for row in 0..11 {
-            let sum: f64 = (0..5500).map(|i| density(row, (i as f32 + 0.5) / 5500.0)).sum();
+            let sum: f64 = (0..5500)
+                .map(|i| density(row, (i as f32 + 0.5) / 5500.0))
+                .sum();
             assert!((sum / 5500.0 - 1.0).abs() < 1e-5, "{row}: {sum}");
         }
     }

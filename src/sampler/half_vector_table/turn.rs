@@ -21,7 +21,9 @@ impl Turn {
     /// `wo` at azimuth `angle` from the table's, radians.
     pub fn by(angle: f64) -> Self {
         let within = angle - TAU * (angle / TAU).round();
-        Self { quarter: (0.25 * within.clamp(-PI, PI) as f32).tan() }
+        Self {
+            quarter: (0.25 * within.clamp(-PI, PI) as f32).tan(),
+        }
     }
 
     /// Where the azimuth's share `b` about `wo` stands in the table, and how much the table is stretched there: db in the table
@@ -49,7 +51,10 @@ fn moved(b: f32, widest: f32, quarter: f32) -> (f32, f32) {
     }
     let middle = (quarter / widest).clamp(-FARTHEST, FARTHEST);
     let scale = 1.0 / (1.0 + b * middle);
-    (((b + middle) * scale).clamp(-1.0, 1.0), (1.0 - middle * middle) * scale * scale)
+    (
+        ((b + middle) * scale).clamp(-1.0, 1.0),
+        (1.0 - middle * middle) * scale * scale,
+    )
 }
 
 #[cfg(test)]
@@ -81,7 +86,10 @@ mod tests {
                 for k in 0..n {
                     let b = (k as f32 + 0.5) / n as f32 * 2.0 - 1.0;
                     let (to, slope) = Turn::by(angle).to_table(b, widest);
-                    assert!((-1.0..=1.0).contains(&to) && slope > 0.2 && slope < 5.0, "{angle} {b}: {to}");
+                    assert!(
+                        (-1.0..=1.0).contains(&to) && slope > 0.2 && slope < 5.0,
+                        "{angle} {b}: {to}"
+                    );
                     let back = Turn::by(angle).to_surface(to, widest);
                     assert!((back - b).abs() < 2e-6, "{angle} {widest} {b}: {to} {back}");
                     sum += f64::from(slope) / f64::from(n);

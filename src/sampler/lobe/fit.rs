@@ -17,7 +17,11 @@ const POINTS: usize = 34;
 const STARTS: (usize, [f32; 4]) = (9, [0.01, 0.1, 0.4, 0.9]);
 const MOST_STEPS: u64 = 120;
 /// What a black material is given: the cosine alone.
-const COSINE: LobeParameters = LobeParameters { along: 1.0, across: 1.0, diffuse: 1.0 };
+const COSINE: LobeParameters = LobeParameters {
+    along: 1.0,
+    across: 1.0,
+    diffuse: 1.0,
+};
 
 /// f_r·cosθ of a material at the nodes of a quadrature, for each of a few `wo`.
 pub(in crate::sampler) struct Nodes(Vec<View>);
@@ -57,8 +61,14 @@ impl Nodes {
     /// Mean over the angles of ln(E\[w²\]/E\[w\]²) of draws with density `pdf(wo, wi)`; 0 for a black material.
     pub fn unevenness(&self, pdf: impl Fn(Vec3, Vec3) -> f64 + Sync) -> f64 {
         let of = |view: &View| {
-            let sum: f64 = view.nodes.iter().map(|&(wi, value)| value / pdf(view.wo, wi)).sum();
-            (sum / (view.albedo * view.albedo)).ln().min(f64::from(f32::MAX))
+            let sum: f64 = view
+                .nodes
+                .iter()
+                .map(|&(wi, value)| value / pdf(view.wo, wi))
+                .sum();
+            (sum / (view.albedo * view.albedo))
+                .ln()
+                .min(f64::from(f32::MAX))
         };
         // Summed in the order of the angles, whatever the threads.
         let each: Vec<f64> = self.0.par_iter().map(of).collect();
@@ -74,7 +84,8 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn cost_of(&self, parameters: &LobeParameters) -> f64 {
-        self.nodes.unevenness(|wo, wi| density(self.kind, parameters, wo, wi))
+        self.nodes
+            .unevenness(|wo, wi| density(self.kind, parameters, wo, wi))
     }
 
     /// The parameters at `x`: what lies outside the domain is moved to its edge.
@@ -84,7 +95,11 @@ impl Search<'_> {
         let (diffuse, shapes) = x.split_last().map_or((0.0, x), |(d, s)| (*d, s));
         let at = |i: usize| shape(shapes.get(i).or(shapes.first()).copied().unwrap_or(0.0));
         let share = (1.0 / (1.0 + (-diffuse).exp())) as f32;
-        LobeParameters { along: at(0), across: at(1), diffuse: share.clamp(LEAST_DIFFUSE, 1.0) }
+        LobeParameters {
+            along: at(0),
+            across: at(1),
+            diffuse: share.clamp(LEAST_DIFFUSE, 1.0),
+        }
     }
 
     fn coordinates(&self, p: &LobeParameters) -> Vec<f64> {
@@ -103,10 +118,16 @@ impl Search<'_> {
         let points = (0..shapes).flat_map(|i| {
             // Neither end: a lobe at the edge of its domain is a bad place to search from.
             let shape = (low + (i as f32 + 0.5) / shapes as f32 * (high - low)).exp();
-            shares.map(|diffuse| LobeParameters { along: shape, across: shape, diffuse })
+            shares.map(|diffuse| LobeParameters {
+                along: shape,
+                across: shape,
+                diffuse,
+            })
         });
         let costs = points.map(|p| (p, self.cost_of(&p)));
-        costs.fold((COSINE, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
+        costs.fold((COSINE, f64::INFINITY), |best, next| {
+            if next.1 < best.1 { next } else { best }
+        })
     }
 }
 
@@ -133,11 +154,20 @@ pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
         corner[i] += 0.7;
         simplex.push(corner);
     }
-    let run = NelderMead::new(simplex).with_sd_tolerance(1e-5).and_then(|solver| {
-        Executor::new(Search { kind, nodes }, solver).configure(|s| s.max_iters(MOST_STEPS)).run()
-    });
-    let found = run.ok().and_then(|r| r.state.best_param).map(|x| search.parameters(&x));
-    found.filter(|p| search.cost_of(p) < start_cost).unwrap_or(start)
+    let run = NelderMead::new(simplex)
+        .with_sd_tolerance(1e-5)
+        .and_then(|solver| {
+            Executor::new(Search { kind, nodes }, solver)
+                .configure(|s| s.max_iters(MOST_STEPS))
+                .run()
+        });
+    let found = run
+        .ok()
+        .and_then(|r| r.state.best_param)
+        .map(|x| search.parameters(&x));
+    found
+        .filter(|p| search.cost_of(p) < start_cost)
+        .unwrap_or(start)
 }
 
 #[cfg(test)]
@@ -153,7 +183,10 @@ mod tests {
             let brdf = Measured::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
             let nodes = Nodes::of(&brdf, Importance::Mean);
             for kind in LobeKind::ALL {
-                let search = Search { kind, nodes: &nodes };
+                let search = Search {
+                    kind,
+                    nodes: &nodes,
+                };
                 let found = fit(kind, &nodes);
                 let cost = search.cost_of(&found);
                 assert!(cost <= search.start().1, "{name}, {kind:?}: {found:?}");

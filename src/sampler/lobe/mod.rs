@@ -66,7 +66,9 @@ impl LobeKind {
     pub fn domain(self) -> [f32; 2] {
         match self {
             Self::Ward | Self::Ggx => [1e-4, 2.0],
-            Self::CosineLobe | Self::CosineLobeSphere | Self::Blinn | Self::AshikhminShirley => [0.1, 1e7],
+            Self::CosineLobe | Self::CosineLobeSphere | Self::Blinn | Self::AshikhminShirley => {
+                [0.1, 1e7]
+            }
         }
     }
 }
@@ -99,7 +101,11 @@ pub struct LobeSettings {
 impl LobeSettings {
     /// A lobe to be fitted.
     pub fn fitted(kind: LobeKind) -> Self {
-        Self { kind, parameters: None, importance: Importance::default() }
+        Self {
+            kind,
+            parameters: None,
+            importance: Importance::default(),
+        }
     }
 }
 
@@ -131,13 +137,25 @@ impl Lobe {
     /// # Errors
     /// [`Error::Argument`] for parameters outside their domains.
     pub(super) fn with(settings: LobeSettings, parameters: LobeParameters) -> Result<Self> {
-        let (kind, LobeParameters { along, across, diffuse }) = (settings.kind, parameters);
+        let (
+            kind,
+            LobeParameters {
+                along,
+                across,
+                diffuse,
+            },
+        ) = (settings.kind, parameters);
         let [low, high] = kind.domain();
         let inside = |v: f32| (low..=high).contains(&v);
         if !inside(along) || !inside(across) || !(LEAST_DIFFUSE..=1.0).contains(&diffuse) {
             return Err(Error::argument(
-                format!("{} with parameters {along}, {across} and {diffuse}", kind.name()),
-                format!("choose shapes from {low} to {high} and a diffuse share from {LEAST_DIFFUSE} to 1"),
+                format!(
+                    "{} with parameters {along}, {across} and {diffuse}",
+                    kind.name()
+                ),
+                format!(
+                    "choose shapes from {low} to {high} and a diffuse share from {LEAST_DIFFUSE} to 1"
+                ),
             ));
         }
         if along != across && kind != LobeKind::AshikhminShirley {
@@ -146,8 +164,15 @@ impl Lobe {
                 "give the same shape along and across the plane of incidence",
             ));
         }
-        let settings = LobeSettings { parameters: Some(parameters), ..settings };
-        Ok(Self { settings, kind, parameters })
+        let settings = LobeSettings {
+            parameters: Some(parameters),
+            ..settings
+        };
+        Ok(Self {
+            settings,
+            kind,
+            parameters,
+        })
     }
 
     /// The settings it was built with, and the parameters fitted.
@@ -173,13 +198,22 @@ fn density(kind: LobeKind, parameters: &LobeParameters, wo: Vec3, wi: Vec3) -> f
 impl DirectionSampler for Lobe {
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
         let wo = unit_upper(wo)?;
-        let LobeParameters { along, across, diffuse } = self.parameters;
+        let LobeParameters {
+            along,
+            across,
+            diffuse,
+        } = self.parameters;
         let (cosine, x) = split_unit(f64::from(u.x), f64::from(diffuse));
         let point = DVec2::new(x, f64::from(u.y));
         let wi = if cosine {
             cosine_hemisphere(point)
         } else {
-            shape::draw(self.kind, [along, across].map(f64::from), wo.as_dvec3(), point)
+            shape::draw(
+                self.kind,
+                [along, across].map(f64::from),
+                wo.as_dvec3(),
+                point,
+            )
         }
         .as_vec3();
         with_density(self, wo, wi)

@@ -28,7 +28,11 @@ pub(super) fn density(kind: LobeKind, shape: [f64; 2], wo: DVec3, wi: DVec3) -> 
 
 /// (1 + `less`)ⁿ; 0 unless `sign` is positive.
 fn power(sign: f64, less: f64, n: f64) -> f64 {
-    if sign > 0.0 && less > -1.0 { (n * less.ln_1p()).exp() } else { 0.0 }
+    if sign > 0.0 && less > -1.0 {
+        (n * less.ln_1p()).exp()
+    } else {
+        0.0
+    }
 }
 
 /// Density of the half vector along `sum`, per its own solid angle.
@@ -44,7 +48,11 @@ fn half_density(kind: LobeKind, shape: [f64; 2], wo: DVec3, sum: DVec3) -> f64 {
             let [along, across] = shape;
             let turn = plane_of_incidence(wo).dot(sum.truncate());
             let length2 = sum.truncate().length_squared();
-            let cos2 = if length2 > 0.0 { (turn * turn / length2).min(1.0) } else { 0.0 };
+            let cos2 = if length2 > 0.0 {
+                (turn * turn / length2).min(1.0)
+            } else {
+                0.0
+            };
             let scale = ((along + 1.0) * (across + 1.0)).sqrt() / TAU;
             scale * cosine_power(along * cos2 + across * (1.0 - cos2))
         }
@@ -80,7 +88,11 @@ pub(super) fn draw(kind: LobeKind, shape: [f64; 2], wo: DVec3, u: DVec2) -> DVec
             let [along, across] = shape.map(|e| e + 1.0);
             let turn = DVec2::new(across.sqrt() * cos, along.sqrt() * sin).normalize_or(DVec2::X);
             let exponent = along * turn.x * turn.x + across * turn.y * turn.y;
-            reflected(wo, plane_of_incidence(wo).rotate(turn), (-2.0 * log / exponent).exp_m1())
+            reflected(
+                wo,
+                plane_of_incidence(wo).rotate(turn),
+                (-2.0 * log / exponent).exp_m1(),
+            )
         }
         LobeKind::Ggx => reflect_about(wo, visible_normal(n, wo, u.x, circle)),
     }

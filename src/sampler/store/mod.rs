@@ -74,7 +74,10 @@ pub fn save(
     overwrite: Overwrite,
 ) -> Result<u64> {
     let bytes = encode(sampler, material, lookup)?;
-    write_new(path, overwrite, |file| file.write_all(&bytes).map_err(|e| Error::io(path, "write", e)))?;
+    write_new(path, overwrite, |file| {
+        file.write_all(&bytes)
+            .map_err(|e| Error::io(path, "write", e))
+    })?;
     Ok(bytes.len() as u64)
 }
 
@@ -85,7 +88,11 @@ pub fn save(
 /// stored there; [`Error::Io`] if the material's file is gone.
 pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Result<Vec<u8>> {
     // An anisotropic file has no lookup rule: whichever was asked for, the bytes are the same.
-    let lookup = if matches!(sampler, Sampler::ByAzimuth(_)) { LookupRule::default() } else { lookup };
+    let lookup = if matches!(sampler, Sampler::ByAzimuth(_)) {
+        LookupRule::default()
+    } else {
+        lookup
+    };
     let mut out = TensorsOut::default();
     match sampler {
         Sampler::Cosine(_) => {
@@ -114,14 +121,18 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
         lookup,
         payload_sha256: out.sha256(),
     };
-    let json = serde_json::to_string(&record).map_err(|e| Error::argument(e.to_string(), "report this"))?;
+    let json = serde_json::to_string(&record)
+        .map_err(|e| Error::argument(e.to_string(), "report this"))?;
     out.serialize(HashMap::from([(KEY.to_owned(), json)]))
 }
 
 /// Whether `path` begins like a sampler file: a length, then JSON. A MERL binary begins with its dimensions.
 pub fn looks_like_sampler_file(path: &Path) -> bool {
     let mut ninth = [0];
-    RegularFile::open(path).and_then(|mut f| f.read_at(8, &mut ninth)).is_ok() && ninth == [b'{']
+    RegularFile::open(path)
+        .and_then(|mut f| f.read_at(8, &mut ninth))
+        .is_ok()
+        && ninth == [b'{']
 }
 
 impl SamplerFile {
@@ -166,15 +177,25 @@ impl SamplerFile {
     pub fn into_sampler(self, brdf: &Arc<Measured>) -> Result<Sampler> {
         if brdf.rule() != self.record.lookup {
             return Err(Error::argument(
-                format!("the sampler was built for the {} lookup", self.record.lookup.name()),
-                format!("pass --lookup {}, or build it again", self.record.lookup.name()),
+                format!(
+                    "the sampler was built for the {} lookup",
+                    self.record.lookup.name()
+                ),
+                format!(
+                    "pass --lookup {}, or build it again",
+                    self.record.lookup.name()
+                ),
             ));
         }
         Ok(match self.record.spec {
-            SamplerSpec::Cosine => return Err(self.tensors.invalid("a sampler with tables", "cosine")),
+            SamplerSpec::Cosine => {
+                return Err(self.tensors.invalid("a sampler with tables", "cosine"));
+            }
             SamplerSpec::File => return Err(in_the_file()),
             SamplerSpec::ByAzimuth(_) => {
-                return Err(self.tensors.invalid("a sampler of a table", "one of an anisotropic material"));
+                return Err(self
+                    .tensors
+                    .invalid("a sampler of a table", "one of an anisotropic material"));
             }
             SamplerSpec::AdaptiveDisc(settings) => {
                 Sampler::AdaptiveDisc(parts::read_disc(&self.tensors, brdf.clone(), settings)?)
@@ -185,7 +206,9 @@ impl SamplerFile {
             SamplerSpec::HalfVector(settings) => {
                 Sampler::HalfVector(parts::read_half_vector(&self.tensors, settings)?)
             }
-            SamplerSpec::Lobe(settings) => Sampler::Lobe(parts::read_lobe(&self.tensors, settings)?),
+            SamplerSpec::Lobe(settings) => {
+                Sampler::Lobe(parts::read_lobe(&self.tensors, settings)?)
+            }
             SamplerSpec::Factored(settings) => {
                 Sampler::Factored(parts::read_factored(&self.tensors, settings)?)
             }
@@ -196,7 +219,10 @@ impl SamplerFile {
     fn recorded_material(&self) -> Result<Material> {
         self.record.material().map_err(|e| {
             Error::argument(
-                format!("{} needs the material it was built from: {e}", self.tensors.path().display()),
+                format!(
+                    "{} needs the material it was built from: {e}",
+                    self.tensors.path().display()
+                ),
                 "name that material with --material, or run in the folder where the file was built",
             )
         })
@@ -223,12 +249,14 @@ impl SamplerFile {
         let brdf = MaterialBrdf::new(material.content()?, self.record.lookup);
         let sampler = match (&brdf, self.record.spec) {
             (MaterialBrdf::Table(measured), _) => self.into_sampler(measured)?,
-            (MaterialBrdf::File(rgl), SamplerSpec::ByAzimuth(settings)) => {
-                Sampler::ByAzimuth(parts::read_by_azimuth(&self.tensors, settings, rgl.symmetry())?)
-            }
+            (MaterialBrdf::File(rgl), SamplerSpec::ByAzimuth(settings)) => Sampler::ByAzimuth(
+                parts::read_by_azimuth(&self.tensors, settings, rgl.symmetry())?,
+            ),
             (MaterialBrdf::File(_), _) => {
                 let found = self.record.spec.name();
-                return Err(self.tensors.invalid("a sampler of an anisotropic material", found));
+                return Err(self
+                    .tensors
+                    .invalid("a sampler of an anisotropic material", found));
             }
         };
         Ok((sampler, brdf))
@@ -236,7 +264,10 @@ impl SamplerFile {
 }
 
 fn in_the_file() -> Error {
-    Error::argument("the sampler file is stored in the .bsdf file already", "name that file in its place")
+    Error::argument(
+        "the sampler file is stored in the .bsdf file already",
+        "name that file in its place",
+    )
 }
 
 fn parse_record(json: &str, tensors: &Tensors) -> Result<Record> {
@@ -244,10 +275,14 @@ fn parse_record(json: &str, tensors: &Tensors) -> Result<Record> {
     struct Version {
         version: u32,
     }
-    let wrong = |e: serde_json::Error| tensors.invalid("metadata of a merlkit sampler", e.to_string());
+    let wrong =
+        |e: serde_json::Error| tensors.invalid("metadata of a merlkit sampler", e.to_string());
     let Version { version } = serde_json::from_str(json).map_err(wrong)?;
     if version != VERSION {
-        return Err(tensors.invalid(format!("layout version {VERSION}"), format!("version {version}")));
+        return Err(tensors.invalid(
+            format!("layout version {VERSION}"),
+            format!("version {version}"),
+        ));
     }
     serde_json::from_str(json).map_err(wrong)
 }

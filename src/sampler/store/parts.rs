@@ -7,14 +7,18 @@ use crate::Result;
 use crate::brdf::Measured;
 use crate::dist::{self, Curves};
 use crate::geom::Symmetry;
-use crate::sampler::adaptive_disc::{DEEPEST, Forest, Leaf, MOST_LEAVES, Node, Trees, WHOLE, Warps};
+use crate::sampler::adaptive_disc::{
+    DEEPEST, Forest, Leaf, MOST_LEAVES, Node, Trees, WHOLE, Warps,
+};
 use crate::sampler::cascade_cdf::Tables;
 use crate::sampler::factored::Terms;
-use crate::sampler::half_vector_table::{self as square, MERL_PARTS, NODE_SUM, ONE, SQUARE_PARTS, STEEPEST};
+use crate::sampler::half_vector_table::{
+    self as square, MERL_PARTS, NODE_SUM, ONE, SQUARE_PARTS, STEEPEST,
+};
 use crate::sampler::{
-    AdaptiveDisc, AdaptiveDiscSettings, ByAzimuth, ByAzimuthSettings, CascadeCdf, CascadeCdfSettings,
-    Factored, FactoredSettings, HalfVectorSettings, HalfVectorTable, LeafChoice, Lobe, LobeParameters,
-    LobeSettings,
+    AdaptiveDisc, AdaptiveDiscSettings, ByAzimuth, ByAzimuthSettings, CascadeCdf,
+    CascadeCdfSettings, Factored, FactoredSettings, HalfVectorSettings, HalfVectorTable,
+    LeafChoice, Lobe, LobeParameters, LobeSettings,
 };
 
 pub(super) fn write_trees(trees: &Trees, out: &mut TensorsOut) {
@@ -55,7 +59,10 @@ pub(super) fn read_disc(
 
 /// Reads trees whose nodes have their children behind them and in the same tree, no deeper than any that is built.
 fn read_warps(tensors: &Tensors, tables: usize) -> Result<Warps> {
-    let (split, inner) = (tensors.get::<u16>("node.split")?, tensors.get::<u16>("node.inner")?);
+    let (split, inner) = (
+        tensors.get::<u16>("node.split")?,
+        tensors.get::<u16>("node.inner")?,
+    );
     let first = tensors.get::<u32>("node.first")?;
     let starts = tensors.get::<u32>("tree.start")?;
     if inner.len() != first.len() || split.len() != 3 * first.len() {
@@ -75,13 +82,19 @@ fn read_warps(tensors: &Tensors, tables: usize) -> Result<Warps> {
         .chunks_exact(3)
         .zip(&inner)
         .zip(&first)
-        .map(|((s, &inner), &first)| Node { split: [s[0], s[1], s[2]], inner, first })
+        .map(|((s, &inner), &first)| Node {
+            split: [s[0], s[1], s[2]],
+            inner,
+            first,
+        })
         .collect();
     for (k, range) in starts.windows(2).enumerate() {
         let sound = |i: u32| {
             let node = &nodes[i as usize];
-            let children = u64::from(node.first)..u64::from(node.first) + u64::from(node.inner.count_ones());
-            let inside = children.is_empty() || (node.first > i && children.end <= u64::from(range[1]));
+            let children =
+                u64::from(node.first)..u64::from(node.first) + u64::from(node.inner.count_ones());
+            let inside =
+                children.is_empty() || (node.first > i && children.end <= u64::from(range[1]));
             node.inner < 16 && inside
         };
         if let Some(i) = (range[0]..range[1]).find(|&i| !sound(i)) {
@@ -94,7 +107,10 @@ fn read_warps(tensors: &Tensors, tables: usize) -> Result<Warps> {
 }
 
 fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
-    let (upper, bound) = (tensors.get::<u32>("leaf.upper")?, tensors.get::<f32>("leaf.bound")?);
+    let (upper, bound) = (
+        tensors.get::<u32>("leaf.upper")?,
+        tensors.get::<f32>("leaf.bound")?,
+    );
     let code = tensors.get::<u32>("leaf.code")?;
     let starts = tensors.get::<u32>("tree.start")?;
     let integrals = tensors.get::<f32>("tree.integral")?;
@@ -117,21 +133,39 @@ fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
         .map(|((&upper, &bound), &code)| Leaf { upper, bound, code })
         .collect();
     for (k, (range, &integral)) in starts.windows(2).zip(&integrals).enumerate() {
-        check_tree(tensors, k, range[0] as usize, &leaves[range[0] as usize..range[1] as usize], integral)?;
+        check_tree(
+            tensors,
+            k,
+            range[0] as usize,
+            &leaves[range[0] as usize..range[1] as usize],
+            integral,
+        )?;
     }
     Ok(Forest::new(leaves, starts, integrals))
 }
 
 /// Leaves, of which `first` is the first, that can be drawn and whose draws can be accepted.
-fn check_tree(tensors: &Tensors, k: usize, first: usize, leaves: &[Leaf], integral: f32) -> Result<()> {
+fn check_tree(
+    tensors: &Tensors,
+    k: usize,
+    first: usize,
+    leaves: &[Leaf],
+    integral: f32,
+) -> Result<()> {
     if !integral.is_finite() || integral < 0.0 || (integral > 0.0) == leaves.is_empty() {
         let expected = format!("an integral of tree {k} that is finite, and > 0 if it has leaves");
         let found = format!("{integral} with {} leaves", leaves.len());
         return Err(tensors.invalid_in("tree.integral", k, &expected, found));
     }
     if leaves.len() > MOST_LEAVES || leaves.last().is_some_and(|l| l.upper != WHOLE) {
-        let expected = format!("at most {MOST_LEAVES} leaves in tree {k}, whose probabilities sum to 1");
-        return Err(tensors.invalid_in("leaf.upper", first, &expected, format!("{} leaves", leaves.len())));
+        let expected =
+            format!("at most {MOST_LEAVES} leaves in tree {k}, whose probabilities sum to 1");
+        return Err(tensors.invalid_in(
+            "leaf.upper",
+            first,
+            &expected,
+            format!("{} leaves", leaves.len()),
+        ));
     }
     let sound = |l: &Leaf| {
         let (depth, places) = (l.code >> 28, [l.code >> 14 & 0x3fff, l.code & 0x3fff]);
@@ -140,7 +174,12 @@ fn check_tree(tensors: &Tensors, k: usize, first: usize, leaves: &[Leaf], integr
     };
     if let Some(i) = leaves.iter().position(|l| !sound(l)) {
         let expected = format!("a sound leaf {i} of tree {k}");
-        return Err(tensors.invalid_in("leaf.bound", first + i, &expected, format!("{:?}", leaves[i])));
+        return Err(tensors.invalid_in(
+            "leaf.bound",
+            first + i,
+            &expected,
+            format!("{:?}", leaves[i]),
+        ));
     }
     if let Some(i) = leaves.windows(2).position(|l| l[0].upper > l[1].upper) {
         let expected = format!("probabilities of tree {k} that rise");
@@ -156,7 +195,10 @@ pub(super) fn write_tables(tables: &Tables, out: &mut TensorsOut) {
 
 fn write_curves(name: &str, curves: &Curves, out: &mut TensorsOut) {
     out.add(&format!("{name}.start"), curves.starts.iter().copied());
-    out.add(&format!("{name}.position"), curves.positions.iter().copied());
+    out.add(
+        &format!("{name}.position"),
+        curves.positions.iter().copied(),
+    );
     out.add(&format!("{name}.cdf"), curves.cdf.iter().copied());
 }
 
@@ -170,7 +212,12 @@ pub(super) fn read_cascade(tensors: &Tensors, settings: CascadeCdfSettings) -> R
     let pieces: usize = (0..marginal.len()).map(|k| marginal.segments(k)).sum();
     if pieces != conditional.len() {
         let expected = format!("a conditional for each of {pieces} pieces of the marginals");
-        return Err(tensors.invalid_in("conditional.start", 0, &expected, conditional.len().to_string()));
+        return Err(tensors.invalid_in(
+            "conditional.start",
+            0,
+            &expected,
+            conditional.len().to_string(),
+        ));
     }
     if let Some((k, piece, curve)) = piece_without_conditional(&marginal, &conditional) {
         let expected = format!("piece {piece} of marginal {k} to have a conditional with mass");
@@ -181,7 +228,10 @@ pub(super) fn read_cascade(tensors: &Tensors, settings: CascadeCdfSettings) -> R
 }
 
 /// A piece of a marginal that can be drawn though its conditional is empty: marginal, piece and conditional.
-fn piece_without_conditional(marginal: &Curves, conditional: &Curves) -> Option<(usize, usize, usize)> {
+fn piece_without_conditional(
+    marginal: &Curves,
+    conditional: &Curves,
+) -> Option<(usize, usize, usize)> {
     let mut next = 0;
     for k in 0..marginal.len() {
         for piece in 0..marginal.segments(k) {
@@ -211,13 +261,21 @@ fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
         return fail("start", 0, "starts that do not partition the knots".into());
     }
     if !curves.positions.is_empty() && curves.positions.len() != curves.cdf.len() {
-        let found = format!("{} positions for {} values", curves.positions.len(), curves.cdf.len());
+        let found = format!(
+            "{} positions for {} values",
+            curves.positions.len(),
+            curves.cdf.len()
+        );
         return fail("position", 0, found);
     }
     for k in 0..curves.len() {
         let range = curves.starts[k] as usize..curves.starts[k + 1] as usize;
         if !rises(&curves.cdf[range.clone()]) {
-            return fail("cdf", range.start, format!("curve {k} that does not rise from 0 to 1"));
+            return fail(
+                "cdf",
+                range.start,
+                format!("curve {k} that does not rise from 0 to 1"),
+            );
         }
         if !fits(&curves, &range, cells) {
             return fail(
@@ -249,20 +307,34 @@ fn fits(curves: &Curves, range: &std::ops::Range<usize>, cells: usize) -> bool {
 
 /// One half-vector table, or several one after the other.
 pub(super) fn write_half_vectors(all: &[&square::Stored], out: &mut TensorsOut) {
-    out.add("knot.cosine", all.iter().flat_map(|t| t.cosines.iter().copied()));
+    out.add(
+        "knot.cosine",
+        all.iter().flat_map(|t| t.cosines.iter().copied()),
+    );
     out.add("row.edge", all.iter().flat_map(|t| t.edges.iter().copied()));
     out.add("row.cdf", all.iter().flat_map(|t| t.rows.iter().copied()));
-    out.add("row.slope", all.iter().flat_map(|t| t.slopes.iter().copied()));
-    out.add("row.density", all.iter().flat_map(|t| t.nodes.iter().copied()));
+    out.add(
+        "row.slope",
+        all.iter().flat_map(|t| t.slopes.iter().copied()),
+    );
+    out.add(
+        "row.density",
+        all.iter().flat_map(|t| t.nodes.iter().copied()),
+    );
 }
 
-pub(super) fn read_half_vector(tensors: &Tensors, settings: HalfVectorSettings) -> Result<HalfVectorTable> {
+pub(super) fn read_half_vector(
+    tensors: &Tensors,
+    settings: HalfVectorSettings,
+) -> Result<HalfVectorTable> {
     check_half_vector(tensors, &settings)?;
     read_nth(tensors, settings, 0, 1)
 }
 
 fn check_half_vector(tensors: &Tensors, settings: &HalfVectorSettings) -> Result<()> {
-    settings.check().map_err(|e| tensors.invalid("settings within their domains", e.to_string()))
+    settings
+        .check()
+        .map_err(|e| tensors.invalid("settings within their domains", e.to_string()))
 }
 
 /// Reads the table of each azimuth.
@@ -271,10 +343,14 @@ pub(super) fn read_by_azimuth(
     settings: ByAzimuthSettings,
     symmetry: Symmetry,
 ) -> Result<ByAzimuth> {
-    settings.check().map_err(|e| tensors.invalid("settings within their domains", e.to_string()))?;
+    settings
+        .check()
+        .map_err(|e| tensors.invalid("settings within their domains", e.to_string()))?;
     check_half_vector(tensors, &settings.table)?;
     let count = settings.azimuths;
-    let tables = (0..count).map(|k| read_nth(tensors, settings.table, k, count)).collect::<Result<_>>()?;
+    let tables = (0..count)
+        .map(|k| read_nth(tensors, settings.table, k, count))
+        .collect::<Result<_>>()?;
     Ok(ByAzimuth::from_parts(settings, symmetry, tables))
 }
 
@@ -309,14 +385,41 @@ fn broken_rule(tables: &square::Stored) -> Option<(&'static str, &'static str)> 
     let hinge = tables.edges.contains(&(MERL_PARTS as u16));
     let edges = ends && hinge && tables.edges.is_sorted_by(|a, b| a < b);
     let rise = |t: &[u16]| t[0] > 0 && t[t.len() - 1] == ONE && t.is_sorted_by(|a, b| a < b);
-    let sum = |row: &[u16]| row.windows(2).map(|p| u32::from(p[0]) + u32::from(p[1])).sum::<u32>();
+    let sum = |row: &[u16]| {
+        row.windows(2)
+            .map(|p| u32::from(p[0]) + u32::from(p[1]))
+            .sum::<u32>()
+    };
     let whole = |row: &[u16]| row.iter().all(|&n| n > 0) && sum(row) == NODE_SUM;
     [
-        (cosines, "knot.cosine", "values that fall from 1 and stay above 0"),
-        (edges, "row.edge", "values that rise from 0 to 79 by way of 63"),
-        (tables.rows.chunks(rows).all(rise), "row.cdf", "tables that rise from above 0 to 65535"),
-        (tables.slopes.iter().all(|s| s.unsigned_abs() <= STEEPEST as u8), "row.slope", "values within ±122"),
-        (tables.nodes.chunks(tables.width).all(whole), "row.density", "rows above 0 that are normalised"),
+        (
+            cosines,
+            "knot.cosine",
+            "values that fall from 1 and stay above 0",
+        ),
+        (
+            edges,
+            "row.edge",
+            "values that rise from 0 to 79 by way of 63",
+        ),
+        (
+            tables.rows.chunks(rows).all(rise),
+            "row.cdf",
+            "tables that rise from above 0 to 65535",
+        ),
+        (
+            tables
+                .slopes
+                .iter()
+                .all(|s| s.unsigned_abs() <= STEEPEST as u8),
+            "row.slope",
+            "values within ±122",
+        ),
+        (
+            tables.nodes.chunks(tables.width).all(whole),
+            "row.density",
+            "rows above 0 that are normalised",
+        ),
     ]
     .into_iter()
     .find(|rule| !rule.0)
@@ -324,7 +427,11 @@ fn broken_rule(tables: &square::Stored) -> Option<(&'static str, &'static str)> 
 }
 
 pub(super) fn write_lobe(parameters: &LobeParameters, out: &mut TensorsOut) {
-    let LobeParameters { along, across, diffuse } = *parameters;
+    let LobeParameters {
+        along,
+        across,
+        diffuse,
+    } = *parameters;
     out.add("lobe.parameter", [along, across, diffuse]);
 }
 
@@ -334,7 +441,11 @@ pub(super) fn read_lobe(tensors: &Tensors, settings: LobeSettings) -> Result<Lob
     let [along, across, diffuse] = stored[..] else {
         return Err(tensors.invalid_in("lobe.parameter", 0, "3 values", stored.len().to_string()));
     };
-    let parameters = LobeParameters { along, across, diffuse };
+    let parameters = LobeParameters {
+        along,
+        across,
+        diffuse,
+    };
     if settings.parameters != Some(parameters) {
         let expected = format!("the parameters of the record, {:?},", settings.parameters);
         return Err(tensors.invalid_in("lobe.parameter", 0, &expected, format!("{stored:?}")));
@@ -350,9 +461,9 @@ pub(super) fn write_factors(terms: &Terms, out: &mut TensorsOut) {
 
 /// Reads terms, of which every one that a table draws from has curves with mass.
 pub(super) fn read_factored(tensors: &Tensors, settings: FactoredSettings) -> Result<Factored> {
-    let factors = settings
-        .factors
-        .ok_or_else(|| tensors.invalid("the factors of a factored sampler in the record", "none"))?;
+    let factors = settings.factors.ok_or_else(|| {
+        tensors.invalid("the factors of a factored sampler in the record", "none")
+    })?;
     settings.check()?;
     let terms = Terms {
         weights: tensors.get("term.weight")?,
@@ -362,7 +473,12 @@ pub(super) fn read_factored(tensors: &Tensors, settings: FactoredSettings) -> Re
     for (name, curves) in [("theta", &terms.theta), ("phi", &terms.phi)] {
         if !curves.positions.is_empty() {
             let found = format!("{} positions", curves.positions.len());
-            return Err(tensors.invalid_in(&format!("{name}.position"), 0, "knots at every cell", found));
+            return Err(tensors.invalid_in(
+                &format!("{name}.position"),
+                0,
+                "knots at every cell",
+                found,
+            ));
         }
     }
     let count = factors.terms();
@@ -382,7 +498,12 @@ pub(super) fn read_factored(tensors: &Tensors, settings: FactoredSettings) -> Re
         let whole = row.iter().map(|&w| f64::from(w)).sum::<f64>() <= 1.0 + 1e-6;
         if let Some(l) = (0..count).find(|&l| !sound(l) || !whole) {
             let expected = format!("shares of table {k} within 0..1, of terms that can be drawn,");
-            return Err(tensors.invalid_in("term.weight", k * count + l, &expected, format!("{row:?}")));
+            return Err(tensors.invalid_in(
+                "term.weight",
+                k * count + l,
+                &expected,
+                format!("{row:?}"),
+            ));
         }
     }
     Factored::from_parts(settings, terms)

@@ -57,17 +57,24 @@ impl TensorsOut {
     }
 
     pub fn sha256(&self) -> String {
-        sha256(self.0.iter().map(|(name, (dtype, bytes))| (name.as_str(), *dtype, bytes.as_slice())))
+        sha256(
+            self.0
+                .iter()
+                .map(|(name, (dtype, bytes))| (name.as_str(), *dtype, bytes.as_slice())),
+        )
     }
 
     pub fn serialize(&self, metadata: HashMap<String, String>) -> Result<Vec<u8>> {
-        let failed = |e: safetensors::SafeTensorError| Error::argument(e.to_string(), "report this");
+        let failed =
+            |e: safetensors::SafeTensorError| Error::argument(e.to_string(), "report this");
         let views = self
             .0
             .iter()
             .map(|(name, (dtype, bytes))| {
                 let length = bytes.len() * 8 / dtype.bitsize();
-                TensorView::new(*dtype, vec![length], bytes).map(|v| (name, v)).map_err(failed)
+                TensorView::new(*dtype, vec![length], bytes)
+                    .map(|v| (name, v))
+                    .map_err(failed)
             })
             .collect::<Result<Vec<_>>>()?;
         serialize(views, Some(metadata)).map_err(failed)
@@ -87,7 +94,15 @@ impl Tensors {
             .into_iter()
             .map(|(name, info)| (name, (info.dtype, info.data_offsets.0..info.data_offsets.1)))
             .collect();
-        Ok((Self { path: path.to_owned(), bytes, data_start, map }, metadata))
+        Ok((
+            Self {
+                path: path.to_owned(),
+                bytes,
+                data_start,
+                map,
+            },
+            metadata,
+        ))
     }
 
     /// The file they were read from.
@@ -96,38 +111,62 @@ impl Tensors {
     }
 
     pub fn sha256(&self) -> String {
-        sha256(self.map.iter().map(|(name, (dtype, range))| (name.as_str(), *dtype, self.data(range))))
+        sha256(
+            self.map
+                .iter()
+                .map(|(name, (dtype, range))| (name.as_str(), *dtype, self.data(range))),
+        )
     }
 
     /// An array of the file.
     pub fn get<T: Element>(&self, name: &str) -> Result<Vec<T>> {
-        Ok(self.raw::<T>(name)?.chunks_exact(size_of::<T>()).filter_map(T::get).collect())
+        Ok(self
+            .raw::<T>(name)?
+            .chunks_exact(size_of::<T>())
+            .filter_map(T::get)
+            .collect())
     }
 
     /// The bytes of an array of the file.
     fn raw<T: Element>(&self, name: &str) -> Result<&[u8]> {
-        let (dtype, range) =
-            self.map.get(name).ok_or_else(|| self.invalid(format!("a tensor \"{name}\""), "none"))?;
+        let (dtype, range) = self
+            .map
+            .get(name)
+            .ok_or_else(|| self.invalid(format!("a tensor \"{name}\""), "none"))?;
         if *dtype != T::DTYPE {
             let expected = format!("tensor \"{name}\" of {:?}", T::DTYPE);
-            return Err(self.error(self.data_start + range.start, expected, format!("{dtype:?}")));
+            return Err(self.error(
+                self.data_start + range.start,
+                expected,
+                format!("{dtype:?}"),
+            ));
         }
         Ok(self.data(range))
     }
 
     /// Part `k` of the `count` of `length` values each that an array of the file must have.
-    pub fn get_nth<T: Element>(&self, name: &str, length: usize, k: usize, count: usize) -> Result<Vec<T>> {
+    pub fn get_nth<T: Element>(
+        &self,
+        name: &str,
+        length: usize,
+        k: usize,
+        count: usize,
+    ) -> Result<Vec<T>> {
         let (raw, size) = (self.raw::<T>(name)?, size_of::<T>());
         if raw.len() != length * count * size {
             let found = (raw.len() / size).to_string();
             return Err(self.invalid_in(name, 0, &format!("{} values", length * count), found));
         }
-        let part = raw.get(k * length * size..(k + 1) * length * size).unwrap_or_default();
+        let part = raw
+            .get(k * length * size..(k + 1) * length * size)
+            .unwrap_or_default();
         Ok(part.chunks_exact(size).filter_map(T::get).collect())
     }
 
     fn data(&self, range: &Range<usize>) -> &[u8] {
-        self.bytes[self.data_start..].get(range.clone()).unwrap_or_default()
+        self.bytes[self.data_start..]
+            .get(range.clone())
+            .unwrap_or_default()
     }
 
     /// The error for a header or metadata that does not fit.
@@ -136,15 +175,31 @@ impl Tensors {
     }
 
     /// The error for tensor `name` whose value `index` does not fit, or that as a whole does not (0).
-    pub fn invalid_in(&self, name: &str, index: usize, expected: &str, found: impl Into<String>) -> Error {
+    pub fn invalid_in(
+        &self,
+        name: &str,
+        index: usize,
+        expected: &str,
+        found: impl Into<String>,
+    ) -> Error {
         let offset = self.map.get(name).map_or(LENGTH, |(dtype, range)| {
             self.data_start + (range.start + index * dtype.bitsize() / 8).min(range.end)
         });
-        self.error(offset, format!("{expected} in tensor \"{name}\""), found.into())
+        self.error(
+            offset,
+            format!("{expected} in tensor \"{name}\""),
+            found.into(),
+        )
     }
 
     fn error(&self, offset: usize, expected: String, found: String) -> Error {
-        Error::invalid(&self.path, offset as u64, expected, found, "build it again with `merlkit build`")
+        Error::invalid(
+            &self.path,
+            offset as u64,
+            expected,
+            found,
+            "build it again with `merlkit build`",
+        )
     }
 }
 
@@ -158,18 +213,31 @@ fn read_header(bytes: &[u8], path: &Path) -> Result<(usize, Metadata)> {
         Error::invalid(path, offset as u64, "a safetensors file", found, fix)
     };
     let Some((length, rest)) = bytes.split_first_chunk::<LENGTH>() else {
-        return Err(wrong(bytes.len(), format!("the end of a file of {} bytes", bytes.len())));
+        return Err(wrong(
+            bytes.len(),
+            format!("the end of a file of {} bytes", bytes.len()),
+        ));
     };
     let length = u64::from_le_bytes(*length);
     let Some(json) = usize::try_from(length).ok().and_then(|n| rest.get(..n)) else {
-        return Err(wrong(0, format!("a header of {length} bytes in a file of {}", bytes.len())));
+        return Err(wrong(
+            0,
+            format!("a header of {length} bytes in a file of {}", bytes.len()),
+        ));
     };
     // A header is one line, so that the column is the place.
-    let metadata: Metadata = serde_json::from_slice(json)
-        .map_err(|e| wrong(LENGTH + e.column().saturating_sub(1).min(json.len()), e.to_string()))?;
+    let metadata: Metadata = serde_json::from_slice(json).map_err(|e| {
+        wrong(
+            LENGTH + e.column().saturating_sub(1).min(json.len()),
+            e.to_string(),
+        )
+    })?;
     let data = rest.len() - json.len();
     if metadata.data_len() != data {
-        let found = format!("{data} bytes of tensors where the header counts {}", metadata.data_len());
+        let found = format!(
+            "{data} bytes of tensors where the header counts {}",
+            metadata.data_len()
+        );
         return Err(wrong(LENGTH + json.len(), found));
     }
     Ok((LENGTH + json.len(), metadata))

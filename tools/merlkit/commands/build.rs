@@ -46,7 +46,9 @@ pub fn run(args: &Args) -> Outcome {
     let spec = args.settings.spec(&args.sampler)?;
     let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
-    materials.iter().try_for_each(|m| spec.serve(m.is_anisotropic()?))?;
+    materials
+        .iter()
+        .try_for_each(|m| spec.serve(m.is_anisotropic()?))?;
     let overwrite = output::overwrite(args.force);
     let jobs = destinations(args, materials)?;
     for (_, path) in &jobs {
@@ -58,18 +60,27 @@ pub fn run(args: &Args) -> Outcome {
     // At the end, on failure and on Ctrl-C alike: a file that is listed is complete.
     interrupt::at_end(move || {
         let lines = lines.lock().unwrap_or_else(PoisonError::into_inner);
-        output::stdout(|out| lines.values().try_for_each(|line: &String| writeln!(out, "{line}")))
+        output::stdout(|out| {
+            lines
+                .values()
+                .try_for_each(|line: &String| writeln!(out, "{line}"))
+        })
     });
     let jobs: Vec<_> = jobs.into_iter().enumerate().collect();
     // One chunk at a time holds at most one table a thread in memory.
-    let outcome = jobs.chunks(rayon::current_num_threads()).try_for_each(|chunk| {
-        chunk.par_iter().try_for_each(|(number, (material, path))| {
-            let line = build(material, spec, args.lookup, path, overwrite)?;
-            written.lock().unwrap_or_else(PoisonError::into_inner).insert(*number, line);
-            progress.advance();
-            Ok::<_, Error>(())
-        })
-    });
+    let outcome = jobs
+        .chunks(rayon::current_num_threads())
+        .try_for_each(|chunk| {
+            chunk.par_iter().try_for_each(|(number, (material, path))| {
+                let line = build(material, spec, args.lookup, path, overwrite)?;
+                written
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .insert(*number, line);
+                progress.advance();
+                Ok::<_, Error>(())
+            })
+        });
     drop(progress);
     interrupt::finish()?;
     outcome?;
@@ -77,14 +88,19 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 /// Each material with its file; makes the folder if there are several.
-fn destinations(args: &Args, materials: Vec<Material>) -> Result<Vec<(Material, PathBuf)>, Failure> {
+fn destinations(
+    args: &Args,
+    materials: Vec<Material>,
+) -> Result<Vec<(Material, PathBuf)>, Failure> {
     let single = materials.len() == 1 && !args.output.is_dir();
     if !single {
         std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     }
     let file = |m: &Material| match single {
         true => args.output.clone(),
-        false => args.output.join(format!("{}.{}.safetensors", m.name(), args.sampler)),
+        false => args
+            .output
+            .join(format!("{}.{}.safetensors", m.name(), args.sampler)),
     };
     Ok(materials
         .into_iter()
@@ -105,6 +121,13 @@ fn build(
     let brdf = MaterialBrdf::new(material.content()?, lookup);
     let sampler = spec.build_for(&brdf)?;
     let bytes = store::save(&sampler, material, lookup, path, overwrite)?;
-    let lookup = brdf.rule().map_or_else(String::new, |rule| format!(" {} lookup,", rule.name()));
-    Ok(format!("{}: {} for {},{lookup} {bytes} bytes", path.display(), spec.name(), material.name()))
+    let lookup = brdf
+        .rule()
+        .map_or_else(String::new, |rule| format!(" {} lookup,", rule.name()));
+    Ok(format!(
+        "{}: {} for {},{lookup} {bytes} bytes",
+        path.display(),
+        spec.name(),
+        material.name()
+    ))
 }

@@ -96,7 +96,11 @@ pub fn run(args: &Args) -> Outcome {
             let sampler = spec.build_for(&brdf)?;
             let report = check_sampler(&sampler, brdf.as_dyn(), &directions, &settings);
             let (material, sampler) = (material.name().into(), sampler.spec().label());
-            let result = CheckResult { material, sampler, report };
+            let result = CheckResult {
+                material,
+                sampler,
+                report,
+            };
             lock(&results).push(result);
             progress.advance();
         }
@@ -107,12 +111,19 @@ pub fn run(args: &Args) -> Outcome {
     }
     interrupt::finish()?;
     let pass = lock(&results).iter().all(|r| r.report.pass());
-    Ok(if pass { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(if pass {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(1)
+    })
 }
 
 /// The samplers of each material.
 fn of_each(materials: &[Material], args: &Args) -> Result<Vec<Vec<SamplerSpec>>, Error> {
-    materials.iter().map(|m| args.settings.specs_of(m, &args.samplers, &COMPARED)).collect()
+    materials
+        .iter()
+        .map(|m| args.settings.specs_of(m, &args.samplers, &COMPARED))
+        .collect()
 }
 
 fn lock(results: &Mutex<Vec<CheckResult>>) -> MutexGuard<'_, Vec<CheckResult>> {
@@ -142,22 +153,41 @@ fn hard(args: &Args) -> Outcome {
     if let Some(destination) = &args.json {
         destination.check(overwrite)?;
     }
-    let thoroughness = if args.materials.are_all() { Thoroughness::Full } else { Thoroughness::Quick };
+    let thoroughness = if args.materials.are_all() {
+        Thoroughness::Full
+    } else {
+        Thoroughness::Quick
+    };
     let progress = Progress::new("checking", HardCase::ALL.len());
-    let outcomes = check_hard(&HardCase::ALL, thoroughness, args.seed, &|| progress.advance())?;
+    let outcomes = check_hard(&HardCase::ALL, thoroughness, args.seed, &|| {
+        progress.advance()
+    })?;
     drop(progress);
     if args.json != Some(Destination::Stdout) {
         let sheets = HardSheets::of(&outcomes);
         output::stdout(|out| {
-            writeln!(out, "{}\n{}", table::render(&sheets.cases), table::render(&sheets.samplers))?;
+            writeln!(
+                out,
+                "{}\n{}",
+                table::render(&sheets.cases),
+                table::render(&sheets.samplers)
+            )?;
             let failures = &sheets.failures;
-            if failures.rows.is_empty() { Ok(()) } else { writeln!(out, "{}", table::render(failures)) }
+            if failures.rows.is_empty() {
+                Ok(())
+            } else {
+                writeln!(out, "{}", table::render(failures))
+            }
         })?;
     }
     if let Some(destination) = &args.json {
         destination.write(overwrite, |out| write_json(out, "check-hard", &outcomes))?;
     }
-    Ok(if outcomes.iter().all(|o| o.pass) { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(if outcomes.iter().all(|o| o.pass) {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(1)
+    })
 }
 
 fn print(results: &[CheckResult]) -> Result<(), Failure> {
@@ -169,6 +199,10 @@ fn print(results: &[CheckResult]) -> Result<(), Failure> {
     }
     output::stdout(|out| {
         writeln!(out, "{}", table::render(&overview))?;
-        if failures.rows.is_empty() { Ok(()) } else { writeln!(out, "{}", table::render(&failures)) }
+        if failures.rows.is_empty() {
+            Ok(())
+        } else {
+            writeln!(out, "{}", table::render(&failures))
+        }
     })
 }

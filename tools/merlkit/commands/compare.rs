@@ -9,9 +9,9 @@ use merlkit::brdf::{LookupRule, Measured};
 use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::light::Environment;
 use merlkit::measure::compare::{
-    Comparison, ComparisonPlan, MATERIALS, MaterialComparison, Named, PictureComparison, PicturePlan,
-    PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors, curve, knobs,
-    picture_competitors, picture_reference, pictures, references, setting, verdict,
+    Comparison, ComparisonPlan, MATERIALS, MaterialComparison, Named, PictureComparison,
+    PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors,
+    curve, knobs, picture_competitors, picture_reference, pictures, references, setting, verdict,
 };
 use merlkit::measure::cost::time;
 use merlkit::merl::Material;
@@ -65,34 +65,57 @@ const QUICK: [&str; 3] = ["nickel", "red-plastic", "teflon"];
 pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
     let materials = materials(args)?;
-    let [json, csv, page] = ["json", "csv", "html"].map(|e| args.output.join(format!("compare.{e}")));
+    let [json, csv, page] =
+        ["json", "csv", "html"].map(|e| args.output.join(format!("compare.{e}")));
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     for path in [&json, &csv, &page] {
         check_writable(path, overwrite)?;
     }
     let mut run = Run::new(args, materials)?;
     let comparison = run.comparison()?;
-    write(&json, overwrite, |out| write_json(out, "compare", &ComparisonDocument::new(&comparison)))?;
-    write(&csv, overwrite, |out| comparison_csv(&comparison).write_csv(out))?;
-    write(&page, overwrite, |out| out.write_all(comparison_page(&comparison).as_bytes()))?;
-    let Run { journal, progress, .. } = run;
+    write(&json, overwrite, |out| {
+        write_json(out, "compare", &ComparisonDocument::new(&comparison))
+    })?;
+    write(&csv, overwrite, |out| {
+        comparison_csv(&comparison).write_csv(out)
+    })?;
+    write(&page, overwrite, |out| {
+        out.write_all(comparison_page(&comparison).as_bytes())
+    })?;
+    let Run {
+        journal, progress, ..
+    } = run;
     drop(progress);
     journal.finish()?;
     output::stdout(|out| {
         for material in &comparison.materials {
             writeln!(out, "{}", table::render(&targets(material)))?;
         }
-        for verdict in comparison.materials.iter().filter_map(|m| m.verdict.as_ref()) {
+        for verdict in comparison
+            .materials
+            .iter()
+            .filter_map(|m| m.verdict.as_ref())
+        {
             writeln!(out, "{}", verdict.sentence)?;
         }
-        writeln!(out, "{}\n{}\n{}", json.display(), csv.display(), page.display())
+        writeln!(
+            out,
+            "{}\n{}\n{}",
+            json.display(),
+            csv.display(),
+            page.display()
+        )
     })?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// What is compared, by name.
 fn materials(args: &Args) -> Result<(Vec<String>, Vec<Material>), Error> {
-    let default = if args.quick { &QUICK[..] } else { &MATERIALS[..] };
+    let default = if args.quick {
+        &QUICK[..]
+    } else {
+        &MATERIALS[..]
+    };
     let names = match args.materials.is_empty() {
         true => default.iter().map(|&name| name.to_owned()).collect(),
         false => args.materials.clone(),
@@ -108,7 +131,9 @@ fn write(
     overwrite: Overwrite,
     fill: impl FnOnce(&mut dyn std::io::Write) -> std::io::Result<()>,
 ) -> Result<(), Error> {
-    write_new(path, overwrite, |out| fill(out).map_err(|e| Error::io(path, "write", e)))
+    write_new(path, overwrite, |out| {
+        fill(out).map_err(|e| Error::io(path, "write", e))
+    })
 }
 
 /// A run under way.
@@ -134,7 +159,13 @@ impl Run {
         let parts = parts(&plan, materials.len());
         let progress = Progress::new("comparing", parts);
         let sky = args.sky.load()?;
-        Ok(Self { plan, materials, sky, journal, progress })
+        Ok(Self {
+            plan,
+            materials,
+            sky,
+            journal,
+            progress,
+        })
     }
 
     fn comparison(&mut self) -> Result<Comparison, Error> {
@@ -157,16 +188,32 @@ impl Run {
         }
         let mut charts = Vec::new();
         for (name, brdf) in &named {
-            charts.push(self.journal.recall_or(&format!("charts/{name}"), || material_charts(name, brdf))?);
+            charts.push(
+                self.journal
+                    .recall_or(&format!("charts/{name}"), || material_charts(name, brdf))?,
+            );
             self.progress.advance();
         }
         let threads = rayon::current_num_threads();
-        Ok(Comparison { plan: self.plan.clone(), threads, materials, pictures, settings, charts })
+        Ok(Comparison {
+            plan: self.plan.clone(),
+            threads,
+            materials,
+            pictures,
+            settings,
+            charts,
+        })
     }
 
     /// The lit point.
     fn material(&mut self, name: &str, brdf: &Arc<Measured>) -> Result<MaterialComparison, Error> {
-        let Self { plan, sky, journal, progress, .. } = self;
+        let Self {
+            plan,
+            sky,
+            journal,
+            progress,
+            ..
+        } = self;
         let key = format!("references/{name}");
         let references = journal.recall_or(&key, || Ok(references(brdf, sky, &plan.point)))?;
         let mut curves = Vec::new();
@@ -174,18 +221,35 @@ impl Run {
             curves.push(journal.recall_or(&format!("point/{name}/{number}"), || {
                 let (sampler, seconds) = time(|| competitor.spec.build(brdf));
                 let measured = (&plan.point, &references[..]);
-                Ok(curve(competitor, &sampler?, seconds.wall, brdf, sky, measured))
+                Ok(curve(
+                    competitor,
+                    &sampler?,
+                    seconds.wall,
+                    brdf,
+                    sky,
+                    measured,
+                ))
             })?);
             progress.advance();
         }
         let verdict = verdict(name, &curves);
-        Ok(MaterialComparison { material: name.into(), references, curves, verdict })
+        Ok(MaterialComparison {
+            material: name.into(),
+            references,
+            curves,
+            verdict,
+        })
     }
 
     fn pictures(&mut self, scene: SceneKind, group: &[Named]) -> Result<PictureComparison, Error> {
         let names: Vec<&str> = group.iter().map(|(name, _)| name.as_str()).collect();
         let material = names.join(", ");
-        let Self { plan, journal, progress, .. } = self;
+        let Self {
+            plan,
+            journal,
+            progress,
+            ..
+        } = self;
         let key = format!("picture/{}/{material}", scene.name());
         let mut film = None;
         let reference = journal.recall_or(&format!("{key}/reference"), || {
@@ -201,16 +265,33 @@ impl Run {
                     Some(rendered) => rendered,
                     None => picture_reference(scene, group, &plan.picture)?.1,
                 };
-                pictures(scene, group, competitor, &plan.picture, film.insert(rendered))
+                pictures(
+                    scene,
+                    group,
+                    competitor,
+                    &plan.picture,
+                    film.insert(rendered),
+                )
             });
             results.extend(one?);
             progress.advance();
         }
-        Ok(PictureComparison { scene, material, reference, results })
+        Ok(PictureComparison {
+            scene,
+            material,
+            reference,
+            results,
+        })
     }
 
     fn settings(&mut self, name: &str, brdf: &Measured) -> Result<SettingsComparison, Error> {
-        let Self { plan, sky, journal, progress, .. } = self;
+        let Self {
+            plan,
+            sky,
+            journal,
+            progress,
+            ..
+        } = self;
         let mut settings = Vec::new();
         for (number, knob) in knobs(plan.quick, plan.lookup).into_iter().enumerate() {
             settings.push(journal.recall_or(&format!("setting/{name}/{number}"), || {
@@ -218,7 +299,10 @@ impl Run {
             })?);
             progress.advance();
         }
-        Ok(SettingsComparison { material: name.into(), settings })
+        Ok(SettingsComparison {
+            material: name.into(),
+            settings,
+        })
     }
 }
 
@@ -255,7 +339,11 @@ fn groups(scene: SceneKind, materials: &[Named]) -> Vec<&[Named]> {
 
 /// Materials whose settings are tried.
 fn settings_of(plan: &ComparisonPlan, materials: usize) -> usize {
-    if plan.quick { materials.min(1) } else { materials }
+    if plan.quick {
+        materials.min(1)
+    } else {
+        materials
+    }
 }
 
 /// Measurements in all, for the progress bar.

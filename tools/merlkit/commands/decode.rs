@@ -56,7 +56,11 @@ pub fn run(args: &Args) -> Outcome {
 
 fn hard_cases(args: &Args) -> Outcome {
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
-    for case in args.hard_case.iter().filter_map(|name| HardCase::named(name)) {
+    for case in args
+        .hard_case
+        .iter()
+        .filter_map(|name| HardCase::named(name))
+    {
         let path = args.output.join(format!("{}.binary", case.name));
         case.write(&path, output::overwrite(args.force))?;
     }

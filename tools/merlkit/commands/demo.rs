@@ -62,14 +62,24 @@ pub fn run(args: &Args) -> Outcome {
     pictures(args, &materials, &samplers, overwrite)?;
     let seconds = start.elapsed().as_secs_f64();
     output::stdout(|out| {
-        writeln!(out, "Done in {seconds:.1} s; everything is in {}.", args.output.display())
+        writeln!(
+            out,
+            "Done in {seconds:.1} s; everything is in {}.",
+            args.output.display()
+        )
     })?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Each sampler and the files of its picture.
 fn samplers(folder: &Path) -> Result<Vec<(SamplerSpec, Files)>, Error> {
-    let names = ["half-vector", "cosine", "adaptive-disc", "cascade-cdf-whole", "cascade-cdf-compressed"];
+    let names = [
+        "half-vector",
+        "cosine",
+        "adaptive-disc",
+        "cascade-cdf-whole",
+        "cascade-cdf-compressed",
+    ];
     let specs = SamplerArgs::default().specs(&[], &["64KB"])?;
     Ok(specs
         .into_iter()
@@ -89,15 +99,31 @@ fn materials(binaries: &[PathBuf; 3], overwrite: Overwrite) -> Result<Vec<Materi
     Ok(materials)
 }
 
-fn report(materials: &[Material], samplers: &[(SamplerSpec, Files)], seed: u64) -> Result<(), Failure> {
+fn report(
+    materials: &[Material],
+    samplers: &[(SamplerSpec, Files)],
+    seed: u64,
+) -> Result<(), Failure> {
     let specs: Vec<SamplerSpec> = samplers.iter().map(|s| s.0).collect();
-    let settings = ProfileSettings { draws: 50_000, timed_calls: 50_000, seed, ..ProfileSettings::default() };
+    let settings = ProfileSettings {
+        draws: 50_000,
+        timed_calls: 50_000,
+        seed,
+        ..ProfileSettings::default()
+    };
     let progress = Progress::new("measuring", materials.len() * specs.len());
     for material in materials {
         let figures = profile(material, LOOKUP, &specs, &settings, &|| progress.advance())?;
         let report = SamplerReport::new(figures);
         progress.aside(|| {
-            output::stdout(|out| writeln!(out, "\n{}\n{}", report.legend(), table::render(&report.sheet())))
+            output::stdout(|out| {
+                writeln!(
+                    out,
+                    "\n{}\n{}",
+                    report.legend(),
+                    table::render(&report.sheet())
+                )
+            })
         })?;
     }
     drop(progress);
@@ -110,8 +136,13 @@ fn pictures(
     samplers: &[(SamplerSpec, Files)],
     overwrite: Overwrite,
 ) -> Result<(), Failure> {
-    let settings =
-        Settings { width: 600, height: 240, samples: args.spp, seed: args.seed, points: PointSet::Lattice };
+    let settings = Settings {
+        width: 600,
+        height: 240,
+        samples: args.spp,
+        seed: args.seed,
+        points: PointSet::Lattice,
+    };
     let names: Vec<String> = NAMES.map(String::from).to_vec();
     let mut scene = SceneSpec::row(&names, settings.width as f64 / settings.height as f64);
     scene.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];

@@ -73,7 +73,9 @@ fn angles(argument: &str) -> Result<DVec3, String> {
         Some(&[theta, phi]) if (0.0..=180.0).contains(&theta) && phi.is_finite() => {
             Ok(args::direction(theta, phi))
         }
-        Some([_, _]) => Err("expected a polar angle of 0 to 180 degrees and a finite azimuth".into()),
+        Some([_, _]) => {
+            Err("expected a polar angle of 0 to 180 degrees and a finite azimuth".into())
+        }
         _ => Err("expected two numbers, polar angle and azimuth in degrees, as in 30,180".into()),
     }
 }

@@ -66,8 +66,11 @@ enum Format {
     Header,
 }
 
-const FORMATS: &[(&str, Format)] =
-    &[("bsdf", Format::Bsdf), ("npz", Format::Npz), ("header", Format::Header)];
+const FORMATS: &[(&str, Format)] = &[
+    ("bsdf", Format::Bsdf),
+    ("npz", Format::Npz),
+    ("header", Format::Header),
+];
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Variant {
@@ -76,15 +79,21 @@ enum Variant {
     Both,
 }
 
-const VARIANTS: &[(&str, Variant)] =
-    &[("rgb", Variant::Rgb), ("spectral", Variant::Spectral), ("both", Variant::Both)];
+const VARIANTS: &[(&str, Variant)] = &[
+    ("rgb", Variant::Rgb),
+    ("spectral", Variant::Spectral),
+    ("both", Variant::Both),
+];
 
 fn size() -> impl TypedValueParser<Value = BsdfSize> {
     PossibleValuesParser::new(BsdfSize::ALL.map(|s| s.name)).map(|name| size_called(&name))
 }
 
 fn size_called(name: &str) -> BsdfSize {
-    BsdfSize::ALL.into_iter().find(|s| s.name == name).unwrap_or(BsdfSize::ALL[0])
+    BsdfSize::ALL
+        .into_iter()
+        .find(|s| s.name == name)
+        .unwrap_or(BsdfSize::ALL[0])
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -100,7 +109,11 @@ pub fn run(args: &Args) -> Outcome {
         check_writable(&path, output::overwrite(args.force))?;
     }
     let progress = Progress::new("exporting", materials.len());
-    let mut sheet = if args.format == Format::Bsdf { export_sheet() } else { table_sheet() };
+    let mut sheet = if args.format == Format::Bsdf {
+        export_sheet()
+    } else {
+        table_sheet()
+    };
     for material in &materials {
         match args.format {
             Format::Bsdf => bsdf(material, args, &mut sheet)?,
@@ -136,18 +149,27 @@ impl Args {
     }
 
     fn format_name(&self) -> &'static str {
-        FORMATS.iter().find(|f| f.1 == self.format).map_or("", |f| f.0)
+        FORMATS
+            .iter()
+            .find(|f| f.1 == self.format)
+            .map_or("", |f| f.0)
     }
 
     fn lookup(&self) -> LookupRule {
-        let of_format = if self.format == Format::Bsdf { LookupRule::Linear } else { LookupRule::Floor };
+        let of_format = if self.format == Format::Bsdf {
+            LookupRule::Linear
+        } else {
+            LookupRule::Floor
+        };
         self.lookup.unwrap_or(of_format)
     }
 
     fn variants(&self) -> impl Iterator<Item = &'static str> + use<> {
         let wanted = self.variant.unwrap_or(Variant::Both);
         let both = [("rgb", Variant::Rgb), ("spectral", Variant::Spectral)];
-        both.into_iter().filter(move |v| wanted == Variant::Both || wanted == v.1).map(|v| v.0)
+        both.into_iter()
+            .filter(move |v| wanted == Variant::Both || wanted == v.1)
+            .map(|v| v.0)
     }
 
     /// The files of a material, in the order in which they are written.
@@ -157,7 +179,9 @@ impl Args {
             Format::Npz => vec!["npz".into()],
             Format::Header => vec!["f32".into(), "h".into()],
         };
-        ends.iter().map(|end| self.output.join(format!("{}.{end}", material.name()))).collect()
+        ends.iter()
+            .map(|end| self.output.join(format!("{}.{end}", material.name())))
+            .collect()
     }
 }
 
@@ -167,18 +191,31 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error
         Some(limit) => size_within(&brdf, limit)?,
         None => {
             let size = args.size.unwrap_or_else(|| size_called("6MB"));
-            (size, tabulate(|wo, wi| brdf.eval(wo, wi), size, String::new()))
+            (
+                size,
+                tabulate(|wo, wi| brdf.eval(wo, wi), size, String::new()),
+            )
         }
     };
     file.description = description(material, args.lookup(), size);
     for (variant, path) in args.variants().zip(args.paths(material)) {
-        let written = if variant == "rgb" { file.clone() } else { file.to_spectral() };
+        let written = if variant == "rgb" {
+            file.clone()
+        } else {
+            file.to_spectral()
+        };
         let bytes = written.write(&path, output::overwrite(args.force))?;
         let read = BsdfFile::open(&path)?;
         let colour = colour_error(&read, &file);
         let rgl = Rgl::new(read);
         let name = path.display().to_string();
-        sheet.push(export_row(name, bytes, colour, &value_errors(&rgl, &brdf), &draw_quality(&rgl, &brdf)));
+        sheet.push(export_row(
+            name,
+            bytes,
+            colour,
+            &value_errors(&rgl, &brdf),
+            &draw_quality(&rgl, &brdf),
+        ));
     }
     Ok(())
 }
@@ -189,8 +226,16 @@ fn table_and_values(material: &Material, args: &Args, sheet: &mut Sheet) -> Resu
     let overwrite = output::overwrite(args.force);
     for path in args.paths(material) {
         let (bytes, holds, draws) = match path.extension().and_then(|e| e.to_str()) {
-            Some("npz") => (export.write_npz(&path, overwrite)?, "half-vector table, f_r", Some(&draws)),
-            Some("h") => (export.write_header(&path, overwrite)?, "sample, pdf, eval", Some(&draws)),
+            Some("npz") => (
+                export.write_npz(&path, overwrite)?,
+                "half-vector table, f_r",
+                Some(&draws),
+            ),
+            Some("h") => (
+                export.write_header(&path, overwrite)?,
+                "sample, pdf, eval",
+                Some(&draws),
+            ),
             _ => (export.write_values(&path, overwrite)?, "f_r for eval", None),
         };
         sheet.push(drawn_row(path.display().to_string(), bytes, holds, draws));

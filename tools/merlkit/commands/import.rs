@@ -35,7 +35,11 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
     check_writable(&args.output, overwrite)?;
-    let point = if args.lookup == LookupRule::Linear { BinPoint::Edge } else { BinPoint::Centre };
+    let point = if args.lookup == LookupRule::Linear {
+        BinPoint::Edge
+    } else {
+        BinPoint::Centre
+    };
     let (table, rgl) = import_bsdf(&args.file, point)?;
     write(&table, &args.output, overwrite)?;
     let errors = value_errors(&Measured::new(Arc::new(table), args.lookup), &rgl);

@@ -38,7 +38,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let subjects = args.sources.iter().map(|s| Subject::of(s)).collect::<Result<Vec<_>, _>>()?;
+    let subjects = args
+        .sources
+        .iter()
+        .map(|s| Subject::of(s))
+        .collect::<Result<Vec<_>, _>>()?;
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {
         destination.check(overwrite)?;
@@ -48,7 +52,9 @@ pub fn run(args: &Args) -> Outcome {
     for subject in subjects {
         let info = subject.describe(args.lookup)?;
         if args.json != Some(Destination::Stdout) {
-            progress.aside(|| output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet()))))?;
+            progress.aside(|| {
+                output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet())))
+            })?;
         }
         results.push(info);
         progress.advance();
@@ -110,16 +116,27 @@ struct SamplerDescription {
 
 impl SamplerDescription {
     fn read(path: &Path) -> Result<Self, Error> {
-        let file_bytes = path.metadata().map_err(|e| Error::io(path, "read", e))?.len();
+        let file_bytes = path
+            .metadata()
+            .map_err(|e| Error::io(path, "read", e))?
+            .len();
         let record = SamplerFile::open(path)?.record().clone();
-        Ok(Self { sampler_file: path.display().to_string(), file_bytes, record })
+        Ok(Self {
+            sampler_file: path.display().to_string(),
+            file_bytes,
+            record,
+        })
     }
 
     fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&["sampler file", &self.sampler_file]);
         let source = self.record.path.as_deref().unwrap_or("embedded");
         let anisotropic = matches!(self.record.spec, SamplerSpec::ByAzimuth(_));
-        let lookup = if anisotropic { "none" } else { self.record.lookup.name() };
+        let lookup = if anisotropic {
+            "none"
+        } else {
+            self.record.lookup.name()
+        };
         for (name, value) in [
             ("sampler", self.record.spec.label()),
             ("material", format!("{} ({source})", self.record.material)),
@@ -140,5 +157,9 @@ fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Error> {
         Source::File(path) => path.display().to_string(),
         Source::Embedded(_) => "embedded".into(),
     };
-    Ok(Info { material: material.name().into(), source, facts: facts(&brdf) })
+    Ok(Info {
+        material: material.name().into(),
+        source,
+        facts: facts(&brdf),
+    })
 }

@@ -23,7 +23,9 @@ pub fn run(args: &Args) -> Outcome {
     let names = embedded_names();
     match &args.json {
         Some(destination) => {
-            destination.write(output::overwrite(args.force), |out| write_json(out, "list", names))?;
+            destination.write(output::overwrite(args.force), |out| {
+                write_json(out, "list", names)
+            })?;
         }
         None => output::stdout(|out| names.iter().try_for_each(|n| writeln!(out, "{n}")))?,
     }

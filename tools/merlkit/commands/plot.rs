@@ -75,7 +75,12 @@ pub struct Args {
     #[arg(long, value_name = "KIND")]
     kind: Kind,
     /// Polar angles of wo, degrees, 0 to below 90, as in 10,30,60; one for disc, up to four otherwise [default: 30]
-    #[arg(long, value_name = "DEG", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
     theta: Vec<f64>,
     /// Sampler whose density or directions are shown [default: lobes none, disc adaptive-disc]
     #[arg(long, value_name = "NAME", value_parser = sampler_args::any_name())]
@@ -117,7 +122,10 @@ pub fn run(args: &Args) -> Outcome {
         Kind::LobePolar => subject.lobe_polar(),
         Kind::Slice => subject.slice()?,
         Kind::SliceRgb => subject.slice_rgb()?,
-        Kind::Disc => subject.disc(args.samples.unwrap_or(1000) as usize, args.seed.unwrap_or(0)),
+        Kind::Disc => subject.disc(
+            args.samples.unwrap_or(1000) as usize,
+            args.seed.unwrap_or(0),
+        ),
         Kind::Cdf => subject.cdf()?,
         Kind::CdfAzimuth => subject.cdf_azimuth()?,
         Kind::Albedo => subject.albedo(),
@@ -163,15 +171,27 @@ impl Args {
             ("--samples", self.samples.is_some()),
             ("--seed", self.seed.is_some()),
         ];
-        let idle = given.iter().find(|(option, given)| *given && !self.kind.takes(option));
-        let setting = self.settings.first_given().filter(|_| self.sampler_name().is_none());
+        let idle = given
+            .iter()
+            .find(|(option, given)| *given && !self.kind.takes(option));
+        let setting = self
+            .settings
+            .first_given()
+            .filter(|_| self.sampler_name().is_none());
         match idle.map(|i| i.0).or(setting) {
             Some(option) => {
-                let what = format!("{option} has no effect on --kind {} as it is", self.kind.name());
+                let what = format!(
+                    "{option} has no effect on --kind {} as it is",
+                    self.kind.name()
+                );
                 let lobe = matches!(self.kind, Kind::Lobe | Kind::LobePolar);
                 Err(Error::argument(
                     what,
-                    if lobe { "name a --sampler, or leave it out" } else { "leave it out" },
+                    if lobe {
+                        "name a --sampler, or leave it out"
+                    } else {
+                        "leave it out"
+                    },
                 ))
             }
             None => Ok(()),
@@ -185,10 +205,18 @@ impl Args {
             return Err(Error::argument(what, "choose --theta from 0 to below 90"));
         }
         if self.theta.len() > most {
-            let what = format!("{} angles for --kind {}", self.theta.len(), self.kind.name());
+            let what = format!(
+                "{} angles for --kind {}",
+                self.theta.len(),
+                self.kind.name()
+            );
             return Err(Error::argument(what, format!("choose at most {most}")));
         }
-        Ok(if self.theta.is_empty() { vec![30.0] } else { self.theta.clone() })
+        Ok(if self.theta.is_empty() {
+            vec![30.0]
+        } else {
+            self.theta.clone()
+        })
     }
 
     /// The sampler that is shown.
@@ -201,6 +229,8 @@ impl Args {
     }
 
     fn spec(&self) -> Result<Option<SamplerSpec>, Error> {
-        self.sampler_name().map(|name| self.settings.spec(name)).transpose()
+        self.sampler_name()
+            .map(|name| self.settings.spec(name))
+            .transpose()
     }
 }

@@ -10,8 +10,8 @@ use merlkit::dist::Heuristic;
 use merlkit::merl::Material;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Decision, Effect, EffectPlan, EnvironmentSource, LEAST_ALLOCATED, LightSpec, Refined, SceneSpec,
-    Settings, Strategy,
+    Decision, Effect, EffectPlan, EnvironmentSource, LEAST_ALLOCATED, LightSpec, Refined,
+    SceneSpec, Settings, Strategy,
 };
 use merlkit::report::Sheet;
 
@@ -100,9 +100,13 @@ pub struct Args {
 }
 
 const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
-const HEURISTICS: [(&str, Heuristic); 2] = [("power", Heuristic::Power), ("balance", Heuristic::Balance)];
-const POINTS: [(&str, PointSet); 3] =
-    [("random", PointSet::Random), ("sobol", PointSet::Sobol), ("lattice", PointSet::Lattice)];
+const HEURISTICS: [(&str, Heuristic); 2] =
+    [("power", Heuristic::Power), ("balance", Heuristic::Balance)];
+const POINTS: [(&str, PointSet); 3] = [
+    ("random", PointSet::Random),
+    ("sobol", PointSet::Sobol),
+    ("lattice", PointSet::Lattice),
+];
 /// Paths a pixel that a target error may take, where nothing is said.
 const MAX_SPP: u64 = 4096;
 /// The floor's reflectance: a mid grey.
@@ -116,7 +120,11 @@ pub fn run(args: &Args) -> Outcome {
     let sampler = args.settings.spec(&args.sampler)?;
     let settings = settings(args)?;
     let (scene, materials) = describe(args, &settings)?;
-    let plan = if args.all_effects { EffectPlan::everything(&scene) } else { EffectPlan::of(&scene) };
+    let plan = if args.all_effects {
+        EffectPlan::everything(&scene)
+    } else {
+        EffectPlan::of(&scene)
+    };
     if args.explain {
         let sheet = explanation(&scene, &plan);
         output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
@@ -134,11 +142,20 @@ pub fn run(args: &Args) -> Outcome {
     let refined = picture.render(&files, overwrite)?;
     output::stdout(|out| {
         writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
-        let (w, h, seconds) = (settings.width, settings.height, start.elapsed().as_secs_f64());
+        let (w, h, seconds) = (
+            settings.width,
+            settings.height,
+            start.elapsed().as_secs_f64(),
+        );
         let even = || format!("{}{}", if args.adaptive { "about " } else { "" }, args.spp);
         let paths = refined.as_ref().map_or_else(even, |r| paths(r, &settings));
-        writeln!(out, "{w} × {h} pixels, {paths} paths a pixel, {seconds:.2} s in all")?;
-        refined.map_or(Ok(()), |refined| writeln!(out, "{}", reached(&refined, settings.samples)))
+        writeln!(
+            out,
+            "{w} × {h} pixels, {paths} paths a pixel, {seconds:.2} s in all"
+        )?;
+        refined.map_or(Ok(()), |refined| {
+            writeln!(out, "{}", reached(&refined, settings.samples))
+        })
     })?;
     Ok(ExitCode::SUCCESS)
 }
@@ -146,14 +163,20 @@ pub fn run(args: &Args) -> Outcome {
 /// Mean paths a pixel, and with those that only served decisions.
 fn paths(refined: &Refined, settings: &Settings) -> String {
     let pixels = (settings.width * settings.height) as f64;
-    let (kept, traced) = (refined.paths as f64 / pixels, refined.traced as f64 / pixels);
+    let (kept, traced) = (
+        refined.paths as f64 / pixels,
+        refined.traced as f64 / pixels,
+    );
     format!("{kept:.1} (traced: {traced:.1})")
 }
 
 /// The error that was estimated, and whether all tiles came down to the target.
 fn reached(refined: &Refined, most: u64) -> String {
     let worst = refined.tiles.iter().map(|t| t.error).fold(0.0, f64::max);
-    let (tiles, short) = (refined.tiles.len(), refined.tiles.iter().filter(|t| !t.reached).count());
+    let (tiles, short) = (
+        refined.tiles.len(),
+        refined.tiles.iter().filter(|t| !t.reached).count(),
+    );
     let errors = format!(
         "estimated relative error {:.2} %, worst tile {:.2} %",
         100.0 * refined.error(),
@@ -161,7 +184,9 @@ fn reached(refined: &Refined, most: u64) -> String {
     );
     match short {
         0 => format!("{errors}; all of {tiles} tiles reached the target"),
-        _ => format!("{errors}; {short} of {tiles} tiles did not reach the target: raise --max-spp {most}"),
+        _ => format!(
+            "{errors}; {short} of {tiles} tiles did not reach the target: raise --max-spp {most}"
+        ),
     }
 }
 
@@ -182,28 +207,52 @@ fn spending(args: &Args) -> Spending {
 }
 
 fn settings(args: &Args) -> Result<Settings, Error> {
-    let (width, height) = args.size.unwrap_or(((320 * args.materials.len()).max(480), 360));
-    let samples = args.target_error.map_or(args.spp, |_| args.max_spp.unwrap_or(MAX_SPP));
+    let (width, height) = args
+        .size
+        .unwrap_or(((320 * args.materials.len()).max(480), 360));
+    let samples = args
+        .target_error
+        .map_or(args.spp, |_| args.max_spp.unwrap_or(MAX_SPP));
     if args.adaptive && samples < LEAST_ALLOCATED {
-        let fix = format!("give --spp {LEAST_ALLOCATED} or more: some paths look where to send the rest");
-        return Err(Error::argument(format!("--adaptive with --spp {samples}"), fix));
+        let fix =
+            format!("give --spp {LEAST_ALLOCATED} or more: some paths look where to send the rest");
+        return Err(Error::argument(
+            format!("--adaptive with --spp {samples}"),
+            fix,
+        ));
     }
     let points = match (args.points, args.target_error) {
         (Some(PointSet::Lattice), Some(_)) => {
             let what = "lattices are for numbers of paths that are known beforehand";
-            return Err(Error::argument(what, "leave out --points lattice or --target-error"));
+            return Err(Error::argument(
+                what,
+                "leave out --points lattice or --target-error",
+            ));
         }
         (None, Some(_)) => PointSet::Sobol,
         (points, _) => points.unwrap_or(PointSet::Lattice),
     };
-    Ok(Settings { width, height, samples, seed: args.seed, points })
+    Ok(Settings {
+        width,
+        height,
+        samples,
+        seed: args.seed,
+        points,
+    })
 }
 
 /// The scene, and its materials in the order of [`SceneSpec::materials`]; nothing is loaded.
 fn describe(args: &Args, settings: &Settings) -> Result<(SceneSpec, Vec<Material>), Error> {
-    let mut spec = SceneSpec::row(&args.materials, settings.width as f64 / settings.height as f64);
+    let mut spec = SceneSpec::row(
+        &args.materials,
+        settings.width as f64 / settings.height as f64,
+    );
     let materials = args::resolve(&spec.materials)?;
-    spec.lights = args.lights.iter().map(|l| light(l, &spec)).collect::<Result<_, _>>()?;
+    spec.lights = args
+        .lights
+        .iter()
+        .map(|l| light(l, &spec))
+        .collect::<Result<_, _>>()?;
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
     spec.strategy = strategy(args)?;
@@ -222,9 +271,9 @@ fn strategy(args: &Args) -> Result<Strategy, Error> {
         (name, _, Some(_)) if name != "ris" => Err(only("--candidates", "ris")),
         ("light", ..) => Ok(Strategy::Light),
         ("brdf", ..) => Ok(Strategy::Brdf),
-        ("ris", _, candidates) => {
-            Ok(Strategy::Ris { candidates: candidates.unwrap_or(Strategy::CANDIDATES) })
-        }
+        ("ris", _, candidates) => Ok(Strategy::Ris {
+            candidates: candidates.unwrap_or(Strategy::CANDIDATES),
+        }),
         (_, heuristic, _) => Ok(Strategy::Mis(heuristic.unwrap_or_default())),
     }
 }
@@ -235,7 +284,10 @@ fn light(name: &str, spec: &SceneSpec) -> Result<LightSpec, Error> {
         "directional" => Ok(spec.row_directional()),
         "area" => Ok(spec.row_area()),
         "environment" => Ok(LightSpec::Environment(EnvironmentSource::Studio)),
-        file if Path::new(file).extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) => {
+        file if Path::new(file)
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("exr")) =>
+        {
             Ok(LightSpec::Environment(EnvironmentSource::File(file.into())))
         }
         _ => Err(Error::argument(
@@ -249,7 +301,11 @@ fn light(name: &str, spec: &SceneSpec) -> Result<LightSpec, Error> {
 fn explanation(spec: &SceneSpec, plan: &EffectPlan) -> Sheet {
     let mut sheet = Sheet::new(&["effect", "", "why"]);
     let mut row = |name: String, decision: Decision| {
-        sheet.push(vec![name, if decision.on { "on" } else { "off" }.into(), decision.why.into()]);
+        sheet.push(vec![
+            name,
+            if decision.on { "on" } else { "off" }.into(),
+            decision.why.into(),
+        ]);
     };
     for effect in Effect::ALL {
         row(effect.name().into(), plan.effect(effect));

@@ -55,10 +55,16 @@ pub struct Args {
 /// No bias can be told from no draws, and JSON and CSV in one file are neither.
 fn refuse_meaningless(args: &Args) -> Result<(), Error> {
     if args.draws == 0 {
-        return Err(Error::argument("a bias from 0 draws", "choose --draws of at least 1"));
+        return Err(Error::argument(
+            "a bias from 0 draws",
+            "choose --draws of at least 1",
+        ));
     }
     if args.json.is_some() && args.json == args.csv {
-        return Err(Error::argument("--json and --csv name the same output", "name another for one of them"));
+        return Err(Error::argument(
+            "--json and --csv name the same output",
+            "name another for one of them",
+        ));
     }
     Ok(())
 }
@@ -73,15 +79,24 @@ pub fn run(args: &Args) -> Outcome {
     for destination in destinations.into_iter().flatten() {
         destination.check(overwrite)?;
     }
-    let tables = !destinations.into_iter().flatten().any(|d| *d == Destination::Stdout);
-    let settings = ProfileSettings { draws: args.draws, seed: args.seed, ..ProfileSettings::default() };
+    let tables = !destinations
+        .into_iter()
+        .flatten()
+        .any(|d| *d == Destination::Stdout);
+    let settings = ProfileSettings {
+        draws: args.draws,
+        seed: args.seed,
+        ..ProfileSettings::default()
+    };
     let progress = Progress::new("measuring", specs.iter().map(Vec::len).sum());
     let reports = Arc::new(Mutex::new(Vec::new()));
     let files = (args.json.clone(), args.csv.clone());
     let finished = reports.clone();
     interrupt::at_end(move || write_files(&finished, &files, overwrite));
     for (material, specs) in materials.iter().zip(&specs) {
-        let figures = profile(material, args.lookup, specs, &settings, &|| progress.advance())?;
+        let figures = profile(material, args.lookup, specs, &settings, &|| {
+            progress.advance()
+        })?;
         let report = SamplerReport::new(figures);
         let shown = format!("{}\n{}", report.legend(), table::render(&report.sheet()));
         // Kept before it is shown: who sees it and presses Ctrl-C finds it in the files.

@@ -40,7 +40,12 @@ pub struct Args {
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     theta: f64,
     /// Azimuth of wo, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     phi: f64,
     /// How many draws
     #[arg(long, value_name = "N")]
@@ -64,17 +69,30 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     if !(0.0..90.0).contains(&args.theta) || !args.phi.is_finite() {
         let what = format!("wo at polar angle {}°, azimuth {}°", args.theta, args.phi);
-        return Err(Error::argument(what, "choose --theta from 0 to below 90 and a finite --phi").into());
+        return Err(
+            Error::argument(what, "choose --theta from 0 to below 90 and a finite --phi").into(),
+        );
     }
     let (name, sampler, brdf) = load(args)?;
     let draws = Draws {
         wo: args::direction(args.theta, args.phi).as_vec3(),
-        points: if args.points == "sobol" { PointSet::Sobol } else { PointSet::Random },
+        points: if args.points == "sobol" {
+            PointSet::Sobol
+        } else {
+            PointSet::Random
+        },
         seed: args.seed,
         count: args.count,
     };
     output::stdout(|out| match args.fit {
-        true => write_fit(out, &name, (args.theta, args.phi), &draws, &sampler, brdf.as_dyn()),
+        true => write_fit(
+            out,
+            &name,
+            (args.theta, args.phi),
+            &draws,
+            &sampler,
+            brdf.as_dyn(),
+        ),
         false => write_csv(out, &draws, &sampler, brdf.as_dyn(), args.with_points),
     })?;
     Ok(ExitCode::SUCCESS)
@@ -85,29 +103,59 @@ fn load(args: &Args) -> Result<(String, Sampler, MaterialBrdf), Error> {
     let path = Path::new(&args.source);
     if path.is_file() && looks_like_sampler_file(path) {
         let file = SamplerFile::open(path)?;
-        if args.sampler.as_deref().is_some_and(|s| s != file.record().spec.name()) {
-            let what = format!("{} holds a sampler of kind {}", args.source, file.record().spec.name());
+        if args
+            .sampler
+            .as_deref()
+            .is_some_and(|s| s != file.record().spec.name())
+        {
+            let what = format!(
+                "{} holds a sampler of kind {}",
+                args.source,
+                file.record().spec.name()
+            );
             return Err(Error::argument(what, "leave --sampler out"));
         }
         let of_tables = !matches!(file.record().spec, SamplerSpec::ByAzimuth(_));
-        if args.lookup.is_some_and(|l| of_tables && l != file.record().lookup) {
-            let what = format!("{} was built for the {} lookup", args.source, file.record().lookup.name());
-            return Err(Error::argument(what, "leave --lookup out, or build the sampler again"));
+        if args
+            .lookup
+            .is_some_and(|l| of_tables && l != file.record().lookup)
+        {
+            let what = format!(
+                "{} was built for the {} lookup",
+                args.source,
+                file.record().lookup.name()
+            );
+            return Err(Error::argument(
+                what,
+                "leave --lookup out, or build the sampler again",
+            ));
         }
         if let Some(option) = args.settings.first_given() {
-            let what = format!("{option} has no effect on {}, which is built already", args.source);
+            let what = format!(
+                "{option} has no effect on {}, which is built already",
+                args.source
+            );
             return Err(Error::argument(what, "leave it out"));
         }
         let name = file.record().material.clone();
-        let material = args.material.as_deref().map(Material::resolve).transpose()?;
+        let material = args
+            .material
+            .as_deref()
+            .map(Material::resolve)
+            .transpose()?;
         let (sampler, brdf) = file.load(material)?;
         return Ok((name, sampler, brdf));
     }
     if args.material.is_some() {
-        return Err(Error::argument("--material goes with a sampler file", "leave it out"));
+        return Err(Error::argument(
+            "--material goes with a sampler file",
+            "leave it out",
+        ));
     }
     let material = Material::resolve(&args.source)?;
-    let spec = args.settings.spec(args.sampler.as_deref().unwrap_or(DEFAULT))?;
+    let spec = args
+        .settings
+        .spec(args.sampler.as_deref().unwrap_or(DEFAULT))?;
     let brdf = MaterialBrdf::new(material.content()?, args.lookup.unwrap_or_default());
     Ok((material.name().into(), spec.build_for(&brdf)?, brdf))
 }
@@ -136,7 +184,11 @@ fn write_csv(
     brdf: &dyn Brdf,
     with_points: bool,
 ) -> io::Result<()> {
-    let points = if with_points { "wo_x,wo_y,wo_z,u_x,u_y," } else { "" };
+    let points = if with_points {
+        "wo_x,wo_y,wo_z,u_x,u_y,"
+    } else {
+        ""
+    };
     writeln!(out, "{points}wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b")?;
     for (u, draw) in draws.iter(sampler) {
         if with_points {
@@ -148,7 +200,11 @@ fn write_csv(
             continue;
         };
         let f = brdf.eval(draws.wo, wi);
-        writeln!(out, "{:?},{:?},{:?},{pdf:?},{:?},{:?},{:?}", wi.x, wi.y, wi.z, f.x, f.y, f.z)?;
+        writeln!(
+            out,
+            "{:?},{:?},{:?},{pdf:?},{:?},{:?},{:?}",
+            wi.x, wi.y, wi.z, f.x, f.y, f.z
+        )?;
     }
     Ok(())
 }
@@ -164,7 +220,14 @@ fn write_fit(
 ) -> io::Result<()> {
     writeln!(out, "measured \"{name}\"\nviewer ({theta}, {phi})\nbegin")?;
     for DirectionSample { wi, .. } in draws.iter(sampler).filter_map(|(_, draw)| draw) {
-        writeln!(out, "  ({},{},{}) {}", wi.x, wi.y, wi.z, color::mean(brdf.eval(draws.wo, wi)))?;
+        writeln!(
+            out,
+            "  ({},{},{}) {}",
+            wi.x,
+            wi.y,
+            wi.z,
+            color::mean(brdf.eval(draws.wo, wi))
+        )?;
     }
     writeln!(out, "end")
 }

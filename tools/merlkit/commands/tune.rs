@@ -59,13 +59,22 @@ pub struct Args {
 }
 
 fn seconds(argument: &str) -> Result<f64, String> {
-    let positive = argument.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0);
+    let positive = argument
+        .parse()
+        .ok()
+        .filter(|s: &f64| s.is_finite() && *s > 0.0);
     positive.ok_or_else(|| "expected seconds above 0".into())
 }
 
 pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
-    for file in args.output.iter().cloned().map(Destination::File).chain(args.json.clone()) {
+    for file in args
+        .output
+        .iter()
+        .cloned()
+        .map(Destination::File)
+        .chain(args.json.clone())
+    {
         file.check(overwrite)?;
     }
     let material = Material::resolve(&args.material)?;
@@ -74,11 +83,17 @@ pub fn run(args: &Args) -> Outcome {
     let specs = tunable(args.output.is_some());
     let progress = Progress::new("trying", specs.len());
     let plan = PointPlan::quick(args.seed);
-    let tuning = tune(&brdf, &sky, wish(args), &specs, &plan, &|| progress.advance())?;
+    let tuning = tune(&brdf, &sky, wish(args), &specs, &plan, &|| {
+        progress.advance()
+    })?;
     drop(progress);
     if args.json != Some(Destination::Stdout) {
         output::stdout(|out| {
-            writeln!(out, "{}", table::render(&tuning_sheet(material.name(), &tuning)))?;
+            writeln!(
+                out,
+                "{}",
+                table::render(&tuning_sheet(material.name(), &tuning))
+            )?;
             writeln!(out, "{}", tuning_summary(material.name(), &tuning))
         })?;
     }
@@ -96,8 +111,18 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 fn wish(args: &Args) -> Wish {
-    let Args { max_bytes, max_build, shared_by, .. } = *args;
-    Wish { error: args.target_error, max_bytes, max_build, shared_by }
+    let Args {
+        max_bytes,
+        max_build,
+        shared_by,
+        ..
+    } = *args;
+    Wish {
+        error: args.target_error,
+        max_bytes,
+        max_build,
+        shared_by,
+    }
 }
 
 /// The choice, if it was proved.
