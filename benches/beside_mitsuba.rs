@@ -12,19 +12,21 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{DVec2, DVec3};
-use merlkit::brdf::{Brdf, LookupRule, Measured};
-use merlkit::bsdf::{BsdfSize, tabulate};
+use merlkit::brdf::Brdf;
 use merlkit::color::{Rgb, luminance};
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::Overwrite;
 use merlkit::image::{Image, write_exr};
 use merlkit::light::{SkySampling, studio};
-use merlkit::merl::decode_embedded;
+use merlkit::material::merl::decode_embedded;
+use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::rgl::{BsdfSize, tabulate};
 use merlkit::points::PointSet;
 use merlkit::render::{
     Camera, EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Sphere, Surface,
     render, render_allocated,
 };
-use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
+use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
 use serde_json::{Value, json};
 
 const MATERIAL: &str = "nickel";

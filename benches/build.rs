@@ -5,13 +5,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use merlkit::brdf::{LookupRule, Measured};
-use merlkit::geom::spherical;
-use merlkit::merl::decode_embedded;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::geometry::spherical;
+use merlkit::material::merl::decode_embedded;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice,
-    SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
 };
 
 fn benches(c: &mut Criterion) {

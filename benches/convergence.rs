@@ -5,15 +5,16 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use merlkit::brdf::{Importance, LookupRule, Measured};
-use merlkit::geom::{POINTS_PER_BIN, spherical};
-use merlkit::measure::compare::MATERIALS;
-use merlkit::measure::convergence::{ErrorAt, Incident, LitPoint, Runs, slope};
-use merlkit::merl::decode_embedded;
+use merlkit::brdf::Importance;
+use merlkit::geometry::{POINTS_PER_BIN, spherical};
+use merlkit::material::merl::decode_embedded;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
 };
+use merlkit_evaluate::measure::compare::MATERIALS;
+use merlkit_evaluate::measure::convergence::{ErrorAt, Incident, LitPoint, Runs, slope};
 
 const SAMPLES: [usize; 7] = [16, 32, 64, 128, 256, 512, 1024];
 

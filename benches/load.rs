@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use merlkit::files::Overwrite;
-use merlkit::merl::{decode_embedded, load, load_mapped, write};
+use merlkit::material::merl::{decode_embedded, load, load_mapped, write};
 
 fn benches(c: &mut Criterion) {
     let folder = tempfile::tempdir().unwrap();

@@ -10,12 +10,14 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
 };
 use glam::{Vec2, Vec3};
-use merlkit::brdf::{BinIndex, Brdf, LookupRule, Measured};
+use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
-use merlkit::geom::{cosine_hemisphere, reflect_about, spherical};
-use merlkit::merl::{MerlTable, decode_embedded};
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::geometry::{cosine_hemisphere, reflect_about, spherical};
+use merlkit::material::merl::{BinIndex, LookupRule, Measured};
+use merlkit::material::merl::{MerlTable, decode_embedded};
 use merlkit::points::PointSet;
-use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
+use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
 
 const PAIRS: u64 = 4096;
 

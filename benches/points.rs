@@ -4,14 +4,15 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use merlkit::brdf::{LookupRule, Measured};
-use merlkit::merl::decode_embedded;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::material::merl::decode_embedded;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Surface, render,
     render_allocated,
 };
-use merlkit::sampler::{DirectionSampler, HalfVectorSettings, HalfVectorTable};
+use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
 
 const MATERIALS: [&str; 5] = [
     "nickel",

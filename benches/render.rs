@@ -9,9 +9,9 @@ use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3};
-use merlkit::brdf::{LookupRule, Measured};
 use merlkit::light::{Light, SkySampling, studio};
-use merlkit::merl::decode_embedded;
+use merlkit::material::merl::decode_embedded;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::points::PointSet;
 use merlkit::render::{
     Effect, EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Surface,

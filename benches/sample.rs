@@ -8,16 +8,18 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
-use merlkit::brdf::{Brdf, Importance, LookupRule, Measured};
+use merlkit::brdf::{Brdf, Importance};
 use merlkit::color;
-use merlkit::geom::{POINTS_PER_BIN, Quadrature, spherical};
-use merlkit::measure::accuracy::weight_spread;
-use merlkit::merl::decode_embedded;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
+use merlkit::material::merl::decode_embedded;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice,
-    Sampler, SamplerSpec, TableChoice,
+    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, Sampler, SamplerSpec,
+    TableChoice,
 };
+use merlkit_evaluate::measure::accuracy::weight_spread;
 
 const DRAWS: u64 = 2048;
 const ANGLES: [f64; 4] = [0.76, 29.75, 60.25, 84.7];

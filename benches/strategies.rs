@@ -5,18 +5,20 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
-use merlkit::brdf::{Importance, LookupRule, Measured};
-use merlkit::dist::Heuristic;
-use merlkit::geom::{POINTS_PER_BIN, spherical};
+use merlkit::brdf::Importance;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::distribution::Heuristic;
+use merlkit::geometry::{POINTS_PER_BIN, spherical};
 use merlkit::light::{SkySampling, studio};
-use merlkit::measure::convergence::{Incident, LitPoint, Runs, Technique};
-use merlkit::merl::decode_embedded;
+use merlkit::material::merl::decode_embedded;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
     render, render_to_error,
 };
-use merlkit::sampler::{Cosine, DirectionSampler, HalfVectorSettings, HalfVectorTable};
+use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable};
+use merlkit_evaluate::measure::convergence::{Incident, LitPoint, Runs, Technique};
 
 const MATERIALS: [&str; 3] = ["nickel", "teflon", "chrome"];
 const N: u64 = 64;

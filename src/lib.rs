@@ -11,7 +11,7 @@
 //! anisotropic *.bsdf → bsdf::Rgl → sampler::ByAzimuth
 //! ```
 //!
-//! Conventions, stated once in [`geom`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both
+//! Conventions, stated once in [`geometry`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both
 //! leave the surface, in a local frame whose `+z` is the normal. `eval` is f_r in sr⁻¹ without the cosine; every `pdf` is
 //! per solid angle of `wi`.
 #![deny(unsafe_code)]
@@ -21,21 +21,18 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod brdf;
-pub mod bsdf;
 pub mod color;
-pub mod dist;
+pub mod direction_sampler;
+pub mod distribution;
 mod error;
 pub mod export;
 pub mod files;
-pub mod geom;
+pub mod geometry;
 pub mod image;
 pub mod light;
-pub mod measure;
-pub mod merl;
-pub mod plot;
+pub mod material;
 pub mod points;
 pub mod render;
-pub mod report;
 pub mod sampler;
 
 pub use error::{Error, Result};

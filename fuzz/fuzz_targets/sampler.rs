@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use merlkit::brdf::Measured;
+use merlkit::material::merl::Measured;
 
 #[allow(dead_code)] // each target uses its own part
 #[path = "../../tests/support/exercise.rs"]

@@ -4,7 +4,7 @@
 //! without backslashes, and its floats are the shortest decimals that are read back to the bit.
 
 use super::{Export, identifier};
-use crate::brdf::LookupRule;
+use crate::material::merl::LookupRule;
 use crate::sampler::{Edge, NODE_UNIT, ROW_UNIT, Stored};
 
 const TOP: &str = include_str!("header/top.h");

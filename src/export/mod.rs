@@ -1,7 +1,7 @@
 //! A material with its half-vector table for other programs: a C header, which is C++ and GLSL as well, and numpy's `.npz`.
 //!
 //! What is written is values and the tables of [`crate::sampler::HalfVectorTable`]; files for renderers that have a format of
-//! their own are [`crate::bsdf`]'s business, and how well a table draws is [`crate::measure`]'s.
+//! their own are [`crate::material::rgl`]'s business, and how well a table draws is the caller's.
 
 mod header;
 mod npz;
@@ -10,9 +10,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::brdf::{LookupRule, Measured};
 use crate::files::{Overwrite, write_new};
-use crate::merl::{Header, Material, MerlTable, Source};
+use crate::material::merl::{Header, MerlTable};
+use crate::material::merl::{LookupRule, Measured};
+use crate::material::{Material, Source};
 use crate::sampler::{HalfVectorSettings, HalfVectorTable};
 use crate::{Error, Result};
 
@@ -36,7 +37,7 @@ impl Export {
         lookup: LookupRule,
         settings: HalfVectorSettings,
     ) -> Result<Self> {
-        let brdf = Arc::new(Measured::new(Arc::new(material.load()?), lookup));
+        let brdf = Arc::new(Measured::new(Arc::new(material.load_table()?), lookup));
         Ok(Self {
             name: material.name().to_owned(),
             embedded: matches!(material.source(), Source::Embedded(_)),

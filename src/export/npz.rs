@@ -6,7 +6,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use super::{Export, little_endian};
-use crate::merl::{THETA_D_BINS, THETA_H_BINS};
+use crate::material::merl::{THETA_D_BINS, THETA_H_BINS};
 
 /// Writes all arrays. The archive carries no time: the same bytes for the same material and settings.
 pub(super) fn write(export: &Export, out: impl Write + Seek) -> std::io::Result<()> {

@@ -4,7 +4,7 @@
 //! Nothing prevents that: a check of the length comes before or after the fault, locks are advisory, a private or
 //! prefaulted map loses its pages all the same, and a handler for the signal belongs to the program, not to a library. So
 //! everything is read by [`RegularFile`], whose reads end with bytes or an error. [`Mapped`] is for callers who own their
-//! files, and is asked for by name ([`crate::merl::load_mapped`]).
+//! files, and is asked for by name ([`crate::material::merl::load_mapped`]).
 
 mod map;
 mod regular;

@@ -6,8 +6,8 @@ use glam::{DVec2, DVec3, Vec4};
 
 use super::{Light, LightSample, Seen};
 use crate::color::{Rgb, luminance};
-use crate::dist::Piecewise2d;
-use crate::geom::approx::{fine_atan2, fine_sin_cos_turns};
+use crate::distribution::Piecewise2d;
+use crate::geometry::approx::{fine_atan2, fine_sin_cos_turns};
 use crate::{Error, Result};
 
 /// Directions that go through the stages of a batch together: arithmetic is vector code, and reads of the map overlap.

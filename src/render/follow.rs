@@ -10,7 +10,7 @@ use super::plan::ROULETTE_FROM;
 use super::scene::Hit;
 use super::{Ray, Surface};
 use crate::color::Rgb;
-use crate::geom::{Frame, is_upper};
+use crate::geometry::{Frame, is_upper};
 use crate::light::Light;
 
 /// Paths that are followed together: their arrays fit the fastest cache.
@@ -317,7 +317,7 @@ impl<'a> Tracer<'a> {
         let mut reflected = vec![Rgb::ZERO; run.len()];
         surface.brdf.eval_cos_pairs(&wo, &wi, &mut reflected);
         let step = |((vertex, sample), reflected): ((&Vertex<'_>, &Option<_>), Rgb)| {
-            let sample: &crate::sampler::DirectionSample = sample.as_ref()?;
+            let sample: &crate::direction_sampler::DirectionSample = sample.as_ref()?;
             let pdf = f64::from(sample.pdf);
             let direction = vertex
                 .frame

@@ -8,7 +8,7 @@ use super::film::{Pixel, Tally};
 use super::follow::{BUNDLE, Start};
 use super::numbers::Numbers;
 use super::{Effect, EffectPlan, Film, Ray, Scene};
-use crate::dist::Heuristic;
+use crate::distribution::Heuristic;
 use crate::image::MAX_PIXELS;
 use crate::points::PointSet;
 use crate::{Error, Result};

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2};
 
 use super::follow::{Start, Step, Vertex};
 use super::path::Tracer;
-use crate::dist::Reservoir;
+use crate::distribution::Reservoir;
 
 impl Tracer<'_> {
     /// Radiance that each vertex of a surface reflects from lights with an extent, by one of several directions from the BRDF.

@@ -6,15 +6,17 @@ use glam::{DVec3, Vec3};
 
 use super::shape::enter_floor;
 use super::{
-    Camera, Effect, EffectPlan, EnvironmentSource, Lambert, LightSpec, Ray, SceneSpec, Sphere,
-    SphereSpec, Strategy,
+    Camera, Effect, EffectPlan, EnvironmentSource, LightSpec, Ray, SceneSpec, Sphere, SphereSpec,
+    Strategy,
 };
 use crate::brdf::Brdf;
 use crate::color::Rgb;
-use crate::geom::Frame;
+use crate::direction_sampler::DirectionSampler;
+use crate::geometry::Frame;
 use crate::image::read_exr;
 use crate::light::{Environment, Light, SkySampling, studio};
-use crate::sampler::{Cosine, DirectionSampler};
+use crate::material::analytic::Lambert;
+use crate::sampler::Cosine;
 use crate::{Error, Result};
 
 /// How an object reflects.

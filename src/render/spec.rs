@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{Camera, Sphere};
 use crate::color::Rgb;
-use crate::dist::Heuristic;
+use crate::distribution::Heuristic;
 use crate::light::{Area, Directional, Point};
 
 /// A scene described: names and numbers only.

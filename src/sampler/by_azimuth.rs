@@ -11,7 +11,7 @@ use super::knots::split_unit;
 use super::{DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable};
 use crate::brdf::Brdf;
 use crate::color::Rgb;
-use crate::geom::{Symmetry, unit_upper};
+use crate::geometry::{Symmetry, unit_upper};
 use crate::{Error, Result};
 
 /// Settings of [`ByAzimuth::build`].

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
 use super::{DirectionSample, DirectionSampler};
-use crate::geom::{cosine_hemisphere, unit_upper};
+use crate::geometry::{cosine_hemisphere, unit_upper};
 
 /// Density cosθ/π, whatever the material (thesis 5.1.1).
 #[derive(Clone, Copy, Debug, Default)]

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::Vec3;
 
-use crate::geom::approx;
+use crate::geometry::approx;
 use crate::{Error, Result};
 
 /// What a sampler does with a `wo` between two of its tables.
@@ -125,7 +125,7 @@ pub(super) fn split_unit(u: f64, at: f64) -> (bool, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::spherical;
+    use crate::geometry::spherical;
 
     #[test]
     fn knots_span_the_hemisphere_and_stop_short_of_the_horizon() {

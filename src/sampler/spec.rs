@@ -1,5 +1,6 @@
 //! Which sampler, with which settings: what a command line asks for and what a file records.
 
+use std::fmt;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
@@ -10,8 +11,9 @@ use super::{
     FactoredSettings, HalfVectorSettings, HalfVectorTable, LeafChoice, Lobe, LobeKind,
     LobeSettings, TableChoice, ThetaSpacing,
 };
-use crate::brdf::{Importance, MaterialBrdf, Measured};
-use crate::bsdf::Rgl;
+use crate::brdf::Importance;
+use crate::material::Loaded;
+use crate::material::merl::Measured;
 use crate::{Error, Result};
 
 /// A sampler that can be built for measured materials: the last two for anisotropic ones alone, which of the others have
@@ -176,18 +178,21 @@ impl SamplerSpec {
     ///
     /// # Errors
     /// As [`Self::build`]; [`Error::Argument`] for a sampler that an anisotropic material can't have.
-    pub fn build_for(&self, brdf: &MaterialBrdf) -> Result<Sampler> {
-        let rgl = match brdf {
-            MaterialBrdf::Table(measured) => return self.build(measured),
-            MaterialBrdf::File(rgl) => rgl,
-        };
+    pub fn build_for(&self, material: &Loaded) -> Result<Sampler> {
+        if let Some(measured) = material.table() {
+            return self.build(measured);
+        }
+        let brdf = &**material.brdf();
         Ok(match self {
             Self::Cosine => Sampler::Cosine(Cosine),
             Self::HalfVector(table) => {
-                Sampler::ByAzimuth(ByAzimuth::build(&**rgl, ByAzimuthSettings::of(*table))?)
+                Sampler::ByAzimuth(ByAzimuth::build(brdf, ByAzimuthSettings::of(*table))?)
             }
-            Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(&**rgl, *settings)?),
-            Self::File => Sampler::File(rgl.clone()),
+            Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(brdf, *settings)?),
+            Self::File => match material.own_sampler() {
+                Some(own) => Sampler::File(own.clone()),
+                None => return Err(self.refused_by_tables()),
+            },
             Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => {
                 return Err(self.refused_by_files());
             }
@@ -270,7 +275,7 @@ fn common_notes(choice: TableChoice, floor: f64, importance: Importance) -> Vec<
 }
 
 /// A sampler of any of the kinds here.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub enum Sampler {
     /// Uniform on the disc.
     Cosine(Cosine),
@@ -287,7 +292,7 @@ pub enum Sampler {
     /// A half-vector table for each of a few azimuths of `wo`.
     ByAzimuth(ByAzimuth),
     /// The density that a `.bsdf` file itself holds.
-    File(Arc<Rgl>),
+    File(Arc<dyn DirectionSampler>),
 }
 
 impl Sampler {
@@ -347,5 +352,11 @@ impl DirectionSampler for Sampler {
 
     fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
         self.as_dyn().sample_many(wo, count, seed)
+    }
+}
+
+impl fmt::Debug for Sampler {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Sampler").field(&self.spec()).finish()
     }
 }

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use glam::Vec3;
-use merlkit::bsdf::Rgl;
 use merlkit::files::Overwrite;
-use merlkit::geom::{Symmetry, spherical};
+use merlkit::geometry::{Symmetry, spherical};
 use merlkit::image::read_exr;
+use merlkit::material::rgl::Rgl;
 use merlkit::sampler::{ByAzimuthSettings, HalfVectorSettings};
 use tempfile::TempDir;
 

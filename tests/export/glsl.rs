@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::process::Command;
 
-use merlkit::brdf::LookupRule;
 use merlkit::export::Export;
-use merlkit::merl::Material;
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
 use merlkit::sampler::HalfVectorSettings;
 
 use crate::has;

@@ -3,12 +3,13 @@
 use std::f64::consts::TAU;
 
 use glam::{Vec2, Vec3};
-use merlkit::brdf::LookupRule;
 use merlkit::color::Rgb;
 use merlkit::export::Export;
 use merlkit::files::Overwrite;
-use merlkit::geom::spherical;
-use merlkit::merl::{Material, write};
+use merlkit::geometry::spherical;
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
+use merlkit::material::merl::write;
 use merlkit::sampler::HalfVectorSettings;
 
 use crate::has;

@@ -24,3 +24,6 @@ fn has(program: &str, arguments: &[&str]) -> bool {
     }
     found
 }
+
+/// The folder of the repository.
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");

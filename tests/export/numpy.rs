@@ -5,16 +5,17 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use assert_cmd::cargo::cargo_bin;
-use merlkit::brdf::LookupRule;
 use merlkit::export::Export;
 use merlkit::files::Overwrite;
-use merlkit::merl::{Material, write};
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
+use merlkit::material::merl::write;
 use merlkit::sampler::HalfVectorSettings;
 
 use crate::has;
 use crate::support::noise_table;
 
-const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tools/half_vector.py");
+const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tools/half_vector.py");
 
 fn export(material: &str) -> Export {
     let material = Material::resolve(material).unwrap();

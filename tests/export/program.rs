@@ -7,14 +7,14 @@ use std::process::{Command, Stdio};
 use glam::{Vec2, Vec3};
 use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::export::{Export, identifier};
 use merlkit::files::Overwrite;
-use merlkit::geom::spherical;
+use merlkit::geometry::spherical;
 use merlkit::points::Stream;
-use merlkit::sampler::DirectionSampler;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-const DRIVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/export/driver.c");
+const DRIVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/export/driver.c");
 
 /// How a compiler is asked for a program, of the header alone and without a warning.
 pub const COMPILERS: [(&str, &[&str]); 2] = [

@@ -1,7 +1,7 @@
 //! Every hard case against every sampler, lookup rule and light.
 
-use merlkit::measure::hard::{HardCheck, HardOutcome, Thoroughness, check_hard};
-use merlkit::merl::HardCase;
+use merlkit::material::merl::HardCase;
+use merlkit_evaluate::measure::hard::{HardCheck, HardOutcome, Thoroughness, check_hard};
 use std::sync::LazyLock;
 
 /// One crossing for all tests: with every rule if `STABILITY_FULL` is set.

@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
-use merlkit::brdf::{Brdf, LookupRule, Measured};
-use merlkit::geom::spherical;
-use merlkit::merl::{Header, MerlTable};
+use merlkit::brdf::Brdf;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::geometry::spherical;
+use merlkit::material::merl::{Header, MerlTable};
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, Construction, DirectionSampler, HalfVectorSettings,
-    LeafChoice, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, Construction, HalfVectorSettings, LeafChoice,
+    SamplerSpec,
 };
 
 type Cell = fn(usize, usize, usize) -> [f64; 3];
@@ -287,7 +289,11 @@ fn settings_out_of_range_are_errors() {
 /// of 10⁷ where the mean is 10⁻³.
 #[test]
 fn no_weight_is_beyond_all_bounds_where_light_ends_at_an_edge() {
-    let table = Arc::new(merlkit::merl::HardCase::named("one-row").unwrap().table());
+    let table = Arc::new(
+        merlkit::material::merl::HardCase::named("one-row")
+            .unwrap()
+            .table(),
+    );
     let brdf = Arc::new(Measured::new(table, LookupRule::Floor));
     let settings = AdaptiveDiscSettings {
         tables: 3,

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
-use merlkit::brdf::{Brdf, LookupRule, Measured};
-use merlkit::geom::{spherical, unit_upper};
-use merlkit::measure::hard::hard_samplers;
-use merlkit::merl::HardCase;
-use merlkit::sampler::DirectionSampler;
+use merlkit::brdf::Brdf;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::geometry::{spherical, unit_upper};
+use merlkit::material::merl::HardCase;
+use merlkit::material::merl::{LookupRule, Measured};
+use merlkit_evaluate::measure::hard::hard_samplers;
 
 #[test]
 fn directions_of_any_length_are_renormalised() {

@@ -1,6 +1,5 @@
 //! Ugly data and extreme directions: a right answer or a clear error.
 
-mod commands;
 mod crossing;
 mod degenerate;
 mod lengths;
@@ -9,3 +8,6 @@ mod precision;
 mod reproducible;
 #[path = "../support/mod.rs"]
 mod support;
+
+/// The folder of the repository.
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");

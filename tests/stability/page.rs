@@ -1,6 +1,6 @@
 //! `docs/stability.md`: made from the suite, and held to it.
 
-use merlkit::report::{HardSheets, Sheet};
+use merlkit_evaluate::report::{HardSheets, Sheet};
 
 use crate::crossing::CROSSING;
 use crate::precision;

@@ -5,16 +5,18 @@ use std::ops::Range;
 use std::sync::{Arc, LazyLock};
 
 use glam::{DVec3, Vec3};
-use merlkit::brdf::{Brdf, LookupRule, Measured};
-use merlkit::dist::{Curves, Piecewise2d, WHOLE};
-use merlkit::geom::{Quadrature, half_vector, spherical};
-use merlkit::merl::Material;
+use merlkit::brdf::Brdf;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::distribution::{Curves, Piecewise2d, WHOLE};
+use merlkit::geometry::{Quadrature, half_vector, spherical};
+use merlkit::material::Material;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::points::{PointSet, Stream};
 use merlkit::render::{
     EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, render,
 };
 use merlkit::sampler::store::encode;
-use merlkit::sampler::{Cosine, DirectionSampler, HalfVectorSettings, HalfVectorTable, Sampler};
+use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable, Sampler};
 
 use crate::support::half_vector_oracle::Oracle;
 use crate::support::precise::{Exact, ulp};
@@ -113,7 +115,7 @@ fn cosine_pdf() -> Row {
 /// The default half-vector table of nickel, and the same in f64.
 static NICKEL: LazyLock<(HalfVectorTable, Oracle)> = LazyLock::new(|| {
     let material = Material::resolve("nickel").unwrap();
-    let brdf = Measured::new(Arc::new(material.load().unwrap()), LookupRule::Floor);
+    let brdf = Measured::new(Arc::new(material.load_table().unwrap()), LookupRule::Floor);
     let settings = HalfVectorSettings::default();
     let sampler = HalfVectorTable::build(&brdf, settings).unwrap();
     let file = encode(

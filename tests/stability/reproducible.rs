@@ -8,21 +8,22 @@
 use std::sync::Arc;
 
 use glam::{DVec2, Vec2};
-use merlkit::brdf::{LookupRule, Measured};
-use merlkit::dist::Piecewise2d;
-use merlkit::geom::spherical;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::distribution::Piecewise2d;
+use merlkit::geometry::spherical;
 use merlkit::image::Image;
-use merlkit::measure::hard::{Thoroughness, check_hard};
-use merlkit::merl::{HardCase, Material};
+use merlkit::material::Material;
+use merlkit::material::merl::HardCase;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render,
 };
 use merlkit::sampler::store::{SamplerFile, encode};
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, DirectionSampler, HalfVectorSettings, LeafChoice,
-    Sampler, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, Sampler, SamplerSpec,
 };
+use merlkit_evaluate::measure::hard::{Thoroughness, check_hard};
 
 /// FNV-1a.
 struct Hash(u64);
@@ -127,7 +128,7 @@ fn everything(threads: usize) -> Vec<u64> {
     pool.install(|| {
         let material = Material::resolve("nickel").unwrap();
         let brdf = Arc::new(Measured::new(
-            Arc::new(material.load().unwrap()),
+            Arc::new(material.load_table().unwrap()),
             LookupRule::Floor,
         ));
         let mut all = Vec::new();
@@ -161,7 +162,7 @@ fn a_loaded_sampler_draws_what_the_fresh_one_drew() {
     let folder = tempfile::tempdir().unwrap();
     let material = Material::resolve("nickel").unwrap();
     let brdf = Arc::new(Measured::new(
-        Arc::new(material.load().unwrap()),
+        Arc::new(material.load_table().unwrap()),
         LookupRule::Centred,
     ));
     for (i, spec) in specs().into_iter().enumerate() {

@@ -5,9 +5,9 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 use glam::{DVec3, Vec3};
 use merlkit::brdf::Brdf;
-use merlkit::bsdf::{BsdfFile, Colour, Rgl, Tensor};
 use merlkit::color::{Rgb, luminance};
-use merlkit::geom::{Symmetry, spherical, unit_upper};
+use merlkit::geometry::{Symmetry, spherical, unit_upper};
+use merlkit::material::rgl::{BsdfFile, Colour, Rgl, Tensor};
 
 /// GGX of two roughnesses (Walter et al. 2007; Heitz 2014) over a little Lambert.
 #[derive(Clone, Copy)]

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec2;
-use merlkit::brdf::{LookupRule, Measured};
-use merlkit::geom::{DirectionPairs, spherical};
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::geometry::{DirectionPairs, spherical};
 use merlkit::image::decode_exr;
-use merlkit::merl::{Header, MerlTable, decode_cells};
-use merlkit::sampler::DirectionSampler;
+use merlkit::material::merl::{Header, MerlTable, decode_cells};
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::sampler::store::SamplerFile;
 
 /// A material for samplers of any file: smooth, with a lobe.

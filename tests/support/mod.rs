@@ -7,15 +7,16 @@ pub mod naive;
 pub mod precise;
 pub mod tampered;
 
+use crate::ROOT;
 use glam::Vec3;
-use merlkit::geom::spherical;
-use merlkit::merl::{Header, MerlTable};
+use merlkit::geometry::spherical;
+use merlkit::material::merl::{Header, MerlTable};
 use merlkit::points::Stream;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Rows of a CSV in `tests/golden`, without its heading.
 pub fn golden(name: &str) -> Vec<Vec<String>> {
-    let path = format!("{}/tests/golden/{name}", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{ROOT}/tests/golden/{name}");
     let text = std::fs::read_to_string(path).unwrap();
     text.lines()
         .skip(1)

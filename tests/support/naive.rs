@@ -1,9 +1,9 @@
 //! One line per rule, straight from the definitions, in f64.
 
 use glam::{DVec3, Vec3};
-use merlkit::brdf::{BinIndex, LookupRule};
-use merlkit::geom::HalfDiff;
-use merlkit::merl::MerlTable;
+use merlkit::geometry::HalfDiff;
+use merlkit::material::merl::MerlTable;
+use merlkit::material::merl::{BinIndex, LookupRule};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// MERL's bins from arctangents, by the definition of each axis.

@@ -1,8 +1,8 @@
 //! Samplers whose densities are wrong on purpose: the checks must reject them.
 
 use glam::{Vec2, Vec3};
-use merlkit::geom::{spherical, to_spherical};
-use merlkit::sampler::{DirectionSample, DirectionSampler};
+use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
+use merlkit::geometry::{spherical, to_spherical};
 
 /// Draws of one sampler with the densities of another; those are asked for at a `wo` whose polar angle is `shift` larger.
 pub struct Tampered<'a> {

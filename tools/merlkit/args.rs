@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use merlkit::Error;
-use merlkit::brdf::LookupRule;
-use merlkit::merl::{Material, embedded_names};
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
+use merlkit::material::merl::embedded_names;
 
 /// Parses a lookup rule by its name.
 pub fn lookup_rule() -> impl TypedValueParser<Value = LookupRule> {
@@ -86,7 +87,7 @@ pub fn refuse_anisotropic(materials: &[Material]) -> Result<(), Error> {
     for material in materials {
         if material.is_anisotropic()? {
             // Which says what it is and what takes it.
-            material.load()?;
+            material.load_table()?;
         }
     }
     Ok(())

@@ -4,15 +4,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::brdf::{LookupRule, MaterialBrdf};
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::{Overwrite, check_writable};
 use merlkit::image::{write_exr, write_png};
-use merlkit::merl::Material;
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
 use merlkit::render::{
     EffectPlan, Refined, Scene, SceneSpec, Settings, Surface, render, render_allocated,
     render_to_error,
 };
-use merlkit::sampler::{DirectionSampler, SamplerSpec};
+use merlkit::sampler::SamplerSpec;
 
 use crate::progress::Progress;
 
@@ -77,13 +78,13 @@ impl Picture<'_> {
     }
 
     fn surface(&self, material: usize, directions: bool) -> Result<Surface, Error> {
-        let brdf = MaterialBrdf::new(self.materials[material].content()?, self.lookup);
+        let brdf = self.materials[material].load(self.lookup)?;
         let sampler = match directions {
             true => Some(Arc::new(self.sampler.build_for(&brdf)?) as Arc<dyn DirectionSampler>),
             false => None,
         };
         Ok(Surface {
-            brdf: brdf.shared(),
+            brdf: brdf.brdf().clone(),
             sampler,
         })
     }

@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
 use merlkit::brdf::Importance;
-use merlkit::merl::Material;
+use merlkit::material::Material;
 use merlkit::sampler::{
     AdaptiveDiscSettings, ByAzimuthSettings, Carry, CascadeCdfSettings, Construction,
     FactoredSettings, HalfVectorSettings, LeafChoice, LobeSettings, SamplerSpec, TableChoice,

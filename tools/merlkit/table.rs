@@ -1,7 +1,7 @@
 //! Sheets as text tables.
 
 use comfy_table::{Table, presets};
-use merlkit::report::Sheet;
+use merlkit_evaluate::report::Sheet;
 
 /// The sheet as a Markdown table, which reads well in a terminal and survives copying; ends in a line feed.
 pub fn render(sheet: &Sheet) -> String {

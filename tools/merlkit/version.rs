@@ -4,10 +4,7 @@ use std::env::consts::{ARCH, OS};
 use std::sync::LazyLock;
 
 /// Optional features of the package, and whether they were built in.
-const FEATURES: [(&str, bool); 2] = [
-    ("cli", cfg!(feature = "cli")),
-    ("png-plots", cfg!(feature = "png-plots")),
-];
+const FEATURES: [(&str, bool); 1] = [("png-plots", cfg!(feature = "png-plots"))];
 
 /// Instructions that the compiler was allowed to use beyond the architecture's least, of those that matter here.
 const INSTRUCTIONS: [(&str, bool); 4] = [

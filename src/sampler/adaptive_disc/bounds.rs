@@ -9,8 +9,9 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::square::Rect;
-use crate::brdf::{BinIndex, Importance, LookupRule, Measured};
-use crate::merl::{THETA_D_BINS, THETA_H_BINS};
+use crate::brdf::Importance;
+use crate::material::merl::{BinIndex, LookupRule, Measured};
+use crate::material::merl::{THETA_D_BINS, THETA_H_BINS};
 
 /// Components of directions are rounded to f32, so a rectangle reaches a little further than drawn.
 const SLACK: f64 = 4e-7;

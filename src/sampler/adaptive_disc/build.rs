@@ -8,8 +8,9 @@ use super::square::{Rect, Square};
 use super::tree::{Forest, Grown, MOST_LEAVES};
 use super::warp::{self, WarpGrower, Warps};
 use super::{AdaptiveDiscSettings, Construction, LeafChoice, MOST_TRIALS, ThetaKnots, Trees};
-use crate::brdf::{Brdf, LookupRule, Measured};
-use crate::geom::{Quadrature, spherical};
+use crate::brdf::Brdf;
+use crate::geometry::{Quadrature, spherical};
+use crate::material::merl::{LookupRule, Measured};
 
 /// Points along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
 /// decides on splits, and a rough one will do.
@@ -362,7 +363,7 @@ impl Contents for Image {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::merl::decode_embedded;
+    use crate::material::merl::decode_embedded;
     use crate::points::Stream;
     use crate::sampler::TableChoice;
     use crate::sampler::adaptive_disc::tree::{Drawn, Leaf, WHOLE};
@@ -396,24 +397,27 @@ mod tests {
     fn bounds_hold_and_trees_are_small_on_every_material() {
         let settings = AdaptiveDiscSettings::default();
         let knots = ThetaKnots::new(settings.tables, settings.choice).unwrap();
-        crate::merl::embedded_names().par_iter().for_each(|name| {
-            let brdf = Measured::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
-            let forest = forest(&brdf, &settings, knots);
-            assert!(
-                forest.bytes() < 1_000_000,
-                "{name}: {} bytes",
-                forest.bytes()
-            );
-            let mut random = Stream::new(2);
-            for k in 0..settings.tables {
-                let slice = Slice::new(&brdf, &settings, None, knots.theta(k));
-                let worst = worst_share(&forest, k, &slice, 20, &mut random);
+        crate::material::merl::embedded_names()
+            .par_iter()
+            .for_each(|name| {
+                let brdf =
+                    Measured::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
+                let forest = forest(&brdf, &settings, knots);
                 assert!(
-                    worst <= 1.0,
-                    "{name}, knot {k}: a value {worst} times the bound"
+                    forest.bytes() < 1_000_000,
+                    "{name}: {} bytes",
+                    forest.bytes()
                 );
-            }
-        });
+                let mut random = Stream::new(2);
+                for k in 0..settings.tables {
+                    let slice = Slice::new(&brdf, &settings, None, knots.theta(k));
+                    let worst = worst_share(&forest, k, &slice, 20, &mut random);
+                    assert!(
+                        worst <= 1.0,
+                        "{name}, knot {k}: a value {worst} times the bound"
+                    );
+                }
+            });
     }
 
     #[test]

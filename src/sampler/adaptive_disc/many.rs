@@ -4,9 +4,9 @@ use glam::{DVec2, Vec3};
 
 use super::tree::{Drawn, Forest};
 use super::{AdaptiveDisc, LeafChoice, MAX_TRIALS, View};
-use crate::geom::{cosine_hemisphere, unit_upper};
+use crate::direction_sampler::DirectionSample;
+use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::points::{PointSet, Stream};
-use crate::sampler::DirectionSample;
 
 /// Draws `count` directions whose numbers in every node are their expectation, rounded at random.
 pub(super) fn sample_many(

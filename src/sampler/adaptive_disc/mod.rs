@@ -26,9 +26,10 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
-use super::{DirectionSample, DirectionSampler, well_spread};
-use crate::brdf::{Brdf, Importance, Measured};
-use crate::geom::{cosine_hemisphere, is_upper, unit_upper};
+use crate::brdf::{Brdf, Importance};
+use crate::direction_sampler::{DirectionSample, DirectionSampler, well_spread};
+use crate::geometry::{cosine_hemisphere, is_upper, unit_upper};
+use crate::material::merl::Measured;
 use crate::points::Stream;
 use crate::{Error, Result};
 

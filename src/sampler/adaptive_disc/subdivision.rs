@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::square::Square;
 use super::{AdaptiveDisc, Forest, Trees, WHOLE, Warps};
-use crate::geom::concentric_disc;
+use crate::geometry::concentric_disc;
 
 /// A leaf of a tree, or a square beside them in which nothing is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]

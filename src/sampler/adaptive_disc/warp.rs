@@ -15,7 +15,7 @@ use glam::{DVec2, Vec3};
 use super::build::Slice;
 use super::square::{DEEPEST, Rect};
 use super::{AdaptiveDiscSettings, MaxTable};
-use crate::geom::{concentric_disc, concentric_square};
+use crate::geometry::{concentric_disc, concentric_square};
 use crate::sampler::knots::split_unit;
 
 /// A square divided into four, twelve bytes. Child 0..4: bit 0 is the upper half in x, bit 1 in y.
@@ -331,7 +331,7 @@ pub(super) fn direction(p: DVec2, turn: DVec2) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Lattice;
+    use crate::geometry::Lattice;
 
     fn tree(mass: f64) -> Tree {
         Tree {

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use super::{CascadeCdfSettings, Tables, ThetaAxis, ThetaKnots};
 use crate::brdf::{Brdf, Importance};
-use crate::dist::{Curves, cumulated, simplify};
-use crate::geom::{reflect_about, spherical};
+use crate::distribution::{Curves, cumulated, simplify};
+use crate::geometry::{reflect_about, spherical};
 
 /// Evaluations that a table is worth, however few its cells: coarse cells take the mean over several points.
 const POINTS: [usize; 2] = [512, 128];

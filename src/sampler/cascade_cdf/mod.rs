@@ -20,8 +20,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
 use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance};
-use crate::dist::Curves;
-use crate::geom::{approx, cosine_hemisphere, is_upper, reflect_about, unit_upper};
+use crate::distribution::Curves;
+use crate::geometry::{approx, cosine_hemisphere, is_upper, reflect_about, unit_upper};
 use crate::{Error, Result};
 
 /// Settings of [`CascadeCdf::build`].

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::CascadeCdf;
-use crate::dist::Curves;
+use crate::distribution::Curves;
 
 /// One CDF of one table.
 #[derive(Clone, Debug, PartialEq)]

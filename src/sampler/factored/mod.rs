@@ -15,8 +15,8 @@ use super::cascade_cdf::ThetaAxis;
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
 use super::{DirectionSample, DirectionSampler, ThetaSpacing, with_density};
 use crate::brdf::{Brdf, Importance};
-use crate::dist::Curves;
-use crate::geom::{cosine_hemisphere, reflect_about, spherical, to_spherical, unit_upper};
+use crate::distribution::Curves;
+use crate::geometry::{cosine_hemisphere, reflect_about, spherical, to_spherical, unit_upper};
 use crate::{Error, Result};
 
 /// How many factors there are, and over what.

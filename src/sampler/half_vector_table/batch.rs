@@ -10,7 +10,7 @@ use super::mixture::Mixture;
 use super::square::{Place, Square};
 use super::tables::Blend;
 use super::{About, Choice, Found, HalfVectorTable};
-use crate::sampler::DirectionSample;
+use crate::direction_sampler::DirectionSample;
 
 /// Draws about one `wo` that pay for mixing the tables beforehand.
 const MANY: usize = 256;

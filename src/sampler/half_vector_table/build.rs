@@ -10,7 +10,7 @@ use super::tables::{SLOPE_UNIT, STEEPEST, Stored};
 use super::{HalfVectorSettings, knot_cosines};
 use crate::brdf::Brdf;
 use crate::color::Rgb;
-use crate::geom::spherical;
+use crate::geometry::spherical;
 
 /// Points a part over its cap. Each is turned by its share of a column, so that together they resolve the azimuth finer.
 const CAP_POINTS: usize = 3;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::geom::{is_unit_upper, unit_upper};
+use crate::geometry::{is_unit_upper, unit_upper};
 
 /// Draws that go through the stages together: their arrays fit the fastest cache.
 pub(super) const LANES: usize = 64;

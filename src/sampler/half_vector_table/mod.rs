@@ -25,7 +25,7 @@ use glam::{Vec2, Vec3};
 
 use super::{DirectionSample, DirectionSampler};
 use crate::brdf::{Brdf, Importance};
-use crate::geom::unit_upper;
+use crate::geometry::unit_upper;
 use crate::{Error, Result};
 use mixture::{Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
 use square::PARTS;

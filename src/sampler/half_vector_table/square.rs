@@ -15,7 +15,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use crate::brdf::BinIndex;
+use crate::material::merl::BinIndex;
 
 /// MERL's bins of θh that end below 45°, which half vectors reach for every `wo`.
 pub const MERL_PARTS: usize = 63;
@@ -285,7 +285,7 @@ fn tan_of_quarter(x: f32, y: f32, rho: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{HalfVectors, Lattice, spherical};
+    use crate::geometry::{HalfVectors, Lattice, spherical};
 
     fn edge(square: &Square, number: usize) -> f64 {
         f64::from(square.cap(Edge::of_part(number)))

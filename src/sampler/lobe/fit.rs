@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{LEAST_DIFFUSE, LobeKind, LobeParameters, density};
 use crate::brdf::{Brdf, Importance};
-use crate::geom::{Quadrature, spherical};
+use crate::geometry::{Quadrature, spherical};
 
 /// Polar angles of `wo` that are fitted to, degrees.
 const ANGLES_DEG: [f64; 6] = [5.0, 20.0, 35.0, 50.0, 65.0, 80.0];
@@ -173,8 +173,8 @@ pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::{LookupRule, Measured};
-    use crate::merl::decode_embedded;
+    use crate::material::merl::decode_embedded;
+    use crate::material::merl::{LookupRule, Measured};
     use std::sync::Arc;
 
     #[test]

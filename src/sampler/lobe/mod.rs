@@ -16,7 +16,7 @@ use glam::{DVec2, Vec2, Vec3};
 use super::knots::split_unit;
 use super::{DirectionSample, DirectionSampler, with_density};
 use crate::brdf::{Brdf, Importance};
-use crate::geom::{cosine_hemisphere, unit_upper};
+use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::{Error, Result};
 
 /// Which lobe.

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 use glam::{DVec2, DVec3};
 
 use super::LobeKind;
-use crate::geom::reflect_about;
+use crate::geometry::reflect_about;
 
 /// Density per solid angle of `wi`, with the shapes along and across the plane of incidence.
 #[inline]

@@ -14,9 +14,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{Sampler, SamplerSpec};
-use crate::brdf::{LookupRule, MaterialBrdf, Measured};
 use crate::files::{Overwrite, RegularFile, write_new};
-use crate::merl::{Material, Source};
+use crate::material::Loaded;
+use crate::material::merl::{LookupRule, Measured};
+use crate::material::{Material, Source};
 use crate::{Error, Result};
 use tensors::{Tensors, TensorsOut};
 
@@ -233,7 +234,7 @@ impl SamplerFile {
     /// # Errors
     /// As [`Self::into_sampler`], and [`Error::Argument`] if the material is not where the record says, or its bytes are not
     /// those the sampler was built from.
-    pub fn load(self, instead: Option<Material>) -> Result<(Sampler, MaterialBrdf)> {
+    pub fn load(self, instead: Option<Material>) -> Result<(Sampler, Loaded)> {
         let material = instead.map_or_else(|| self.recorded_material(), Ok)?;
         let found = material.sha256()?;
         if found != self.record.source_sha256 {
@@ -246,20 +247,21 @@ impl SamplerFile {
                 "build the sampler again, or name the material it was built from",
             ));
         }
-        let brdf = MaterialBrdf::new(material.content()?, self.record.lookup);
-        let sampler = match (&brdf, self.record.spec) {
-            (MaterialBrdf::Table(measured), _) => self.into_sampler(measured)?,
-            (MaterialBrdf::File(rgl), SamplerSpec::ByAzimuth(settings)) => Sampler::ByAzimuth(
-                parts::read_by_azimuth(&self.tensors, settings, rgl.symmetry())?,
-            ),
-            (MaterialBrdf::File(_), _) => {
-                let found = self.record.spec.name();
-                return Err(self
-                    .tensors
-                    .invalid("a sampler of an anisotropic material", found));
-            }
-        };
-        Ok((sampler, brdf))
+        let material = material.load(self.record.lookup)?;
+        let sampler =
+            match (material.table(), self.record.spec) {
+                (Some(measured), _) => self.into_sampler(measured)?,
+                (None, SamplerSpec::ByAzimuth(settings)) => Sampler::ByAzimuth(
+                    parts::read_by_azimuth(&self.tensors, settings, material.symmetry())?,
+                ),
+                (None, _) => {
+                    let found = self.record.spec.name();
+                    return Err(self
+                        .tensors
+                        .invalid("a sampler of an anisotropic material", found));
+                }
+            };
+        Ok((sampler, material))
     }
 }
 

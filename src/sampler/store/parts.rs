@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use super::tensors::{Tensors, TensorsOut};
 use crate::Result;
-use crate::brdf::Measured;
-use crate::dist::{self, Curves};
-use crate::geom::Symmetry;
+use crate::distribution;
+use crate::distribution::Curves;
+use crate::geometry::Symmetry;
+use crate::material::merl::Measured;
 use crate::sampler::adaptive_disc::{
     DEEPEST, Forest, Leaf, MOST_LEAVES, Node, Trees, WHOLE, Warps,
 };
 use crate::sampler::cascade_cdf::Tables;
 use crate::sampler::factored::Terms;
-use crate::sampler::half_vector_table::{
-    self as square, MERL_PARTS, NODE_SUM, ONE, SQUARE_PARTS, STEEPEST,
-};
+use crate::sampler::half_vector_table as square;
+use crate::sampler::half_vector_table::{MERL_PARTS, NODE_SUM, ONE, SQUARE_PARTS, STEEPEST};
 use crate::sampler::{
     AdaptiveDisc, AdaptiveDiscSettings, ByAzimuth, ByAzimuthSettings, CascadeCdf,
     CascadeCdfSettings, Factored, FactoredSettings, HalfVectorSettings, HalfVectorTable,
@@ -291,7 +291,7 @@ fn read_curves(tensors: &Tensors, name: &str, cells: usize) -> Result<Curves> {
 /// From 0 to 1, or 0 throughout.
 fn rises(cdf: &[u16]) -> bool {
     match cdf {
-        [0, .., last] => cdf.is_sorted() && (*last == dist::WHOLE || *last == 0),
+        [0, .., last] => cdf.is_sorted() && (*last == distribution::WHOLE || *last == 0),
         _ => false,
     }
 }

@@ -6,16 +6,17 @@ use std::process::ExitCode;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use merlkit::Error;
-use merlkit::brdf::{LookupRule, MaterialBrdf};
 use merlkit::files::{Overwrite, check_writable};
-use merlkit::merl::Material;
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
 use merlkit::sampler::{SamplerSpec, store};
 use rayon::prelude::*;
 
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::progress::Progress;
-use crate::sampler_args::{self, DEFAULT, SamplerArgs};
+use crate::sampler_args;
+use crate::sampler_args::{DEFAULT, SamplerArgs};
 use crate::{args, output};
 
 /// Build samplers and store them as files
@@ -118,7 +119,7 @@ fn build(
     path: &Path,
     overwrite: Overwrite,
 ) -> Result<String, Error> {
-    let brdf = MaterialBrdf::new(material.content()?, lookup);
+    let brdf = material.load(lookup)?;
     let sampler = spec.build_for(&brdf)?;
     let bytes = store::save(&sampler, material, lookup, path, overwrite)?;
     let lookup = brdf

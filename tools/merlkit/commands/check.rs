@@ -4,19 +4,22 @@ use std::process::ExitCode;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use merlkit::Error;
-use merlkit::brdf::{LookupRule, MaterialBrdf};
 use merlkit::files::Overwrite;
-use merlkit::measure::check::{CheckSettings, check_directions_of, check_sampler};
-use merlkit::measure::hard::{Thoroughness, check_hard};
-use merlkit::merl::{HardCase, Material};
-use merlkit::report::{CheckResult, HardSheets, Sheet, write_json};
+use merlkit::material::Material;
+use merlkit::material::merl::HardCase;
+use merlkit::material::merl::LookupRule;
 use merlkit::sampler::SamplerSpec;
+use merlkit_evaluate::measure::check::{CheckSettings, check_directions_of, check_sampler};
+use merlkit_evaluate::measure::hard::{Thoroughness, check_hard};
+use merlkit_evaluate::report::{CheckResult, HardSheets, Sheet, write_json};
 
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
-use crate::output::{self, Destination};
+use crate::output;
+use crate::output::Destination;
 use crate::progress::Progress;
-use crate::sampler_args::{self, COMPARED, SamplerArgs};
+use crate::sampler_args;
+use crate::sampler_args::{COMPARED, SamplerArgs};
 use crate::{args, table};
 
 /// Prove that samplers are right: densities, draws and estimates
@@ -90,11 +93,11 @@ pub fn run(args: &Args) -> Outcome {
     let (finished, destination) = (results.clone(), args.json.clone());
     interrupt::at_end(move || write_finished(&lock(&finished), destination.as_ref(), overwrite));
     for (material, specs) in materials.iter().zip(&specs) {
-        let brdf = MaterialBrdf::new(material.content()?, args.lookup);
-        let directions = check_directions_of(brdf.as_dyn().symmetry());
+        let brdf = material.load(args.lookup)?;
+        let directions = check_directions_of(brdf.brdf().symmetry());
         for spec in specs {
             let sampler = spec.build_for(&brdf)?;
-            let report = check_sampler(&sampler, brdf.as_dyn(), &directions, &settings);
+            let report = check_sampler(&sampler, &**brdf.brdf(), &directions, &settings);
             let (material, sampler) = (material.name().into(), sampler.spec().label());
             let result = CheckResult {
                 material,

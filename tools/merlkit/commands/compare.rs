@@ -5,17 +5,17 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::brdf::{LookupRule, Measured};
 use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::light::Environment;
-use merlkit::measure::compare::{
+use merlkit::material::Material;
+use merlkit::material::merl::{LookupRule, Measured};
+use merlkit_evaluate::measure::compare::{
     Comparison, ComparisonPlan, MATERIALS, MaterialComparison, Named, PictureComparison,
     PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors,
     curve, knobs, picture_competitors, picture_reference, pictures, references, setting, verdict,
 };
-use merlkit::measure::cost::time;
-use merlkit::merl::Material;
-use merlkit::report::{
+use merlkit_evaluate::measure::cost::time;
+use merlkit_evaluate::report::{
     ComparisonDocument, comparison_csv, comparison_page, material_charts, targets, write_json,
 };
 
@@ -172,7 +172,10 @@ impl Run {
         let mut named: Vec<Named> = Vec::new();
         let mut materials = Vec::new();
         for material in std::mem::take(&mut self.materials) {
-            let brdf = Arc::new(Measured::new(Arc::new(material.load()?), self.plan.lookup));
+            let brdf = Arc::new(Measured::new(
+                Arc::new(material.load_table()?),
+                self.plan.lookup,
+            ));
             materials.push(self.material(material.name(), &brdf)?);
             named.push((material.name().into(), brdf));
         }

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable};
-use merlkit::merl::{HardCase, Material, write};
+use merlkit::material::Material;
+use merlkit::material::merl::{HardCase, write};
 use rayon::prelude::*;
 
 use clap::builder::PossibleValuesParser;
@@ -68,7 +69,11 @@ fn hard_cases(args: &Args) -> Outcome {
 }
 
 fn decode(material: &Material, folder: &Path, overwrite: Overwrite) -> Result<(), Error> {
-    write(&material.load()?, &file_of(material, folder), overwrite)
+    write(
+        &material.load_table()?,
+        &file_of(material, folder),
+        overwrite,
+    )
 }
 
 fn file_of(material: &Material, folder: &Path) -> PathBuf {

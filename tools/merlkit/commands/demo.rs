@@ -5,14 +5,15 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use merlkit::Error;
-use merlkit::brdf::LookupRule;
 use merlkit::files::{Overwrite, check_writable};
-use merlkit::measure::profile::{ProfileSettings, profile};
-use merlkit::merl::{Material, write};
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
+use merlkit::material::merl::write;
 use merlkit::points::PointSet;
 use merlkit::render::{EffectPlan, EnvironmentSource, LightSpec, SceneSpec, Settings};
-use merlkit::report::{SamplerReport, thesis_legend};
 use merlkit::sampler::SamplerSpec;
+use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
+use merlkit_evaluate::report::{SamplerReport, thesis_legend};
 
 use super::render::GREY;
 use crate::failure::{Failure, Outcome};
@@ -92,7 +93,7 @@ fn samplers(folder: &Path) -> Result<Vec<(SamplerSpec, Files)>, Error> {
 fn materials(binaries: &[PathBuf; 3], overwrite: Overwrite) -> Result<Vec<Material>, Failure> {
     let mut materials = Vec::new();
     for (name, path) in NAMES.iter().zip(binaries) {
-        write(&Material::resolve(name)?.load()?, path, overwrite)?;
+        write(&Material::resolve(name)?.load_table()?, path, overwrite)?;
         output::stdout(|out| writeln!(out, "wrote {}", path.display()))?;
         materials.push(Material::resolve(&path.to_string_lossy())?);
     }

@@ -5,10 +5,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use glam::DVec3;
-use merlkit::brdf::{LookupRule, MaterialBrdf};
 use merlkit::color::Rgb;
-use merlkit::geom::DirectionPairs;
-use merlkit::merl::Material;
+use merlkit::geometry::DirectionPairs;
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
 
 use crate::args;
 use crate::failure::{Failure, Outcome};
@@ -36,8 +36,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let loaded = MaterialBrdf::new(Material::resolve(&args.material)?.content()?, args.lookup);
-    let brdf = loaded.as_dyn();
+    let loaded = Material::resolve(&args.material)?.load(args.lookup)?;
+    let brdf = &**loaded.brdf();
     let mut failure = None;
     output::stdout(|out| {
         writeln!(out, "f_r,f_g,f_b")?;

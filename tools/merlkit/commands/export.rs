@@ -6,14 +6,15 @@ use std::sync::Arc;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
-use merlkit::brdf::{Brdf, LookupRule, Measured};
-use merlkit::bsdf::{BsdfFile, BsdfSize, Rgl, tabulate};
+use merlkit::brdf::Brdf;
 use merlkit::export::{Export, refuse_same_identifier};
 use merlkit::files::check_writable;
-use merlkit::measure::{colour_error, draw_quality, size_within, value_errors};
-use merlkit::merl::Material;
-use merlkit::report::{Sheet, drawn_row, export_row, export_sheet, table_sheet};
+use merlkit::material::Material;
+use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::rgl::{BsdfFile, BsdfSize, Rgl, tabulate};
 use merlkit::sampler::HalfVectorSettings;
+use merlkit_evaluate::measure::{colour_error, draw_quality, size_within, value_errors};
+use merlkit_evaluate::report::{Sheet, drawn_row, export_row, export_sheet, table_sheet};
 
 use crate::failure::Outcome;
 use crate::progress::Progress;
@@ -186,7 +187,7 @@ impl Args {
 }
 
 fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
-    let brdf = Measured::new(Arc::new(material.load()?), args.lookup());
+    let brdf = Measured::new(Arc::new(material.load_table()?), args.lookup());
     let (size, mut file) = match args.target_error {
         Some(limit) => size_within(&brdf, limit)?,
         None => {

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use merlkit::brdf::{LookupRule, Measured};
 use merlkit::files::check_writable;
-use merlkit::measure::value_errors;
-use merlkit::merl::{BinPoint, import_bsdf, write};
+use merlkit::material::merl::{BinPoint, import_bsdf, write};
+use merlkit::material::merl::{LookupRule, Measured};
+use merlkit_evaluate::measure::value_errors;
 
 use crate::failure::Outcome;
 use crate::{args, output};

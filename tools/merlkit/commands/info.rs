@@ -5,16 +5,17 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::brdf::{LookupRule, Measured};
-use merlkit::measure::facts;
-use merlkit::merl::{Material, Source};
-use merlkit::report::{Info, Sheet, write_json};
+use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::{Material, Source};
 use merlkit::sampler::SamplerSpec;
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
+use merlkit_evaluate::measure::facts;
+use merlkit_evaluate::report::{Info, Sheet, write_json};
 use serde::Serialize;
 
 use crate::failure::Outcome;
-use crate::output::{self, Destination};
+use crate::output;
+use crate::output::Destination;
 use crate::progress::Progress;
 use crate::{args, table};
 
@@ -152,7 +153,7 @@ impl SamplerDescription {
 }
 
 fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Error> {
-    let brdf = Measured::new(Arc::new(material.load()?), lookup);
+    let brdf = Measured::new(Arc::new(material.load_table()?), lookup);
     let source = match material.source() {
         Source::File(path) => path.display().to_string(),
         Source::Embedded(_) => "embedded".into(),

@@ -2,11 +2,12 @@
 
 use std::process::ExitCode;
 
-use merlkit::merl::embedded_names;
-use merlkit::report::write_json;
+use merlkit::material::merl::embedded_names;
+use merlkit_evaluate::report::write_json;
 
 use crate::failure::Outcome;
-use crate::output::{self, Destination};
+use crate::output;
+use crate::output::Destination;
 
 /// Print the names of the embedded materials, one a line
 #[derive(clap::Args)]

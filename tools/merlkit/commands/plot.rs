@@ -5,16 +5,17 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::brdf::{LookupRule, Measured};
-use merlkit::merl::Material;
-use merlkit::report::ChartSubject;
+use merlkit::material::Material;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::sampler::SamplerSpec;
+use merlkit_evaluate::report::ChartSubject;
 
 use crate::args;
 use crate::failure::Outcome;
 use crate::output::{Destination, overwrite};
 use crate::raster;
-use crate::sampler_args::{self, SamplerArgs};
+use crate::sampler_args;
+use crate::sampler_args::SamplerArgs;
 
 /// What to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -114,7 +115,7 @@ pub fn run(args: &Args) -> Outcome {
     let destination = args.output.clone().unwrap_or_else(file);
     let format = Format::of(&destination)?;
     destination.check(overwrite(args.force))?;
-    let table = Arc::new(material.load()?);
+    let table = Arc::new(material.load_table()?);
     let brdf = Arc::new(Measured::new(table, args.lookup.unwrap_or_default()));
     let subject = ChartSubject::new(material.name(), brdf, thetas, spec)?;
     let svg = match kind {

@@ -5,19 +5,20 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use merlkit::Error;
-use merlkit::brdf::LookupRule;
-use merlkit::dist::Heuristic;
-use merlkit::merl::Material;
+use merlkit::distribution::Heuristic;
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
 use merlkit::render::{
     Decision, Effect, EffectPlan, EnvironmentSource, LEAST_ALLOCATED, LightSpec, Refined,
     SceneSpec, Settings, Strategy,
 };
-use merlkit::report::Sheet;
+use merlkit_evaluate::report::Sheet;
 
 use crate::failure::Outcome;
 use crate::picture::{Files, Picture, Spending};
-use crate::sampler_args::{self, DEFAULT, SamplerArgs};
+use crate::sampler_args;
+use crate::sampler_args::{DEFAULT, SamplerArgs};
 use crate::{args, output, table};
 
 /// Path-trace a row of spheres, one a material, to NAME.exr (linear RGB) and NAME.png (tone-mapped sRGB)

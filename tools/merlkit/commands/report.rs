@@ -4,16 +4,18 @@ use std::process::ExitCode;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use merlkit::Error;
-use merlkit::brdf::LookupRule;
 use merlkit::files::Overwrite;
-use merlkit::measure::profile::{ProfileSettings, profile};
-use merlkit::report::{SamplerReport, summary, thesis_legend, write_json};
+use merlkit::material::merl::LookupRule;
+use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
+use merlkit_evaluate::report::{SamplerReport, summary, thesis_legend, write_json};
 
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
-use crate::output::{self, Destination};
+use crate::output;
+use crate::output::Destination;
 use crate::progress::Progress;
-use crate::sampler_args::{self, COMPARED, SamplerArgs};
+use crate::sampler_args;
+use crate::sampler_args::{COMPARED, SamplerArgs};
 use crate::{args, table};
 
 /// Measure memory, time and accuracy of samplers, with the thesis's figures beside them

@@ -6,15 +6,19 @@ use std::process::ExitCode;
 
 use glam::{Vec2, Vec3};
 use merlkit::Error;
-use merlkit::brdf::{Brdf, LookupRule, MaterialBrdf};
+use merlkit::brdf::Brdf;
 use merlkit::color;
-use merlkit::merl::Material;
+use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
+use merlkit::material::Loaded;
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{SamplerFile, looks_like_sampler_file};
-use merlkit::sampler::{DirectionSample, DirectionSampler, Sampler, SamplerSpec};
+use merlkit::sampler::{Sampler, SamplerSpec};
 
 use crate::failure::Outcome;
-use crate::sampler_args::{self, DEFAULT, SamplerArgs};
+use crate::sampler_args;
+use crate::sampler_args::{DEFAULT, SamplerArgs};
 use crate::{args, output};
 
 /// Draw directions and print them with density and value
@@ -91,15 +95,15 @@ pub fn run(args: &Args) -> Outcome {
             (args.theta, args.phi),
             &draws,
             &sampler,
-            brdf.as_dyn(),
+            &**brdf.brdf(),
         ),
-        false => write_csv(out, &draws, &sampler, brdf.as_dyn(), args.with_points),
+        false => write_csv(out, &draws, &sampler, &**brdf.brdf(), args.with_points),
     })?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// The material's name, the sampler, and the BRDF it was built for.
-fn load(args: &Args) -> Result<(String, Sampler, MaterialBrdf), Error> {
+fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
     let path = Path::new(&args.source);
     if path.is_file() && looks_like_sampler_file(path) {
         let file = SamplerFile::open(path)?;
@@ -156,7 +160,7 @@ fn load(args: &Args) -> Result<(String, Sampler, MaterialBrdf), Error> {
     let spec = args
         .settings
         .spec(args.sampler.as_deref().unwrap_or(DEFAULT))?;
-    let brdf = MaterialBrdf::new(material.content()?, args.lookup.unwrap_or_default());
+    let brdf = material.load(args.lookup.unwrap_or_default())?;
     Ok((material.name().into(), spec.build_for(&brdf)?, brdf))
 }
 

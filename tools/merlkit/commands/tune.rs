@@ -4,14 +4,15 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use merlkit::brdf::{LookupRule, Measured};
-use merlkit::measure::compare::{PointPlan, Tuning, Wish, tunable, tune};
-use merlkit::merl::Material;
-use merlkit::report::{tuning_sheet, tuning_summary, write_json};
+use merlkit::material::Material;
+use merlkit::material::merl::{LookupRule, Measured};
 use merlkit::sampler::store;
+use merlkit_evaluate::measure::compare::{PointPlan, Tuning, Wish, tunable, tune};
+use merlkit_evaluate::report::{tuning_sheet, tuning_summary, write_json};
 
 use crate::failure::Outcome;
-use crate::output::{self, Destination};
+use crate::output;
+use crate::output::Destination;
 use crate::progress::Progress;
 use crate::sky::SkyArgs;
 use crate::{args, table};
@@ -79,7 +80,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let material = Material::resolve(&args.material)?;
     let sky = args.sky.load()?;
-    let brdf = Arc::new(Measured::new(Arc::new(material.load()?), args.lookup));
+    let brdf = Arc::new(Measured::new(Arc::new(material.load_table()?), args.lookup));
     let specs = tunable(args.output.is_some());
     let progress = Progress::new("trying", specs.len());
     let plan = PointPlan::quick(args.seed);

@@ -1,0 +1,86 @@
+//! Reflectance as a function of two directions.
+//!
+//! Materials ([`crate::material`]) implement it, samplers and the renderer use it.
+
+use glam::Vec3;
+
+use crate::color::{self, Rgb};
+use crate::geometry::{Symmetry, unit_upper};
+
+/// A reflectance function f_r(wo, wi) in the local frame.
+pub trait Brdf: Send + Sync {
+    /// f_r in sr⁻¹, without the cosine. Zero, never NaN, for a direction that is not finite or not above the horizon.
+    /// Directions of other lengths than 1 are renormalised ([`crate::geometry::unit_upper`]).
+    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb;
+
+    /// f_r for one `wo` and many `wi`: `out[k]` becomes `eval(wo, wi[k])`, to the bit. As many as the shorter slice holds
+    /// are evaluated; what is left of a longer `out` stays as it was.
+    fn eval_many(&self, wo: Vec3, wi: &[Vec3], out: &mut [Rgb]) {
+        for (out, &wi) in out.iter_mut().zip(wi) {
+            *out = self.eval(wo, wi);
+        }
+    }
+
+    /// f_r for many pairs: `out[k]` becomes `eval(wo[k], wi[k])`, to the bit. As many as the shortest slice holds are
+    /// evaluated; what is left of a longer `out` stays as it was.
+    fn eval_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
+        for ((out, &wo), &wi) in out.iter_mut().zip(wo).zip(wi) {
+            *out = self.eval(wo, wi);
+        }
+    }
+
+    /// f_r·cosθᵢ in sr⁻¹.
+    fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.eval(wo, wi) * unit_upper(wi).map_or(0.0, |wi| wi.z)
+    }
+
+    /// f_r·cosθᵢ for many pairs: `out[k]` becomes `eval_cos(wo[k], wi[k])`, to the bit. As many as the shortest slice holds are
+    /// evaluated; what is left of a longer `out` stays as it was.
+    fn eval_cos_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
+        for ((out, &wo), &wi) in out.iter_mut().zip(wo).zip(wi) {
+            *out = self.eval_cos(wo, wi);
+        }
+    }
+
+    /// Whether turning both directions about the normal leaves f_r as it is.
+    fn is_isotropic(&self) -> bool;
+
+    /// Which azimuths of `wo` stand for all others.
+    fn symmetry(&self) -> Symmetry {
+        if self.is_isotropic() {
+            Symmetry::Isotropic
+        } else {
+            Symmetry::Whole
+        }
+    }
+}
+
+/// Reduction of RGB to the scalar a sampler follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Importance {
+    /// Mean of the channels: the lowest spread of RGB weights on most measured materials.
+    #[default]
+    Mean,
+    /// Relative luminance.
+    Luminance,
+}
+
+impl Importance {
+    /// The scalar's name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Luminance => "luminance",
+        }
+    }
+
+    /// The scalar of a value.
+    #[inline]
+    pub fn of(self, value: Rgb) -> f32 {
+        match self {
+            Self::Mean => color::mean(value),
+            Self::Luminance => color::luminance(value),
+        }
+    }
+}

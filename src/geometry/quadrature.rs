@@ -1,0 +1,285 @@
+//! Integrals over `wi` for a fixed `wo`, on half vectors aligned with MERL's bins.
+//!
+//! A lobe a tenth of a degree wide and a table that jumps at every bin edge defeat a grid over (θ, φ) of `wi`. Here the
+//! range of θh is cut at MERL's bin edges, where measured tables jump, and at the two angles where the horizon begins to cut
+//! the azimuths and where it ends them; dσ(wi) = 4 (wo·h) dσ(h). Each piece carries a Fibonacci lattice over θh and
+//! azimuth; the azimuth covers exactly the range that reflects above the horizon.
+//!
+//! Convergence, with n points a bin and some 60 to 90 bins, θo from 0 to 89°: ∫cosθ/π dσ = 1 to 2·10⁻⁴ at n = 34, 8·10⁻⁶ at
+//! 233, 2·10⁻⁶ at 987 and 7·10⁻⁷ at 2584. Densities that jump inside a bin converge as n⁻¹. The difference from a
+//! quadrature of fewer points tells the error.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::Vec3;
+
+use super::half_vectors::{HalfVectors, Lattice};
+
+/// MERL's bins of θh, √-spaced over a right angle.
+const THETA_H_BINS: usize = 90;
+
+/// Points a bin that settle the albedo of every embedded material to 10⁻⁴ and better.
+pub const POINTS_PER_BIN: usize = 987;
+
+/// Nodes and weights over the directions `wi` above the horizon, for one `wo`.
+#[derive(Clone, Debug)]
+pub struct Quadrature {
+    wo: Vec3,
+    domain: Option<HalfVectors>,
+    pieces: Vec<Piece>,
+    lattice: Lattice,
+}
+
+impl Quadrature {
+    /// Nodes about `wo`, with at least `points_per_bin` in each bin of θh (rounded up to a Fibonacci number).
+    ///
+    /// For a `wo` that is not finite or not above the horizon there are no nodes, and every integral is 0.
+    pub fn new(wo: Vec3, points_per_bin: usize) -> Self {
+        let domain = HalfVectors::about(wo);
+        let pieces = domain.as_ref().map(pieces).unwrap_or_default();
+        Self {
+            wo,
+            domain,
+            pieces,
+            lattice: Lattice::at_least(points_per_bin),
+        }
+    }
+
+    /// The given direction.
+    pub fn wo(&self) -> Vec3 {
+        self.wo
+    }
+
+    /// Number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.pieces.len() * self.lattice.size()
+    }
+
+    /// ∫ `value(wi)` dσ(wi), with more points in the bins of θh that need them: in each bin where two lattices in a row
+    /// disagree, finer ones are taken, until the differences of all bins add up to at most `tolerance` of the integral.
+    ///
+    /// The points per bin run from 21 to 10,946, whatever this quadrature's own number. For values ≥ 0 from a measured table
+    /// the error is a tenth of `tolerance`. Where values are noise two lattices can agree by chance, so a quarter of the
+    /// difference before the last counts too.
+    pub fn integrate_refined(&self, tolerance: f64, mut value: impl FnMut(Vec3) -> f64) -> f64 {
+        let Some(domain) = &self.domain else {
+            return 0.0;
+        };
+        let mut over = |piece: &Piece, level: usize| {
+            let mut sum = 0.0;
+            let lattice = Lattice::at_least(LEVELS[level]);
+            piece.for_each(domain, lattice, |wi, d_sigma| sum += value(wi) * d_sigma);
+            sum
+        };
+        let first = self.pieces.iter().map(|piece| State::first(over(piece, 0)));
+        let mut states: Vec<State> = first.collect();
+        loop {
+            let total: f64 = states.iter().map(|s| s.value).sum();
+            let error: f64 = states.iter().map(|s| s.error).sum();
+            let allowed = tolerance * total.abs() / states.len().max(1) as f64;
+            let mut settled = error <= tolerance * total.abs();
+            if !settled {
+                settled = true;
+                for (piece, state) in self.pieces.iter().zip(&mut states) {
+                    if state.error > allowed && state.level + 1 < LEVELS.len() {
+                        *state = state.refined(over(piece, state.level + 1));
+                        settled = false;
+                    }
+                }
+            }
+            if settled {
+                return total;
+            }
+        }
+    }
+
+    /// Calls `visit(wi, d_sigma)` at every node: a unit direction above the horizon and its share of solid angle, in sr.
+    pub fn for_each(&self, mut visit: impl FnMut(Vec3, f64)) {
+        let Some(domain) = &self.domain else {
+            return;
+        };
+        for piece in &self.pieces {
+            piece.for_each(domain, self.lattice, &mut visit);
+        }
+    }
+
+    /// ∫ `value(wi)` dσ(wi) over the directions above the horizon.
+    pub fn integrate(&self, mut value: impl FnMut(Vec3) -> f64) -> f64 {
+        let mut sum = 0.0;
+        self.for_each(|wi, d_sigma| sum += value(wi) * d_sigma);
+        sum
+    }
+}
+
+/// How far the refined integral over a piece has come.
+struct State {
+    level: usize,
+    value: f64,
+    /// Difference from the level before.
+    difference: f64,
+    error: f64,
+}
+
+impl State {
+    fn first(value: f64) -> Self {
+        Self {
+            level: 0,
+            value,
+            difference: value.abs(),
+            error: f64::INFINITY,
+        }
+    }
+
+    fn refined(&self, value: f64) -> Self {
+        let difference = (value - self.value).abs();
+        Self {
+            level: self.level + 1,
+            value,
+            difference,
+            error: difference.max(0.25 * self.difference),
+        }
+    }
+}
+
+/// A range of θh and how the unit interval covers it.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    low: f64,
+    high: f64,
+    spacing: Spacing,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Spacing {
+    /// Uniform in θh², that is in area: about the pole.
+    Area,
+    /// Uniform in √θh, as MERL's bins.
+    Root,
+    /// Dense at both ends, where the range of azimuths opens or closes as a square root.
+    Ends,
+}
+
+/// Points per bin of the refined integral.
+const LEVELS: [usize; 7] = [21, 55, 144, 377, 987, 2584, 10_946];
+
+impl Piece {
+    /// Calls `visit(wi, d_sigma)` at every point of the lattice.
+    #[inline]
+    fn for_each(&self, domain: &HalfVectors, lattice: Lattice, mut visit: impl FnMut(Vec3, f64)) {
+        // The azimuth coordinate runs over [−1, 1]: twice the unit square.
+        let weight = 2.0 / lattice.size() as f64;
+        for (s, t) in lattice.points() {
+            let (theta_h, slope) = self.theta_h(s);
+            let (wi, jacobian) = domain.direction(theta_h, 2.0 * t - 1.0);
+            visit(wi, jacobian * slope * weight);
+        }
+    }
+
+    /// θh at `t` in (0, 1), and dθh/dt.
+    fn theta_h(&self, t: f64) -> (f64, f64) {
+        match self.spacing {
+            Spacing::Area => {
+                let root = t.sqrt();
+                (self.high * root, 0.5 * self.high / root)
+            }
+            Spacing::Root => {
+                let (a, b) = (self.low.sqrt(), self.high.sqrt());
+                let s = a + (b - a) * t;
+                (s * s, 2.0 * s * (b - a))
+            }
+            Spacing::Ends => {
+                let half = 0.5 * (self.high - self.low);
+                let (sin, cos) = (PI * t).sin_cos();
+                (self.low + half * (1.0 - cos), half * PI * sin)
+            }
+        }
+    }
+}
+
+/// MERL's bins within the domain, cut where the horizon first cuts the azimuths.
+fn pieces(domain: &HalfVectors) -> Vec<Piece> {
+    let (cut, end) = (domain.theta_full(), domain.theta_max());
+    let mut edges: Vec<f64> = (0..=THETA_H_BINS)
+        .map(|i| (i as f64 / THETA_H_BINS as f64).powi(2) * FRAC_PI_2)
+        .filter(|&edge| edge < end)
+        .chain([cut, end])
+        .collect();
+    edges.sort_by(f64::total_cmp);
+    edges.dedup();
+    edges
+        .windows(2)
+        .map(|pair| piece(pair[0], pair[1], cut, end))
+        .collect()
+}
+
+fn piece(low: f64, high: f64, cut: f64, end: f64) -> Piece {
+    let spacing = if low == 0.0 {
+        Spacing::Area
+    } else if low == cut || high == end {
+        Spacing::Ends
+    } else {
+        Spacing::Root
+    };
+    Piece { low, high, spacing }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{half_vector, spherical};
+    use std::f64::consts::FRAC_1_PI;
+
+    const ANGLES: [f64; 9] = [0.0, 0.76, 14.5, 29.75, 45.0, 60.25, 75.5, 84.7, 89.0];
+
+    fn wo(theta: f64) -> Vec3 {
+        spherical(theta.to_radians(), 0.6).as_vec3()
+    }
+
+    #[test]
+    fn cosine_density_integrates_to_one() {
+        for theta in ANGLES {
+            let sum = Quadrature::new(wo(theta), 233).integrate(|wi| f64::from(wi.z) * FRAC_1_PI);
+            assert!((sum - 1.0).abs() < 1e-5, "{theta}°: {sum}");
+        }
+    }
+
+    #[test]
+    fn hemisphere_has_two_pi_steradians() {
+        for theta in ANGLES {
+            let sum = Quadrature::new(wo(theta), POINTS_PER_BIN).integrate(|_| 1.0);
+            assert!((sum / (2.0 * PI) - 1.0).abs() < 2e-5, "{theta}°: {sum}");
+        }
+    }
+
+    /// (n+1)/2π·cosⁿθh/(4 wo·h) is the density of a lobe of half vectors: its mass above the horizon is 1 minus a tail of
+    /// cosⁿ⁺¹ at the angle where the horizon begins to cut.
+    #[test]
+    fn sharp_lobe_of_half_vectors_integrates_to_one() {
+        for (theta, exponent) in [
+            (0.76, 1e5),
+            (29.75, 1e6),
+            (60.25, 1e4),
+            (75.5, 3e5),
+            (84.7, 1e6),
+        ] {
+            let wo = wo(theta);
+            let exact = wo.as_dvec3();
+            let sum = Quadrature::new(wo, 233).integrate(|wi| {
+                let h = half_vector(exact, wi.as_dvec3()).unwrap();
+                let tan2 = (h.x * h.x + h.y * h.y) / (h.z * h.z);
+                let lobe = (-0.5 * exponent * tan2.ln_1p()).exp();
+                (exponent + 1.0) * 0.5 * FRAC_1_PI * lobe / (4.0 * exact.dot(h))
+            });
+            assert!((sum - 1.0).abs() < 1e-5, "{theta}°, n = {exponent}: {sum}");
+        }
+    }
+
+    #[test]
+    fn invalid_directions_integrate_to_zero() {
+        for wo in [Vec3::NAN, -Vec3::Z, Vec3::X, Vec3::ZERO] {
+            let quadrature = Quadrature::new(wo, 34);
+            assert_eq!(quadrature.nodes(), 0);
+            assert_eq!(quadrature.integrate(|_| 1.0), 0.0);
+        }
+    }
+}

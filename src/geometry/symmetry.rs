@@ -1,0 +1,67 @@
+//! Turns and mirrors of both directions that leave a reflectance as it is.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::Vec3;
+
+/// What may be done to both directions at once without changing f_r.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Symmetry {
+    /// Any turn about the normal.
+    Isotropic,
+    /// Mirroring x, and mirroring y: a quarter turn of azimuths of `wo` stands for all.
+    Quarter,
+    /// Half a turn: so do the azimuths of half a turn.
+    Half,
+    /// Nothing.
+    Whole,
+}
+
+impl Symmetry {
+    /// The first azimuth of those that stand for all, radians.
+    pub const START: f64 = -PI;
+
+    /// How many radians of azimuth of `wo` stand for all, from [`Self::START`] on; 0 for isotropic.
+    pub fn span(self) -> f64 {
+        match self {
+            Self::Isotropic => 0.0,
+            Self::Quarter => FRAC_PI_2,
+            Self::Half => PI,
+            Self::Whole => TAU,
+        }
+    }
+
+    /// The signs that bring `wo` among the azimuths of [`Self::span`], and `wi` with it; all 1 where any azimuth will do.
+    pub fn signs(self, wo: Vec3) -> Vec3 {
+        let against = |v: f32| if v.is_sign_negative() { 1.0 } else { -1.0 };
+        match self {
+            Self::Isotropic | Self::Whole => Vec3::ONE,
+            Self::Half => Vec3::new(against(wo.y), against(wo.y), 1.0),
+            Self::Quarter => Vec3::new(against(wo.x), against(wo.y), 1.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::spherical;
+
+    #[test]
+    fn folded_directions_stand_within_the_span() {
+        for symmetry in [Symmetry::Quarter, Symmetry::Half, Symmetry::Whole] {
+            for k in 0..720 {
+                let wo = spherical(0.7, f64::from(k).to_radians() * 0.5 - PI).as_vec3();
+                let folded = wo * symmetry.signs(wo);
+                let from = f64::from(folded.y).atan2(f64::from(folded.x)) - Symmetry::START;
+                assert!(
+                    (0.0..=symmetry.span() + 1e-6).contains(&from),
+                    "{symmetry:?} {k}: {from}"
+                );
+                assert_eq!(folded * symmetry.signs(wo), wo);
+                assert_eq!(symmetry.signs(folded), Vec3::ONE);
+            }
+        }
+    }
+}

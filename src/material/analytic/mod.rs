@@ -1,0 +1,5 @@
+//! BRDFs given by a formula.
+
+mod lambert;
+
+pub use lambert::Lambert;

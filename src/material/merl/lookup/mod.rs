@@ -1,0 +1,10 @@
+//! From a pair of directions to the cells of a table: which bin holds them, or which neighbours and with which weights.
+
+pub(super) mod batch;
+mod bins;
+pub(super) mod coordinates;
+pub(super) mod half_diff_tan2;
+mod tan2_cells;
+pub(super) mod trilinear;
+
+pub use bins::BinIndex;

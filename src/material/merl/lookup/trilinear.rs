@@ -1,0 +1,123 @@
+//! Trilinear lookup that leaves invalid bins out.
+
+use glam::{Vec3, Vec4};
+
+use super::bins::azimuth;
+use super::coordinates::CoordinateTables;
+use super::half_diff_tan2::Tangents;
+use crate::color::Rgb;
+use crate::material::merl::{MerlTable, THETA_D_BINS, THETA_H_BINS};
+
+/// Two neighbouring bins and the share of the second.
+#[derive(Clone, Copy)]
+struct Pair {
+    low: u32,
+    high: u32,
+    share: f32,
+}
+
+impl Pair {
+    /// Neighbours of a coordinate in units of bins, clamped at both ends of the axis.
+    #[inline(always)]
+    fn clamped(x: f64, bins: usize) -> Self {
+        let end = (bins - 1) as f64;
+        let x = if x > 0.0 { x } else { 0.0 };
+        let (low, share) = split(if x < end { x } else { end });
+        Self {
+            low,
+            high: (low + 1).min(bins as u32 - 1),
+            share,
+        }
+    }
+
+    /// Neighbours of a coordinate from −`bins` to `bins` on an axis that closes on itself.
+    #[inline(always)]
+    fn periodic(x: f64, bins: usize) -> Self {
+        let bins = bins as u32;
+        let (low, share) = split(x + f64::from(u8::from(x < 0.0)) * f64::from(bins));
+        let wrapped = |k: u32| k - if k < bins { 0 } else { bins };
+        Self {
+            low: wrapped(low),
+            high: wrapped(low + 1),
+            share,
+        }
+    }
+}
+
+/// Integer and fractional part of a number from 0 to 2¹⁶, to 2⁻²³: the bits of a sum whose unit in the last place is 2⁻³².
+#[inline(always)]
+fn split(x: f64) -> (u32, f32) {
+    const SHIFT: f64 = (1 << 20) as f64;
+    let bits = (x + SHIFT).to_bits();
+    let fraction = f32::from_bits(1f32.to_bits() | bits as u32 >> 9) - 1.0;
+    ((bits >> 32) as u32 & 0xffff, fraction)
+}
+
+/// The eight bins about a pair of directions and their shares.
+#[derive(Clone, Copy)]
+pub(in crate::material::merl) struct Neighbours {
+    theta_h: Pair,
+    theta_d: Pair,
+    phi_d: Pair,
+}
+
+impl Neighbours {
+    /// Neighbours by values that stand at `bin + offset`: 0 for edges, ½ for centres; `None` unless both directions are
+    /// above the horizon.
+    #[inline(always)]
+    pub fn of(
+        tables: &CoordinateTables,
+        tan2: Tangents,
+        wi: Vec3,
+        phi_d_bins: usize,
+        offset: f64,
+    ) -> Option<Self> {
+        if tan2.theta_h.is_nan() {
+            return None;
+        }
+        let x = tables.of(tan2, phi_d_bins, || azimuth(wi.x, wi.y, phi_d_bins));
+        Some(Self {
+            theta_h: Pair::clamped(x.theta_h - offset, THETA_H_BINS),
+            theta_d: Pair::clamped(x.theta_d - offset, THETA_D_BINS),
+            phi_d: Pair::periodic(x.phi_d - offset, phi_d_bins),
+        })
+    }
+
+    /// Mean of the valid neighbours by their shares, which are renormalised; zero if none is valid. Rounding that would carry
+    /// the mean past the largest f32 leaves it there.
+    #[inline(always)]
+    pub fn mean(&self, table: &MerlTable) -> Rgb {
+        let cells = table.cells();
+        let along_phi = |h: u32, d: u32| {
+            let row = table.index(h as usize, d as usize, 0);
+            let (low, high) = (
+                cells[row + self.phi_d.low as usize],
+                cells[row + self.phi_d.high as usize],
+            );
+            mix(low, high, self.phi_d.share)
+        };
+        let along_theta_d = |h| {
+            mix(
+                along_phi(h, self.theta_d.low),
+                along_phi(h, self.theta_d.high),
+                self.theta_d.share,
+            )
+        };
+        let sum = mix(
+            along_theta_d(self.theta_h.low),
+            along_theta_d(self.theta_h.high),
+            self.theta_h.share,
+        );
+        if sum.w > 0.0 {
+            (sum / sum.w).truncate().min(Rgb::splat(f32::MAX))
+        } else {
+            Rgb::ZERO
+        }
+    }
+}
+
+/// Linear interpolation by two products that don't wait for each other.
+#[inline(always)]
+fn mix(low: Vec4, high: Vec4, share: f32) -> Vec4 {
+    low * (1.0 - share) + high * share
+}

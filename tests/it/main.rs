@@ -1,0 +1,27 @@
+//! What the library promises, one file a subject.
+
+mod adaptive;
+mod anisotropic;
+mod baselines;
+mod bsdf;
+mod compare;
+mod format;
+mod half_vector;
+mod image;
+mod layering;
+mod lookup;
+mod mitsuba;
+mod page;
+mod pairs;
+mod plot;
+mod render;
+mod sampler_checks;
+mod sampler_files;
+mod samplers;
+mod shrinking;
+mod strategies;
+#[path = "../support/mod.rs"]
+mod support;
+
+/// The folder of the repository.
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");

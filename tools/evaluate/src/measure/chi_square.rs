@@ -1,0 +1,393 @@
+//! Chi-square: do draws fall where the pdf says?
+//!
+//! As in the tests of pbrt-v4 and Mitsuba 3: a fixed seed, cells under five expected draws pooled, a Šidák correction for
+//! the number of tests, failed draws as a cell of their own, and failure on any draw where the pdf is zero beyond rounding.
+//! Unlike those, the cells divide half vectors about `wo` and not directions, for a metal's lobe is narrower than a cell
+//! of any affordable grid over the hemisphere.
+//!
+//! The pdf of a tabulated sampler jumps, so its integral over a cell is never exact. Each cell is integrated until two
+//! lattices agree to a fifth of the cell's standard deviation, and the difference that remains is added to the cell's
+//! variance: an error of integration makes the test weaker, not wrong. In 2,000 tests of cosine sampling from 0.76° to 89°,
+//! 0.1, 0.85 and 9.2 % of the p-values were below 0.1, 1 and 10 %.
+
+use glam::Vec3;
+use statrs::function::gamma::checked_gamma_ur;
+
+use super::expected::{Expected, Grid, Mass, expected};
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::geometry::{HalfVectors, is_upper};
+use merlkit::points::PointSet;
+
+/// Cells of fewer expected draws are pooled.
+const SMALLEST_EXPECTED: f64 = 5.0;
+/// Worst cells kept for a failed test's message.
+const WORST_CELLS: usize = 8;
+/// Offset of the directions about a draw that tell rounding from a true zero of the pdf.
+const ROUNDING: f32 = 2e-6;
+
+/// A chi-square test, ready to run on any sampler and direction.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct ChiSquareTest {
+    /// Number of draws.
+    pub draws: usize,
+    /// Cells in √θh over [0, (π/2 + θo)/2], at least 1.
+    pub theta_cells: usize,
+    /// Cells in the azimuth of the half vector over the range above the horizon, at least 1.
+    pub phi_cells: usize,
+    /// Chooses the draws.
+    pub seed: u64,
+    /// Probability that any of `tests` right samplers fails.
+    pub significance: f64,
+    /// How many tests share `significance`, at least 1.
+    pub tests: usize,
+}
+
+impl Default for ChiSquareTest {
+    fn default() -> Self {
+        Self {
+            draws: 100_000,
+            theta_cells: 45,
+            phi_cells: 15,
+            seed: 1,
+            significance: 0.01,
+            tests: 1,
+        }
+    }
+}
+
+/// Why a test passed or failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// The draws are what the pdf makes likely.
+    Pass,
+    /// They are less likely than the threshold.
+    Unlikely,
+    /// Draws where the pdf is zero.
+    Impossible,
+    /// Draws that are no directions above the horizon, or a pdf that is NaN, infinite or negative.
+    Unusable,
+}
+
+/// A cell that fits badly.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Cell {
+    /// Range of θh, degrees; absent for the pool of small cells and for failed draws.
+    pub theta_h_deg: Option<[f64; 2]>,
+    /// Range of the azimuth of the half vector about `wo`, as a share of the largest above the horizon, in [−1, 1].
+    pub azimuth_share: Option<[f64; 2]>,
+    /// Draws that fell there.
+    pub observed: u64,
+    /// Draws that the pdf predicts.
+    pub expected: f64,
+    /// Contribution to the statistic.
+    pub term: f64,
+}
+
+/// What a test found.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct ChiSquare {
+    /// Σ (observed − expected)² / variance.
+    pub statistic: f64,
+    /// Cells after pooling, minus one.
+    pub degrees_of_freedom: usize,
+    /// Probability of a statistic at least as large; 1 with a single cell, which can't disagree.
+    pub p_value: f64,
+    /// Smallest p-value that passes: the significance of one test after Šidák's correction.
+    pub threshold: f64,
+    /// The outcome.
+    pub verdict: Verdict,
+    /// Draws that failed (`None`).
+    pub failed: u64,
+    /// Draws where the pdf is zero, there and at the neighbouring directions that rounding may reach.
+    pub impossible: u64,
+    /// Draws that are no unit directions above the horizon, and nodes where the pdf is NaN, infinite or negative.
+    pub unusable: u64,
+    /// ∫ pdf over the directions above the horizon.
+    pub pdf_integral: f64,
+    /// Error of `pdf_integral`, from independent errors of the cells.
+    pub integral_error: f64,
+    /// After a failure, the cells that fit worst, worst first.
+    pub worst: Vec<Cell>,
+}
+
+/// Significance of one of `tests` tests such that all pass with probability 1 − `significance` (Šidák 1967).
+pub fn sidak(significance: f64, tests: usize) -> f64 {
+    -((-significance).ln_1p() / tests.max(1) as f64).exp_m1()
+}
+
+impl ChiSquareTest {
+    /// Tests `sampler` at `wo`.
+    ///
+    /// For an invalid `wo` every draw must fail.
+    pub fn run(&self, sampler: &dyn DirectionSampler, wo: Vec3) -> ChiSquare {
+        let grid = HalfVectors::about(wo).map(|domain| Grid {
+            domain,
+            theta_cells: self.theta_cells.max(1),
+            phi_cells: self.phi_cells.max(1),
+        });
+        let observed = self.observe(sampler, wo, grid.as_ref());
+        let predicted = match &grid {
+            Some(grid) => expected(sampler, wo, grid, self.draws),
+            None => Expected {
+                cells: Vec::new(),
+                unusable: 0,
+            },
+        };
+        self.judge(grid.as_ref(), &observed, &predicted)
+    }
+
+    fn observe(&self, sampler: &dyn DirectionSampler, wo: Vec3, grid: Option<&Grid>) -> Observed {
+        let mut observed = Observed {
+            cells: vec![0; grid.map_or(0, Grid::len)],
+            ..Observed::default()
+        };
+        for i in 0..self.draws as u64 {
+            match (
+                sampler.sample(wo, PointSet::Random.point(self.seed, i, 0)),
+                grid,
+            ) {
+                (None, _) => observed.failed += 1,
+                (Some(sample), Some(grid)) if is_direction(sample.wi) => {
+                    observed.cells[grid.cell(sample.wi)] += 1;
+                    observed.impossible += u64::from(is_impossible(sampler, wo, sample.wi));
+                }
+                _ => observed.unusable += 1,
+            }
+        }
+        observed
+    }
+
+    fn judge(&self, grid: Option<&Grid>, observed: &Observed, predicted: &Expected) -> ChiSquare {
+        let pdf_integral = predicted.cells.iter().map(|m| m.value).sum::<f64>();
+        let integral_error = predicted
+            .cells
+            .iter()
+            .map(|m| m.error * m.error)
+            .sum::<f64>()
+            .sqrt();
+        let failures = Mass {
+            value: (1.0 - pdf_integral).max(0.0),
+            error: integral_error,
+        };
+        let bins = self.bins(observed, &predicted.cells, failures);
+        let pooled = pool(bins);
+        let statistic = pooled.iter().map(Bin::term).sum::<f64>();
+        let degrees_of_freedom = pooled.len().saturating_sub(1);
+        let (p_value, threshold) = (
+            upper_tail(statistic, degrees_of_freedom),
+            sidak(self.significance, self.tests),
+        );
+        let unusable = observed.unusable + predicted.unusable as u64;
+        let verdict = match () {
+            () if unusable > 0 => Verdict::Unusable,
+            () if observed.impossible > 0 => Verdict::Impossible,
+            () if p_value < threshold => Verdict::Unlikely,
+            () => Verdict::Pass,
+        };
+        let worst = if verdict == Verdict::Pass {
+            Vec::new()
+        } else {
+            worst(grid, pooled)
+        };
+        ChiSquare {
+            statistic,
+            degrees_of_freedom,
+            p_value,
+            threshold,
+            verdict,
+            failed: observed.failed,
+            impossible: observed.impossible,
+            unusable,
+            pdf_integral,
+            integral_error,
+            worst,
+        }
+    }
+
+    /// Every cell of the grid, then the failed draws.
+    fn bins(&self, observed: &Observed, masses: &[Mass], failures: Mass) -> Vec<Bin> {
+        let draws = self.draws as f64;
+        let bin = |cell, observed, mass: Mass| Bin {
+            cell,
+            observed,
+            expected: mass.value * draws,
+            error2: (mass.error * draws).powi(2),
+        };
+        let cells = observed.cells.iter().zip(masses).enumerate();
+        cells
+            .map(|(cell, (&count, &mass))| bin(Some(cell), count, mass))
+            .chain([bin(None, observed.failed, failures)])
+            .collect()
+    }
+}
+
+#[derive(Clone, Debug, Default)]
+struct Observed {
+    cells: Vec<u64>,
+    failed: u64,
+    impossible: u64,
+    unusable: u64,
+}
+
+/// One term of the sum.
+#[derive(Clone, Copy, Debug)]
+struct Bin {
+    /// Cell of the grid; `None` for failed draws and for the pool.
+    cell: Option<usize>,
+    observed: u64,
+    expected: f64,
+    /// Squared error of `expected`.
+    error2: f64,
+}
+
+impl Bin {
+    fn term(&self) -> f64 {
+        let difference = self.observed as f64 - self.expected;
+        // A bin that expects nothing stands alone only if no other bin expects anything either.
+        difference * difference / (self.expected + self.error2).max(f64::MIN_POSITIVE)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.observed == 0 && self.expected == 0.0
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.cell = None;
+        self.observed += other.observed;
+        self.expected += other.expected;
+        self.error2 += other.error2;
+    }
+}
+
+/// Joins the smallest bins until each that remains expects [`SMALLEST_EXPECTED`] or is the only one.
+fn pool(mut bins: Vec<Bin>) -> Vec<Bin> {
+    bins.sort_by(|a, b| a.expected.total_cmp(&b.expected).then(a.cell.cmp(&b.cell)));
+    let mut pool = Bin {
+        cell: None,
+        observed: 0,
+        expected: 0.0,
+        error2: 0.0,
+    };
+    let mut joined = 0;
+    for bin in &bins {
+        let settled = pool.expected >= SMALLEST_EXPECTED || pool.is_empty();
+        if bin.expected >= SMALLEST_EXPECTED && settled {
+            break;
+        }
+        pool.join(bin);
+        joined += 1;
+    }
+    let mut kept = bins.split_off(joined);
+    if !pool.is_empty() {
+        kept.push(pool);
+    }
+    kept
+}
+
+fn worst(grid: Option<&Grid>, mut bins: Vec<Bin>) -> Vec<Cell> {
+    bins.sort_by(|a, b| b.term().total_cmp(&a.term()));
+    bins.truncate(WORST_CELLS);
+    let place = |bin: &Bin| {
+        let (theta, share) = grid?.ranges(bin.cell?);
+        Some((theta.map(f64::to_degrees), share))
+    };
+    let cell = |bin: &Bin| {
+        let (theta_h_deg, azimuth_share) = place(bin).unzip();
+        Cell {
+            theta_h_deg,
+            azimuth_share,
+            observed: bin.observed,
+            expected: bin.expected,
+            term: bin.term(),
+        }
+    };
+    bins.iter().map(cell).collect()
+}
+
+/// P(χ² ≥ `statistic`): the regularised upper incomplete gamma function of half of both.
+fn upper_tail(statistic: f64, degrees_of_freedom: usize) -> f64 {
+    if degrees_of_freedom == 0 || statistic <= 0.0 {
+        return 1.0;
+    }
+    checked_gamma_ur(0.5 * degrees_of_freedom as f64, 0.5 * statistic).unwrap_or(0.0)
+}
+
+/// Finite, of unit length within rounding, and above the horizon.
+pub(super) fn is_direction(wi: Vec3) -> bool {
+    is_upper(wi) && (wi.length_squared() - 1.0).abs() < 1e-5
+}
+
+/// Whether the pdf is zero at a draw and all about it.
+fn is_impossible(sampler: &dyn DirectionSampler, wo: Vec3, wi: Vec3) -> bool {
+    let positive = |w: Vec3| sampler.pdf(wo, w) > 0.0;
+    if positive(wi) {
+        return false;
+    }
+    let offsets = [
+        Vec3::X,
+        Vec3::NEG_X,
+        Vec3::Y,
+        Vec3::NEG_Y,
+        Vec3::Z,
+        Vec3::NEG_Z,
+    ];
+    !offsets
+        .iter()
+        .any(|&offset| positive((wi + ROUNDING * offset).normalize()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn upper_tail_has_its_known_values() {
+        // Two degrees of freedom: exp(−x/2). One: erfc(√(x/2)), the five per cent point. Many: Wilson and Hilferty.
+        assert!((upper_tail(3.0, 2) - (-1.5_f64).exp()).abs() < 1e-12);
+        assert!((upper_tail(3.841_458_820_694_124, 1) - 0.05).abs() < 1e-12);
+        assert!((upper_tail(1280.0, 1280) - 0.494_74).abs() < 1e-3);
+        assert!(upper_tail(2000.0, 1280) < 1e-30);
+        assert_eq!(upper_tail(0.0, 0), 1.0);
+        assert_eq!(upper_tail(1e9, 1000), 0.0);
+    }
+
+    #[test]
+    fn sidak_multiplies_back() {
+        for tests in [1, 13, 2496] {
+            let passes = (1.0 - sidak(0.01, tests)).powi(tests as i32);
+            assert!((passes - 0.99).abs() < 1e-12);
+        }
+    }
+
+    fn bin(cell: usize, observed: u64, expected: f64) -> Bin {
+        Bin {
+            cell: Some(cell),
+            observed,
+            expected,
+            error2: 0.0,
+        }
+    }
+
+    #[test]
+    fn pooling_keeps_totals_and_leaves_no_small_cell() {
+        let bins: Vec<Bin> = (0..40).map(|i| bin(i, i as u64, i as f64 * 0.3)).collect();
+        let pooled = pool(bins);
+        assert!(pooled.iter().all(|b| b.expected >= SMALLEST_EXPECTED));
+        assert_eq!(pooled.iter().map(|b| b.observed).sum::<u64>(), 780);
+        assert!((pooled.iter().map(|b| b.expected).sum::<f64>() - 234.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_small_pool_joins_the_smallest_large_cell_and_empty_cells_vanish() {
+        let pooled = pool(vec![
+            bin(0, 3, 0.5),
+            bin(1, 90, 100.0),
+            bin(2, 10, 10.0),
+            bin(3, 0, 0.0),
+        ]);
+        assert_eq!(pooled.len(), 2);
+        assert_eq!((pooled[1].observed, pooled[1].expected), (13, 10.5));
+        assert_eq!(pool(vec![bin(0, 0, 0.0), bin(1, 90, 100.0)]).len(), 1);
+    }
+}

@@ -1,0 +1,365 @@
+//! The picture experiment: spheres rendered with each competitor, against a reference with its own error.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::Competitor;
+use crate::measure::convergence::Technique;
+use crate::measure::cost::{Seconds, time};
+use merlkit::color::luminance;
+use merlkit::distribution::Heuristic;
+use merlkit::image::{Image, encode_png, encode_srgb};
+use merlkit::material::merl::Measured;
+use merlkit::points::PointSet;
+use merlkit::render::{
+    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
+    render,
+};
+use merlkit::sampler::{HalfVectorSettings, Sampler, SamplerSpec};
+use merlkit::{Error, Result};
+
+/// Which scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SceneKind {
+    /// One sphere in the studio: the thesis's scene 6.
+    Environment,
+    /// One sphere on the ground under a luminous square, light from all around and between sphere and ground: in the place
+    /// of the thesis's scene 2.
+    Glossy,
+    /// Three spheres of three materials in the studio, which light one another.
+    Three,
+}
+
+impl SceneKind {
+    /// Its name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Environment => "sphere in the studio",
+            Self::Glossy => "glossy sphere on the ground",
+            Self::Three => "three spheres",
+        }
+    }
+
+    fn spec(self, materials: &[String], strategy: Strategy) -> SceneSpec {
+        let mut spec = SceneSpec::row(materials, 1.0);
+        spec.strategy = strategy;
+        spec.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
+        match self {
+            Self::Environment => spec.depth = 1,
+            Self::Glossy => {
+                let area = spec.row_area();
+                spec.lights.push(area);
+                spec.floor = Some(GROUND);
+                spec.depth = 2;
+            }
+            Self::Three => spec.depth = 3,
+        }
+        spec
+    }
+}
+
+/// Reflectance of the ground: a mid grey.
+const GROUND: f32 = 0.35;
+
+/// Samples a pixel of the thesis's comparison by picture (figure 6.22).
+pub const PICTURE_SAMPLES: u64 = 25;
+
+/// How much of the experiment is run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PicturePlan {
+    /// Pixels a side.
+    pub side: usize,
+    /// Samples a pixel.
+    pub samples: Vec<u64>,
+    /// Samples a pixel of the reference.
+    pub reference_samples: u64,
+    /// The competitors' seed; the reference has another.
+    pub seed: u64,
+}
+
+impl PicturePlan {
+    /// 64² pixels at 25 samples.
+    pub fn quick(seed: u64) -> Self {
+        Self {
+            side: 64,
+            samples: vec![PICTURE_SAMPLES],
+            reference_samples: 1024,
+            seed,
+        }
+    }
+
+    /// 96² pixels at 1, 25 and 100 samples, as in the thesis. Its 400 would want a reference that takes most of the time.
+    pub fn full(seed: u64) -> Self {
+        Self {
+            side: 96,
+            samples: vec![1, PICTURE_SAMPLES, 100],
+            reference_samples: 4096,
+            seed,
+        }
+    }
+
+    fn settings(&self, samples: u64, seed: u64, points: PointSet) -> Settings {
+        Settings {
+            width: self.side,
+            height: self.side,
+            samples,
+            seed,
+            points,
+        }
+    }
+}
+
+/// What pictures are held against.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PictureReference {
+    /// How it was made.
+    pub label: String,
+    /// Samples a pixel.
+    pub samples: u64,
+    /// Mean over lit pixels of its own relative standard error.
+    pub relative_error: f64,
+    /// PNG, tone-mapped, as bytes.
+    #[serde(with = "bytes")]
+    pub png: Vec<u8>,
+}
+
+/// How far a picture is from its reference, by luminance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PictureErrors {
+    /// Mean of |picture − reference|/reference over the pixels that are lit in the reference (thesis 6.4).
+    pub mean_relative: f64,
+    /// Mean of (picture − reference)²/(reference² + ε) over all pixels, ε a hundredth of the squared mean of the reference.
+    pub rel_mse: f64,
+}
+
+/// A competitor's picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PictureResult {
+    /// Sampler and strategy.
+    pub competitor: Competitor,
+    /// Its name for people.
+    pub label: String,
+    /// Samples a pixel.
+    pub samples: u64,
+    /// Seconds to render, without loading and building.
+    pub seconds: Seconds,
+    /// Wall-clock seconds that building the samplers took.
+    pub build_seconds: f64,
+    /// Its errors.
+    pub errors: PictureErrors,
+    /// PNG of the picture, tone-mapped; empty but at [`PICTURE_SAMPLES`].
+    #[serde(with = "bytes")]
+    pub png: Vec<u8>,
+    /// PNG of its relative difference from the reference; empty but at [`PICTURE_SAMPLES`].
+    #[serde(with = "bytes")]
+    pub difference: Vec<u8>,
+}
+
+/// Materials of a scene, looked up and named.
+pub type Named = (String, Arc<Measured>);
+
+/// Renders the reference of a scene: the largest half-vector table and the lights' own directions, power heuristic, random
+/// numbers.
+///
+/// # Errors
+/// Those of building samplers and scenes.
+pub fn picture_reference(
+    scene: SceneKind,
+    materials: &[Named],
+    plan: &PicturePlan,
+) -> Result<(PictureReference, Film)> {
+    let largest = HalfVectorSettings::PRESETS
+        .last()
+        .map_or_else(HalfVectorSettings::default, |p| p.1);
+    let spec = SamplerSpec::HalfVector(largest);
+    let samplers = build(materials, &spec)?;
+    let settings = plan.settings(plan.reference_samples, !plan.seed, PointSet::Random);
+    let (film, _) = render_with(
+        scene,
+        materials,
+        &samplers,
+        Technique::Mis(Heuristic::Power),
+        &settings,
+    )?;
+    let reference = PictureReference {
+        label: format!("{} with light sampling, power heuristic", spec.label()),
+        samples: plan.reference_samples,
+        relative_error: own_error(&film),
+        png: png(&film.to_image()?)?,
+    };
+    Ok((reference, film))
+}
+
+fn png(image: &Image) -> Result<Vec<u8>> {
+    encode_png(image.width(), image.height(), &encode_srgb(image, 0.0))
+}
+
+/// One sampler a material.
+fn build(materials: &[Named], spec: &SamplerSpec) -> Result<Vec<Arc<Sampler>>> {
+    materials
+        .iter()
+        .map(|(_, brdf)| spec.build(brdf).map(Arc::new))
+        .collect()
+}
+
+/// Pictures of a competitor at each of the plan's numbers of samples; its samplers are built once.
+///
+/// # Errors
+/// Those of building samplers and scenes.
+pub fn pictures(
+    scene: SceneKind,
+    materials: &[Named],
+    competitor: Competitor,
+    plan: &PicturePlan,
+    reference: &Film,
+) -> Result<Vec<PictureResult>> {
+    let (samplers, building) = time(|| build(materials, &competitor.spec));
+    let samplers = samplers?;
+    let label = samplers
+        .first()
+        .map_or(String::new(), |s| competitor.label_of(s));
+    let one = |&samples: &u64| {
+        let settings = plan.settings(samples, plan.seed, PointSet::Sobol);
+        let (film, seconds) =
+            render_with(scene, materials, &samplers, competitor.technique, &settings)?;
+        let shown = samples == PICTURE_SAMPLES;
+        let png = |image: Result<Image>| if shown { png(&image?) } else { Ok(Vec::new()) };
+        Ok(PictureResult {
+            competitor,
+            label: label.clone(),
+            samples,
+            seconds,
+            build_seconds: building.wall,
+            errors: picture_errors(&film, reference),
+            png: png(film.to_image())?,
+            difference: png(difference(&film, reference))?,
+        })
+    };
+    plan.samples.iter().map(one).collect()
+}
+
+/// Renders `scene` and times it; loading and building are not counted.
+fn render_with(
+    scene: SceneKind,
+    materials: &[Named],
+    samplers: &[Arc<Sampler>],
+    technique: Technique,
+    settings: &Settings,
+) -> Result<(Film, Seconds)> {
+    let names: Vec<String> = materials.iter().map(|m| m.0.clone()).collect();
+    let spec = scene.spec(&names, strategy(technique));
+    let plan = EffectPlan::of(&spec);
+    let surface = |i: usize, directions: bool| {
+        let missing = || {
+            Error::argument(
+                "a scene with a material too many",
+                "name each material once",
+            )
+        };
+        let (_, brdf) = materials.get(i).ok_or_else(missing)?;
+        let sampler = samplers
+            .get(i)
+            .filter(|_| directions)
+            .map(|s| s.clone() as _);
+        Ok(Surface {
+            brdf: brdf.clone(),
+            sampler,
+        })
+    };
+    let scene = Scene::build(&spec, &plan, surface)?;
+    let (film, seconds) = time(|| render(&scene, &plan, settings, &|_| {}));
+    Ok((film?, seconds))
+}
+
+/// The renderer's strategy for a technique of the lit point.
+fn strategy(technique: Technique) -> Strategy {
+    match technique {
+        Technique::Brdf => Strategy::Brdf,
+        Technique::Light => Strategy::Light,
+        Technique::Mis(heuristic) => Strategy::Mis(heuristic),
+        Technique::Ris(candidates) => Strategy::Ris { candidates },
+    }
+}
+
+/// Share of the reference's mean luminance from which on a pixel counts as lit.
+pub const LIT_FROM: f64 = 1e-4;
+
+/// Luminance of every pixel, rows from the top.
+fn luminances(film: &Film) -> Vec<f64> {
+    let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
+    pixels.map(|(x, y)| of(film.mean(x, y))).collect()
+}
+
+fn of(radiance: glam::DVec3) -> f64 {
+    f64::from(luminance(radiance.as_vec3()))
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// Errors of `film` against `reference` of the same size; 0 for a black reference.
+pub fn picture_errors(film: &Film, reference: &Film) -> PictureErrors {
+    let (found, right) = (luminances(film), luminances(reference));
+    let level = mean(right.iter().copied());
+    let pairs = || found.iter().zip(&right);
+    let lit = pairs().filter(|(_, r)| **r > LIT_FROM * level);
+    let floor = 0.01 * level * level;
+    let squared = |(f, r): (&f64, &f64)| {
+        if level > 0.0 {
+            (f - r).powi(2) / (r * r + floor)
+        } else {
+            0.0
+        }
+    };
+    PictureErrors {
+        mean_relative: mean(lit.map(|(f, r)| (f - r).abs() / r)),
+        rel_mse: mean(pairs().map(squared)),
+    }
+}
+
+/// Mean over lit pixels of the standard error over the mean, by luminance.
+fn own_error(film: &Film) -> f64 {
+    let level = mean(luminances(film).into_iter());
+    let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
+    let error = |(x, y)| {
+        let value = of(film.mean(x, y));
+        (value > LIT_FROM * level).then(|| of(film.standard_error(x, y)) / value)
+    };
+    mean(pixels.filter_map(error))
+}
+
+/// |picture − reference|/reference by luminance: black is none, white 100 % and more.
+fn difference(film: &Film, reference: &Film) -> Result<Image> {
+    let level = mean(luminances(reference).into_iter());
+    Image::from_fn(film.width(), film.height(), |x, y| {
+        let (found, right) = (of(film.mean(x, y)), of(reference.mean(x, y)));
+        let relative = if right > LIT_FROM * level {
+            (found - right).abs() / right
+        } else {
+            0.0
+        };
+        glam::Vec3::splat(relative.min(1.0) as f32)
+    })
+}
+
+/// Bytes as base64 text.
+mod bytes {
+    use base64::Engine;
+    use base64::engine::general_purpose::STANDARD;
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(bytes: &[u8], to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(&STANDARD.encode(bytes))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
+        STANDARD
+            .decode(String::deserialize(from)?)
+            .map_err(D::Error::custom)
+    }
+}

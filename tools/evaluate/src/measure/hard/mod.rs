@@ -1,0 +1,204 @@
+//! Hard cases against everything: what `merlkit check --hard` runs, and the stability tests too.
+//!
+//! Every case of [`HardCase`] is crossed with the lookup rules, the samplers of [`hard_samplers`], the directions of
+//! [`hard_directions`] and [`hard_partners`], the numbers of [`hard_points`], and with the renderer. One outcome tells the
+//! worst of all directions and numbers.
+
+mod inputs;
+mod integrals;
+mod picture;
+mod pointwise;
+mod samplers;
+
+pub use inputs::{HardDirection, hard_directions, hard_partners, hard_points, wrong_points};
+pub use samplers::{HardSampler, hard_samplers};
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use merlkit::Result;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::material::merl::HardCase;
+use merlkit::material::merl::{LookupRule, Measured};
+
+/// What is promised for hard cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HardCheck {
+    /// Values of the BRDF are finite and not negative, 0 where a direction is none, and the same one by one and in batches.
+    /// Value: violations.
+    Values,
+    /// f_r is the same with the directions exchanged; tables of 180 bins of φd only. Value: largest relative difference.
+    Reciprocity,
+    /// Draws are unit directions above the horizon with a finite, positive pdf and a finite weight; a pdf is finite and not
+    /// negative; what is no direction above the horizon draws nothing and has pdf 0. Value: violations.
+    Draws,
+    /// The pdf of a draw is that of `pdf`. Value: largest relative difference.
+    Agreement,
+    /// ∫ pdf is one minus the rate of failed draws. Value: their difference.
+    PdfIntegral,
+    /// The mean weight of draws is the albedo, as far as the pdf reaches it. Value: relative deviation over what chance
+    /// allows.
+    Energy,
+    /// Memory that the sampler holds, bytes.
+    Memory,
+    /// Pixels and standard errors under a point, an area and an environment light are finite and not negative. Value:
+    /// violations.
+    Picture,
+}
+
+impl HardCheck {
+    /// All checks, in the order of tables.
+    pub const ALL: [Self; 8] = [
+        Self::Values,
+        Self::Reciprocity,
+        Self::Draws,
+        Self::Agreement,
+        Self::PdfIntegral,
+        Self::Energy,
+        Self::Memory,
+        Self::Picture,
+    ];
+}
+
+/// One check of a crossing.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct HardOutcome {
+    /// Name of the hard case.
+    pub case: &'static str,
+    /// The lookup rule.
+    pub lookup: LookupRule,
+    /// The sampler; empty for checks of the BRDF alone.
+    pub sampler: &'static str,
+    /// What was checked.
+    pub check: HardCheck,
+    /// What was found at worst; see [`HardCheck`].
+    pub value: f64,
+    /// The largest value that passes; absent where nothing is promised.
+    pub bound: Option<f64>,
+    /// Whether the value keeps the bound.
+    pub pass: bool,
+    /// How many draws, values or pixels were looked at.
+    pub count: u64,
+    /// After a failure, where; empty otherwise.
+    pub note: String,
+}
+
+/// How much is crossed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub enum Thoroughness {
+    /// One lookup rule for each pair of a case and a sampler and one of two directions for its integrals, in turn.
+    Quick,
+    /// Every lookup rule and five directions.
+    Full,
+}
+
+impl Thoroughness {
+    /// Polar angles of `wo` for integrals of a case, degrees.
+    fn angles(self, case: usize) -> &'static [f64] {
+        match self {
+            Self::Quick if case.is_multiple_of(2) => &[30.0],
+            Self::Quick => &[75.5],
+            Self::Full => &[0.0, 30.0, 60.25, 85.0, 89.9],
+        }
+    }
+
+    /// Whether a rule is taken for a case and a sampler, by their numbers.
+    fn takes(self, rule: usize, case: usize, sampler: usize) -> bool {
+        self == Self::Full || (case + sampler) % LookupRule::ALL.len() == rule
+    }
+}
+
+/// Crosses the cases in parallel over samplers; the same outcomes for any number of threads. `progress` is called after
+/// each case.
+///
+/// # Errors
+/// Those of building samplers and scenes: none for the settings here.
+pub fn check_hard(
+    cases: &[HardCase],
+    thoroughness: Thoroughness,
+    seed: u64,
+    progress: &dyn Fn(),
+) -> Result<Vec<HardOutcome>> {
+    let mut outcomes = Vec::new();
+    for (number, case) in cases.iter().enumerate() {
+        let table = Arc::new(case.table());
+        for (rule, &lookup) in LookupRule::ALL.iter().enumerate() {
+            let brdf = Arc::new(Measured::new(table.clone(), lookup));
+            let angles = thoroughness.angles(number);
+            let subject = Subject {
+                case,
+                lookup,
+                brdf,
+                thoroughness,
+                angles,
+                seed,
+            };
+            outcomes.extend(pointwise::values(&subject));
+            let samplers = hard_samplers().into_iter().enumerate();
+            let taken: Vec<HardSampler> = samplers
+                .filter(|(k, _)| thoroughness.takes(rule, number, *k))
+                .map(|(_, s)| s)
+                .collect();
+            let each: Result<Vec<Vec<HardOutcome>>> = taken
+                .par_iter()
+                .map(|sampler| subject.cross(sampler))
+                .collect();
+            outcomes.extend(each?.into_iter().flatten());
+        }
+        progress();
+    }
+    Ok(outcomes)
+}
+
+/// Most bytes that a table of any sampler here may hold.
+const BYTES_A_TABLE: f64 = (1 << 20) as f64;
+
+/// A case looked up by a rule.
+struct Subject<'a> {
+    case: &'a HardCase,
+    lookup: LookupRule,
+    brdf: Arc<Measured>,
+    thoroughness: Thoroughness,
+    angles: &'static [f64],
+    seed: u64,
+}
+
+impl Subject<'_> {
+    fn cross(&self, hard: &HardSampler) -> Result<Vec<HardOutcome>> {
+        let sampler = Arc::new(hard.spec.build(&self.brdf)?);
+        let mut out = pointwise::draws(self, hard, &*sampler);
+        out.extend(integrals::integrals(self, hard, &*sampler));
+        let bytes = sampler.bytes() as f64;
+        let bound = Some(BYTES_A_TABLE * samplers::tables_of(&hard.spec) as f64);
+        out.push(self.outcome(hard.name, HardCheck::Memory, bytes, bound, 1, String::new()));
+        out.push(picture::picture(self, hard, sampler)?);
+        Ok(out)
+    }
+
+    fn outcome(
+        &self,
+        sampler: &'static str,
+        check: HardCheck,
+        value: f64,
+        bound: Option<f64>,
+        count: u64,
+        note: String,
+    ) -> HardOutcome {
+        // A NaN keeps no bound.
+        let pass = bound.is_none_or(|bound| value <= bound) && !value.is_nan();
+        let note = if pass { String::new() } else { note };
+        HardOutcome {
+            case: self.case.name,
+            lookup: self.lookup,
+            sampler,
+            check,
+            value,
+            bound,
+            pass,
+            count,
+            note,
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Hard cases on spheres under every kind of light.
+
+use std::sync::Arc;
+
+use super::{HardCheck, HardOutcome, HardSampler, Subject};
+use merlkit::Result;
+use merlkit::points::PointSet;
+use merlkit::render::{
+    EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render,
+};
+use merlkit::sampler::Sampler;
+
+/// A picture of so many pixels, wide enough for both spheres and the light between them.
+const SETTINGS: Settings = Settings {
+    width: 18,
+    height: 12,
+    samples: 2,
+    seed: 5,
+    points: PointSet::Sobol,
+};
+
+/// [`HardCheck::Picture`]: two spheres on a floor that see each other.
+pub(super) fn picture(
+    subject: &Subject<'_>,
+    hard: &HardSampler,
+    sampler: Arc<Sampler>,
+) -> Result<HardOutcome> {
+    let (mut count, mut violations, mut note) = (0, 0, String::new());
+    for light in 0..3 {
+        let spec = scene(light);
+        let plan = EffectPlan::of(&spec);
+        let surface = Surface {
+            brdf: subject.brdf.clone(),
+            sampler: Some(sampler.clone()),
+        };
+        let scene = Scene::build(&spec, &plan, |_, _| Ok(surface.clone()))?;
+        let film = render(&scene, &plan, &SETTINGS, &|_| {})?;
+        for k in 0..SETTINGS.width * SETTINGS.height {
+            let (x, y) = (k % SETTINGS.width, k / SETTINGS.width);
+            let (mean, error) = (film.mean(x, y), film.standard_error(x, y));
+            let right = [mean, error]
+                .iter()
+                .all(|v| v.is_finite() && v.min_element() >= 0.0);
+            count += 1;
+            if !right {
+                violations += 1;
+                note = format!(
+                    "pixel ({x}, {y}) under {}: {mean} ± {error}",
+                    spec.lights[0].kind()
+                );
+            }
+        }
+        film.to_image()?;
+    }
+    Ok(subject.outcome(
+        hard.name,
+        HardCheck::Picture,
+        f64::from(violations),
+        Some(0.0),
+        count,
+        note,
+    ))
+}
+
+/// Under a point, an area or an environment light.
+fn scene(light: usize) -> SceneSpec {
+    let row = SceneSpec::row(&["left".into(), "right".into()], 1.5);
+    let light = match light {
+        0 => row.row_point(),
+        1 => row.row_area(),
+        _ => LightSpec::Environment(EnvironmentSource::Studio),
+    };
+    SceneSpec {
+        lights: vec![light],
+        floor: Some(0.4),
+        ..row
+    }
+}

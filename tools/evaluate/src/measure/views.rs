@@ -1,0 +1,138 @@
+//! What a material and a sampler look like: the numbers behind pictures.
+//!
+//! Lobes and densities lie in the plane of incidence, over signed polar angles of `wi` in degrees: `wo` stands at −θ, its
+//! mirror direction at θ. Values of the BRDF are means of red, green and blue.
+
+use std::sync::Arc;
+
+use glam::{DVec2, Vec3};
+
+use super::{albedo_by_degree, directional_albedo};
+use merlkit::brdf::Brdf;
+use merlkit::color;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::geometry::spherical;
+use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{MerlTable, THETA_D_BINS, THETA_H_BINS};
+use merlkit::sampler::AdaptiveDisc;
+
+/// A curve over the angle in the plane of incidence: (degrees, value).
+pub type Curve = Vec<(f64, f64)>;
+
+/// f_r·cosθᵢ in sr⁻¹ over the polar angle of `wi`, for `wo` at `theta_o` degrees, 0 to below 90.
+pub fn lobe(brdf: &dyn Brdf, theta_o: f64) -> Curve {
+    over_plane(theta_o, |wo, wi| color::mean(brdf.eval_cos(wo, wi)))
+}
+
+/// [`lobe`] over the albedo at `theta_o`: the density that a sampler should have, sr⁻¹. Empty for a black material.
+pub fn ideal_density(brdf: &dyn Brdf, theta_o: f64) -> Curve {
+    let albedo = f64::from(color::mean(directional_albedo(brdf, theta_o.to_radians())));
+    if albedo <= 0.0 {
+        return Vec::new();
+    }
+    lobe(brdf, theta_o)
+        .into_iter()
+        .map(|(angle, f)| (angle, f / albedo))
+        .collect()
+}
+
+/// Density of a sampler in sr⁻¹ over the polar angle of `wi`, for `wo` at `theta_o` degrees, 0 to below 90.
+pub fn density(sampler: &dyn DirectionSampler, theta_o: f64) -> Curve {
+    over_plane(theta_o, |wo, wi| sampler.pdf(wo, wi))
+}
+
+fn over_plane(theta_o: f64, value: impl Fn(Vec3, Vec3) -> f32) -> Curve {
+    let wo = spherical(-theta_o.to_radians(), 0.0).as_vec3();
+    let at = |angle: f64| {
+        (
+            angle,
+            f64::from(value(wo, spherical(angle.to_radians(), 0.0).as_vec3())),
+        )
+    };
+    angles(theta_o).into_iter().map(at).collect()
+}
+
+/// Every half degree, and, where MERL's bins of θh are finer, three angles in each of them around the mirror direction.
+fn angles(theta_o: f64) -> Vec<f64> {
+    let even = (-179..=179).map(|i| f64::from(i) * 0.5);
+    let steps =
+        (0..=3 * 40).map(|i| 2.0 * 90.0 * (f64::from(i) / (3.0 * THETA_H_BINS as f64)).powi(2));
+    let near = steps.flat_map(|step| [theta_o - step, theta_o + step]);
+    let mut all: Vec<f64> = even.chain(near).filter(|a| a.abs() < 90.0).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// Values of a table at φd = 90°: f_r in sr⁻¹, mean of the channels, NaN where invalid; `[theta_d, theta_h]`, θd from 89° down.
+pub fn slice(table: &MerlTable) -> Vec<f64> {
+    let value =
+        |(theta_h, theta_d): (usize, usize)| match table.is_valid(theta_h, theta_d, SLICE_PHI_D) {
+            true => f64::from(color::mean(table.rgb(theta_h, theta_d, SLICE_PHI_D))),
+            false => f64::NAN,
+        };
+    slice_bins().map(value).collect()
+}
+
+/// The same in colour: linear RGB of f_r in sr⁻¹, 0 where invalid.
+pub fn slice_rgb(table: &MerlTable) -> Vec<color::Rgb> {
+    slice_bins()
+        .map(|(theta_h, theta_d)| table.rgb(theta_h, theta_d, SLICE_PHI_D))
+        .collect()
+}
+
+/// Bins of φd are degrees.
+const SLICE_PHI_D: usize = 90;
+
+/// (θh, θd) of a slice, from the top left.
+fn slice_bins() -> impl Iterator<Item = (usize, usize)> {
+    (0..THETA_D_BINS)
+        .rev()
+        .flat_map(|theta_d| (0..THETA_H_BINS).map(move |theta_h| (theta_h, theta_d)))
+}
+
+/// Directional albedo, mean of the channels, at 0°, 1° … 89° by each lookup rule, in the order of [`LookupRule::ALL`].
+pub fn albedo_by_rule(table: &Arc<MerlTable>) -> [Curve; 3] {
+    LookupRule::ALL.map(|rule| {
+        let albedo = albedo_by_degree(&Measured::new(table.clone(), rule));
+        albedo
+            .into_iter()
+            .enumerate()
+            .map(|(degree, rgb)| (degree as f64, f64::from(color::mean(rgb))))
+            .collect()
+    })
+}
+
+/// `wo` of a picture of the disc: at `theta_o` degrees on the left, as in the plane of incidence.
+fn disc_wo(theta_o: f64) -> Vec3 {
+    spherical(-theta_o.to_radians(), 0.0).as_vec3()
+}
+
+/// The first `count` draws of a seed for `wo` at `theta_o` degrees: their feet on the unit disc, `wo` at x < 0, and how many
+/// of the draws failed.
+pub fn sampled_directions(
+    sampler: &dyn DirectionSampler,
+    theta_o: f64,
+    count: usize,
+    seed: u64,
+) -> (Vec<DVec2>, usize) {
+    let draws = sampler.sample_many(disc_wo(theta_o), count, seed);
+    let feet: Vec<DVec2> = draws
+        .iter()
+        .flatten()
+        .map(|d| d.wi.truncate().as_dvec2())
+        .collect();
+    let failed = count - feet.len();
+    (feet, failed)
+}
+
+/// Outlines of the leaves, and of squares beside them, of the tree nearest to `theta_o` degrees, those inside or across the
+/// rim; `wo` at x < 0. And the tree's own angle in degrees.
+pub fn leaf_outlines(sampler: &AdaptiveDisc, theta_o: f64) -> (Vec<Vec<DVec2>>, f64) {
+    let tree = sampler.subdivision(theta_o.to_radians());
+    let outlines = tree
+        .cells
+        .iter()
+        .map(|c| tree.outline(c).into_iter().map(|p| -p).collect());
+    (outlines.collect(), tree.theta_o.to_degrees())
+}

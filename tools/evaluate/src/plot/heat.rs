@@ -1,0 +1,154 @@
+//! Pictures over two axes.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::Caption;
+use super::axis::{Axis, Ruler};
+use super::cartesian::{Frame, MARGIN};
+use super::colours::viridis;
+use super::legend::Legend;
+use super::svg::{Anchor, Area, INK, Svg, TEXT, px, shortened, width_of};
+use merlkit::image::{Image, encode_png, encode_srgb};
+use merlkit::{Error, Result};
+
+/// What the pixels are.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pixels {
+    /// A colour of the bar for each value, row after row from the top: `[y][x]`.
+    Values {
+        /// Columns.
+        width: usize,
+        /// The values; a whole number of rows. One that the scale can't hold is white.
+        values: Vec<f64>,
+        /// Title, scale and range of the colours.
+        bar: Axis,
+    },
+    /// Linear RGB, shown as a PNG file would.
+    Picture {
+        /// The picture, top row first.
+        image: Image,
+        /// Stops by which it is made brighter.
+        exposure: f32,
+    },
+}
+
+/// A picture with axes, and with a bar of its colours if they stand for values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heat {
+    /// What it is.
+    pub caption: Caption,
+    /// The axis across, from the left to the right edge; its range must be given.
+    pub x: Axis,
+    /// The axis upwards, from the lower to the upper edge; its range must be given.
+    pub y: Axis,
+    /// The pixels; they are spread evenly over the axes' scales.
+    pub pixels: Pixels,
+}
+
+/// Right of the picture: the bar and its labels.
+const BAR_GAP: f64 = 20.0;
+const BAR: f64 = 16.0;
+/// Steps of the bar.
+const SHADES: usize = 256;
+
+impl Heat {
+    /// The picture: 640 by 440 pixels or so, the pixels a PNG in it.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if values do not fill whole rows, or an axis has no range.
+    pub fn svg(&self) -> Result<String> {
+        let axes = (&self.x, &self.y);
+        let right = match &self.pixels {
+            Pixels::Values { .. } => BAR_GAP + BAR + 82.0,
+            Pixels::Picture { .. } => MARGIN,
+        };
+        let frame = Frame::new(axes, std::iter::empty(), std::iter::empty(), right);
+        if frame.rulers.is_none() {
+            return Err(Error::argument(
+                "an axis of a picture has no range",
+                "give both axes a range",
+            ));
+        }
+        let mut svg = frame.begin(&self.caption, axes, &Legend::new(Vec::new()), false);
+        match &self.pixels {
+            Pixels::Picture { image, exposure } => {
+                let (width, height) = (image.width(), image.height());
+                embed(
+                    &mut svg,
+                    &frame.area,
+                    &encode_png(width, height, &encode_srgb(image, *exposure))?,
+                );
+            }
+            Pixels::Values { width, values, bar } => {
+                draw_values(&mut svg, &frame.area, *width, values, bar)?
+            }
+        }
+        Ok(svg.finish())
+    }
+}
+
+fn draw_values(svg: &mut Svg, area: &Area, width: usize, values: &[f64], bar: &Axis) -> Result<()> {
+    if width == 0 || values.is_empty() || !values.len().is_multiple_of(width) {
+        return Err(Error::argument(
+            format!("{} values in rows of {width}", values.len()),
+            "give whole rows, at least one",
+        ));
+    }
+    let Some(ruler) = Ruler::new(bar, values.iter().copied(), area.bottom(), area.y) else {
+        svg.no_data(area);
+        return Ok(());
+    };
+    // The ruler lies along the bar: a value's pixel there tells its colour.
+    let colour = |&v: &f64| {
+        ruler
+            .at(v)
+            .map_or([255; 3], |at| viridis((area.bottom() - at) / area.height))
+    };
+    let bytes: Vec<u8> = values.iter().flat_map(colour).collect();
+    embed(svg, area, &encode_png(width, values.len() / width, &bytes)?);
+    draw_bar(svg, area, &ruler, bar)
+}
+
+/// The bar, its ticks and its title.
+fn draw_bar(svg: &mut Svg, area: &Area, ruler: &Ruler, axis: &Axis) -> Result<()> {
+    let bar = Area {
+        x: area.right() + BAR_GAP,
+        width: BAR,
+        ..*area
+    };
+    let shades: Vec<u8> = (0..SHADES)
+        .rev()
+        .flat_map(|i| viridis((i as f64 + 0.5) / SHADES as f64))
+        .collect();
+    embed(svg, &bar, &encode_png(1, SHADES, &shades)?);
+    let mut widest = 0f64;
+    for tick in ruler.ticks() {
+        let length = if tick.label.is_some() { 5.0 } else { 3.0 };
+        svg.line(
+            (bar.right(), tick.at),
+            (bar.right() + length, tick.at),
+            &format!("stroke=\"{INK}\""),
+        );
+        if let Some(label) = tick.label {
+            svg.label((bar.right() + 8.0, tick.at + 4.0), Anchor::Start, &label);
+            widest = widest.max(width_of(&label, TEXT));
+        }
+    }
+    let title = shortened(&axis.title, TEXT, area.height + 30.0);
+    let x = (bar.right() + 8.0 + widest + 18.0).min(super::svg::WIDTH - 6.0);
+    svg.label_upwards((x, area.y + area.height / 2.0), &title);
+    Ok(())
+}
+
+/// Puts a PNG into `area`, its pixels as sharp rectangles, with a frame around it.
+fn embed(svg: &mut Svg, area: &Area, png: &[u8]) {
+    let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(px);
+    let place = format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"");
+    svg.push(&format!(
+        "<image {place} preserveAspectRatio=\"none\" image-rendering=\"optimizeSpeed\" \
+         style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>",
+        STANDARD.encode(png)
+    ));
+    svg.push(&format!("<rect {place} fill=\"none\" stroke=\"{INK}\"/>"));
+}

@@ -1,0 +1,517 @@
+//! Charts of one material and of the samplers built for it.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::measure::compare::MaterialCharts;
+use crate::measure::views;
+use crate::measure::views::Curve;
+use crate::plot::{
+    Axis, Caption, Disc, DiscMark, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale, Series,
+};
+use merlkit::image::Image;
+use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
+use merlkit::sampler::{
+    AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, HalfVectorSettings, Sampler,
+    SamplerSpec, ShownCdf,
+};
+use merlkit::{Error, Result};
+
+/// A material, seen from some angles, and a sampler that was built for it.
+pub struct ChartSubject {
+    name: String,
+    brdf: Arc<Measured>,
+    thetas: Vec<f64>,
+    sampler: Option<Sampler>,
+}
+
+/// A curve with its name and style.
+struct Named {
+    label: String,
+    style: usize,
+    curve: Curve,
+}
+
+impl ChartSubject {
+    /// `brdf`, called `name`, with `wo` at each of `thetas` degrees, 0 to below 90; with `spec`, builds that sampler.
+    ///
+    /// # Errors
+    /// Those of building the sampler.
+    pub fn new(
+        name: impl Into<String>,
+        brdf: Arc<Measured>,
+        thetas: Vec<f64>,
+        spec: Option<SamplerSpec>,
+    ) -> Result<Self> {
+        let sampler = spec.map(|s| s.build(&brdf)).transpose()?;
+        Ok(Self {
+            name: name.into(),
+            brdf,
+            thetas,
+            sampler,
+        })
+    }
+
+    fn rule(&self) -> &'static str {
+        self.brdf.rule().name()
+    }
+
+    fn angles(&self) -> String {
+        let all: Vec<_> = self.thetas.iter().map(|t| format!("{t}°")).collect();
+        all.join(", ")
+    }
+
+    /// The lobe at each angle; with a sampler, both densities.
+    fn curves(&self) -> Vec<Named> {
+        let Some(sampler) = &self.sampler else {
+            let named = |(style, &theta): (usize, &f64)| Named {
+                label: format!("θ = {theta}°"),
+                style,
+                curve: views::lobe(&*self.brdf, theta),
+            };
+            return self.thetas.iter().enumerate().map(named).collect();
+        };
+        let both = |(i, &theta): (usize, &f64)| {
+            [
+                Named {
+                    label: format!("ideal, θ = {theta}°"),
+                    style: 2 * i,
+                    curve: views::ideal_density(&*self.brdf, theta),
+                },
+                Named {
+                    label: format!("{}, θ = {theta}°", sampler.spec().name()),
+                    style: 2 * i + 1,
+                    curve: views::density(sampler.as_dyn(), theta),
+                },
+            ]
+        };
+        self.thetas.iter().enumerate().flat_map(both).collect()
+    }
+
+    fn value_title(&self) -> &'static str {
+        if self.sampler.is_some() {
+            "density [sr⁻¹]"
+        } else {
+            "f·cos θi [sr⁻¹]"
+        }
+    }
+
+    fn lobe_caption(&self) -> Caption {
+        let shown = match &self.sampler {
+            Some(sampler) => {
+                let label = sampler.spec().label();
+                format!("the ideal density, f·cos θi over the albedo, and the density of {label}")
+            }
+            None => "f·cos θi, the mean of red, green and blue".into(),
+        };
+        let of = self
+            .sampler
+            .as_ref()
+            .map_or(String::new(), |s| format!(" and {}", s.spec().name()));
+        Caption::new(
+            format!(
+                "{}: lobe{of} at θ = {} ({} lookup)",
+                self.name,
+                self.angles(),
+                self.rule()
+            ),
+            format!(
+                "Over the polar angle of the light direction wi in the plane of incidence, in sr⁻¹: {shown}. \
+                 The viewer wo stands at −θ, its mirror direction at θ."
+            ),
+        )
+    }
+
+    /// f·cos θ of wi over its angle in the plane of incidence; with a sampler, the ideal density and the sampler's.
+    pub fn lobe(&self) -> String {
+        let curves = self.curves();
+        let greatest = greatest(&curves);
+        let y = Axis::new(self.value_title(), Scale::Log);
+        // The last decades are floors of samplers and horizons.
+        let least = least(&curves).max(greatest * 1e-6);
+        let y = if greatest > 0.0 {
+            y.with_range(least * 0.8, greatest * 1.5)
+        } else {
+            y
+        };
+        let series = curves.into_iter().map(|c| Series {
+            label: c.label,
+            points: c.curve,
+            style: c.style,
+            ..Series::default()
+        });
+        let x = Axis::new("angle of wi in the plane of incidence [°]", Scale::Linear)
+            .with_range(-90.0, 90.0);
+        Lines {
+            caption: self.lobe_caption(),
+            x,
+            y,
+            series: series.collect(),
+        }
+        .svg()
+    }
+
+    /// The same in polar coordinates.
+    pub fn lobe_polar(&self) -> String {
+        let mut caption = self.lobe_caption();
+        let mut curves = self.curves();
+        if self.sampler.is_some() {
+            cut(&mut curves);
+            caption
+                .description
+                .push_str(" Densities end at twice the greatest ideal one.");
+        }
+        // A narrow lobe on an even scale is a line, and nothing beside it.
+        let mean = curves.iter().map(|c| mean(&c.curve)).sum::<f64>() / curves.len().max(1) as f64;
+        let scale = if greatest(&curves) > PEAKED * mean {
+            Scale::Root
+        } else {
+            Scale::Linear
+        };
+        let radius = Axis::new(self.value_title(), scale);
+        let curves = curves.into_iter().map(|c| PolarCurve {
+            label: c.label,
+            points: c.curve,
+            style: c.style,
+        });
+        let curves = curves.collect();
+        Polar {
+            caption,
+            radius,
+            curves,
+            wo: self.thetas.clone(),
+        }
+        .svg()
+    }
+
+    /// The table at φd = 90° over θh and θd, as colours for values.
+    ///
+    /// # Errors
+    /// Those of encoding the pixels.
+    pub fn slice(&self) -> Result<String> {
+        let bar = Axis::new("f [sr⁻¹]", Scale::Log);
+        let values = views::slice(self.brdf.table());
+        self.slice_of(
+            Pixels::Values { width: THETA_H_BINS, values, bar },
+            "colours stand for the mean of red, green and blue on a logarithmic scale; white has no valid value",
+        )
+    }
+
+    /// The same in the material's own colours.
+    ///
+    /// # Errors
+    /// Those of encoding the pixels.
+    pub fn slice_rgb(&self) -> Result<String> {
+        let pixels = views::slice_rgb(self.brdf.table());
+        let image = Image::new(THETA_H_BINS, THETA_D_BINS, pixels)?;
+        self.slice_of(
+            Pixels::Picture {
+                image,
+                exposure: 0.0,
+            },
+            "in its own colours, tone-mapped",
+        )
+    }
+
+    fn slice_of(&self, pixels: Pixels, how: &str) -> Result<String> {
+        let caption = Caption::new(
+            format!("{}: slice at φd = 90°", self.name),
+            format!(
+                "f of the table over the half angle θh and the difference angle θd, a bin a pixel: {how}."
+            ),
+        );
+        let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
+        let y = Axis::new("θd [°]", Scale::Linear).with_range(0.0, 90.0);
+        Heat {
+            caption,
+            x,
+            y,
+            pixels,
+        }
+        .svg()
+    }
+
+    /// The unit disc with `samples` directions of a seed by the sampler, cosine if there is none, for the first angle; of the
+    /// adaptive disc, the leaves as well.
+    pub fn disc(&self, samples: usize, seed: u64) -> String {
+        let theta = self.thetas.first().copied().unwrap_or(0.0);
+        let sampler = self.sampler.as_ref().unwrap_or(&Sampler::Cosine(Cosine));
+        let (points, failed) = views::sampled_directions(sampler.as_dyn(), theta, samples, seed);
+        let (cells, tree) = match sampler {
+            Sampler::AdaptiveDisc(disc) => views::leaf_outlines(disc, theta),
+            _ => (Vec::new(), theta),
+        };
+        let leaves = match cells.len() {
+            0 => String::new(),
+            count => {
+                format!("{count} squares of the tree at {tree:.1}°; a dot is one below a pixel")
+            }
+        };
+        let lost = if failed == 0 {
+            String::new()
+        } else {
+            format!(", {failed} more failed")
+        };
+        let drawn = if samples == 0 {
+            String::new()
+        } else {
+            format!("{} directions drawn{lost}", points.len())
+        };
+        let spec = sampler.spec();
+        let caption = Caption::new(
+            format!("{}: {} at θ = {theta}°", self.name, spec.name()),
+            format!(
+                "The hemisphere of light directions from above, {}, {} lookup, seed {seed}.",
+                spec.label(),
+                self.rule()
+            ),
+        );
+        let pairs = |points: Vec<DVec2>| points.into_iter().map(|p| (p.x, p.y)).collect();
+        let cells = cells.into_iter().map(pairs).collect();
+        Disc {
+            caption,
+            cells,
+            points: pairs(points),
+            marks: disc_marks(theta),
+            labels: [leaves, drawn],
+        }
+        .svg()
+    }
+
+    /// CDF over θh before and after compression, with its knots.
+    ///
+    /// # Errors
+    /// [`merlkit::Error::Argument`] if the sampler is no cascade CDF; those of building it.
+    pub fn cdf(&self) -> Result<String> {
+        let (series, of) = self.compressed(CascadeCdf::marginal, |_| String::new())?;
+        let caption = Caption::new(
+            format!("{}: CDF over θh before and after compression", self.name),
+            format!("Probability of a half vector below θh, by {of}."),
+        );
+        let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
+        let y = Axis::new("probability below θh", Scale::Linear).with_range(0.0, 1.0);
+        Ok(Lines {
+            caption,
+            x,
+            y,
+            series,
+        }
+        .svg())
+    }
+
+    /// CDF over φh, of the θh that halves the draws, before and after compression, with its knots.
+    ///
+    /// # Errors
+    /// As [`Self::cdf`].
+    pub fn cdf_azimuth(&self) -> Result<String> {
+        let span = |cdf: &ShownCdf| {
+            let [from, to] = cdf.theta_h.map(f64::to_degrees);
+            format!(", θh {from:.2}–{to:.2}°")
+        };
+        let (series, of) = self.compressed(CascadeCdf::conditional, span)?;
+        let caption = Caption::new(
+            format!("{}: CDF over φh before and after compression", self.name),
+            format!(
+                "Probability of an azimuth of the half vector below φh, counted from wo, where θh halves the draws, by {of}."
+            ),
+        );
+        let x = Axis::new("φh [°]", Scale::Linear).with_range(0.0, 360.0);
+        let y = Axis::new("probability below φh", Scale::Linear).with_range(0.0, 1.0);
+        Ok(Lines {
+            caption,
+            x,
+            y,
+            series,
+        }
+        .svg())
+    }
+
+    /// A curve at each angle before and after compression, with its knots; and what tables they are of.
+    fn compressed(
+        &self,
+        curve: impl Fn(&CascadeCdf, f64) -> ShownCdf,
+        span: impl Fn(&ShownCdf) -> String,
+    ) -> Result<(Vec<Series>, String)> {
+        let Some(Sampler::CascadeCdf(stored)) = &self.sampler else {
+            return Err(Error::argument(
+                "a CDF of another sampler",
+                "choose cascade-cdf",
+            ));
+        };
+        let settings = *stored.settings();
+        let whole = CascadeCdf::build(
+            &*self.brdf,
+            CascadeCdfSettings {
+                tolerance: None,
+                ..settings
+            },
+        )?;
+        let mut series = Vec::new();
+        for (i, theta) in self.thetas.iter().map(|t| t.to_radians()).enumerate() {
+            let (before, after) = (curve(&whole, theta), curve(stored, theta));
+            let degrees =
+                |points: &[(f64, f64)]| points.iter().map(|p| (p.0.to_degrees(), p.1)).collect();
+            let at = |cdf: &ShownCdf| format!("θ = {:.1}°{}", cdf.theta_o.to_degrees(), span(cdf));
+            let line = |label, points: &[(f64, f64)], style| Series {
+                label,
+                points: degrees(points),
+                style,
+                marks: Marks::None,
+                ..Series::default()
+            };
+            series.push(line(
+                format!("{}, {} knots", at(&before), before.knots.len()),
+                &before.curve,
+                5 * i,
+            ));
+            series.push(line(
+                format!("{}, compressed", at(&after)),
+                &after.curve,
+                5 * i + 1,
+            ));
+            let label = format!("{}, its {} knots", at(&after), after.knots.len());
+            series.push(Series {
+                marks: Marks::Only,
+                ..line(label, &after.knots, 5 * i + 1)
+            });
+        }
+        let label = SamplerSpec::CascadeCdf(settings).label();
+        Ok((
+            series,
+            format!(
+                "the tables of {label} nearest to θ = {}, {} lookup",
+                self.angles(),
+                self.rule()
+            ),
+        ))
+    }
+
+    /// Directional albedo over θ by each of the three lookup rules.
+    pub fn albedo(&self) -> String {
+        let curves = views::albedo_by_rule(self.brdf.table());
+        let series =
+            LookupRule::ALL
+                .into_iter()
+                .zip(curves)
+                .enumerate()
+                .map(|(style, (rule, points))| Series {
+                    label: format!("{} lookup", rule.name()),
+                    points,
+                    style,
+                    ..Series::default()
+                });
+        let caption = Caption::new(
+            format!("{}: directional albedo", self.name),
+            "Fraction of light reflected, the mean of red, green and blue, over the polar angle of wo, by what the table says between its samples.",
+        );
+        let series: Vec<_> = series.collect();
+        let greatest = series
+            .iter()
+            .flat_map(|s| &s.points)
+            .map(|p| p.1)
+            .fold(0.0, f64::max);
+        let x = Axis::new("polar angle of wo [°]", Scale::Linear).with_range(0.0, 90.0);
+        let y = Axis::new("directional albedo", Scale::Linear).with_range(0.0, greatest * 1.08);
+        Lines {
+            caption,
+            x,
+            y,
+            series,
+        }
+        .svg()
+    }
+}
+
+/// A lobe whose greatest value is so many times its mean over angles is drawn under a root.
+const PEAKED: f64 = 8.0;
+
+/// Ends densities at twice the greatest ideal one: a peak that runs away at the mirror direction would hide the rest. `curves`
+/// are ideal densities and samplers' by turns.
+fn cut(curves: &mut [Named]) {
+    let ideal = curves
+        .iter()
+        .step_by(2)
+        .flat_map(|c| &c.curve)
+        .map(|p| p.1)
+        .fold(0.0, f64::max);
+    if ideal > 0.0 {
+        curves
+            .iter_mut()
+            .flat_map(|c| &mut c.curve)
+            .for_each(|p| p.1 = p.1.min(2.0 * ideal));
+    }
+}
+
+fn greatest(curves: &[Named]) -> f64 {
+    curves
+        .iter()
+        .flat_map(|c| &c.curve)
+        .map(|p| p.1)
+        .fold(0.0, f64::max)
+}
+
+/// Mean over the angle: points are closer where the curve is high.
+fn mean(curve: &Curve) -> f64 {
+    curve
+        .windows(2)
+        .map(|w| (w[1].0 - w[0].0) * 0.5 * (w[0].1 + w[1].1))
+        .sum::<f64>()
+        / 180.0
+}
+
+/// The least value above 0; 0 if there is none.
+fn least(curves: &[Named]) -> f64 {
+    let above = curves
+        .iter()
+        .flat_map(|c| &c.curve)
+        .map(|p| p.1)
+        .filter(|&v| v > 0.0);
+    above.reduce(f64::min).unwrap_or(0.0)
+}
+
+/// `wo` and its mirror direction on the disc.
+fn disc_marks(theta: f64) -> Vec<DiscMark> {
+    let mark = |sign: f64, label: &str| DiscMark {
+        at: (sign * theta.to_radians().sin(), 0.0),
+        label: label.into(),
+    };
+    match theta {
+        0.0 => vec![mark(0.0, "wo and mirror")],
+        _ => vec![mark(-1.0, "wo"), mark(1.0, "mirror")],
+    }
+}
+
+/// Directions on each disc of [`material_charts`], and the seed of their draws.
+const CLOUD: (usize, u64) = (600, 0);
+/// Angle between `wo` and the normal in [`material_charts`], degrees; and those of the lobe alone.
+const SHOWN_DEG: f64 = 45.0;
+const LOBES_DEG: [f64; 4] = [10.0, 30.0, 60.0, 80.0];
+
+/// What `brdf`, called `name`, and the main samplers look like: the lobe, and by sampler its density and its directions.
+///
+/// # Errors
+/// Those of building the samplers.
+pub fn material_charts(name: &str, brdf: &Arc<Measured>) -> Result<MaterialCharts> {
+    let lobes = ChartSubject::new(name, brdf.clone(), LOBES_DEG.to_vec(), None)?;
+    let mut charts = MaterialCharts {
+        material: name.into(),
+        theta_o_deg: SHOWN_DEG,
+        lobe: lobes.lobe_polar(),
+        densities: Vec::new(),
+        discs: Vec::new(),
+    };
+    let shown = [
+        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()),
+        SamplerSpec::CascadeCdf(CascadeCdfSettings::default()),
+        SamplerSpec::HalfVector(HalfVectorSettings::default()),
+        SamplerSpec::Cosine,
+    ];
+    for spec in shown {
+        let subject = ChartSubject::new(name, brdf.clone(), vec![SHOWN_DEG], Some(spec))?;
+        charts.densities.push(subject.lobe_polar());
+        charts.discs.push(subject.disc(CLOUD.0, CLOUD.1));
+    }
+    Ok(charts)
+}

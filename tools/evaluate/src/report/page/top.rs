@@ -1,0 +1,193 @@
+//! What was measured, and what it comes to.
+
+use super::Section;
+use super::html::{escape, paragraph, table};
+use crate::measure::compare::{Comparison, Curve, MaterialComparison, Verdict, reach};
+use crate::measure::convergence::Technique;
+use crate::report::Sheet;
+use crate::report::compare::duration;
+use merlkit::sampler::SamplerSpec;
+
+/// The plan in words.
+pub(super) fn measured(comparison: &Comparison) -> String {
+    let plan = &comparison.plan;
+    let materials: Vec<&str> = comparison
+        .materials
+        .iter()
+        .map(|m| m.material.as_str())
+        .collect();
+    let (point, picture) = (&plan.point, &plan.picture);
+    let angles: Vec<String> = point.theta_o_deg.iter().map(|t| format!("{t}°")).collect();
+    let last = (point.first_seed + point.seeds).saturating_sub(1);
+    let extent = match plan.quick {
+        true => {
+            "quick: fewer samplers, angles, seeds and settings than in a full run, so that the figures are rougher"
+        }
+        false => "full",
+    };
+    let lines = [
+        (
+            "Materials",
+            if materials.is_empty() {
+                "none".into()
+            } else {
+                materials.join(", ")
+            },
+        ),
+        ("Run", extent.to_owned()),
+        (
+            "Lookup",
+            format!(
+                "{}: what a table says between its samples",
+                plan.lookup.name()
+            ),
+        ),
+        ("Light on the point", plan.sky.clone()),
+        ("Viewer", format!("{} from the normal", angles.join(", "))),
+        (
+            "Seeds",
+            format!(
+                "{} to {last}: {} estimates at each angle",
+                point.first_seed, point.seeds
+            ),
+        ),
+        (
+            "Pictures",
+            format!("{}² pixels, seed {}", picture.side, picture.seed),
+        ),
+        (
+            "Threads",
+            format!(
+                "{} to build and render; one to time a sample",
+                comparison.threads
+            ),
+        ),
+    ];
+    let line = |(term, text): &(&str, String)| {
+        format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text))
+    };
+    let intro = "Samplers of measured materials against one another: how far off an estimate is after so many samples, so \
+                 many seconds, and with so many bytes. All figures come from one run of merlkit compare; its \
+                 compare.json and compare.csv hold them in full.";
+    format!(
+        "{}<dl>\n{}</dl>\n",
+        paragraph(intro),
+        lines.iter().map(line).collect::<String>()
+    )
+}
+
+/// Every material's verdict.
+pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
+    if comparison.materials.is_empty() {
+        return Section::new("verdicts", "Verdicts", paragraph("Nothing was measured."));
+    }
+    let item = |m: &MaterialComparison| {
+        let sentence = match &m.verdict {
+            Some(verdict) => verdict.sentence.clone(),
+            None => {
+                format!(
+                    "{}: no sampler's error falls to 1 %, nor so that one could tell when",
+                    m.material
+                )
+            }
+        };
+        let loses = loses(m).map_or(String::new(), |l| {
+            format!(" <span class=\"loses\">{}</span>", escape(&l))
+        });
+        format!("<li>{}.{loses}</li>\n", escape(&sentence))
+    };
+    let items: String = comparison.materials.iter().map(item).collect();
+    let note = "The time to a relative error of 1 % at the lit point, with precomputation shared by 10⁶ samples, among \
+                samplers that draw from the BRDF alone. Extrapolated samples have a ~ in the tables. Times vary \
+                from run to run: one run does not decide between near equals.";
+    let table = table("Who reaches 1 % first", &summary(comparison));
+    let body = format!(
+        "<ul class=\"verdicts\">\n{items}</ul>\n{}{table}",
+        paragraph(note)
+    );
+    Section::new("verdicts", "Verdicts", body)
+}
+
+/// That the half-vector table is not the quickest, where it isn't.
+fn loses(material: &MaterialComparison) -> Option<String> {
+    let verdict = material
+        .verdict
+        .as_ref()
+        .filter(|v| v.sampler != HALF_VECTOR)?;
+    let name = &material.material;
+    let half_vector = quickest(&material.curves, |c| {
+        c.competitor.technique == Technique::Brdf
+            && matches!(c.competitor.spec, SamplerSpec::HalfVector(_))
+    });
+    Some(match half_vector {
+        Some((label, seconds)) => format!(
+            "On {name} the half-vector table is not the quickest: {} is, and {label} takes {}.",
+            verdict.best,
+            times(seconds, verdict)
+        ),
+        None => format!(
+            "On {name} the half-vector table is not the quickest: {} is, and no half-vector table reaches 1 %.",
+            verdict.best
+        ),
+    })
+}
+
+/// Its name in [`Verdict::sampler`].
+const HALF_VECTOR: &str = "half-vector";
+
+fn times(seconds: f64, verdict: &Verdict) -> String {
+    format!("{:.2}× the time", seconds / seconds_of(verdict))
+}
+
+/// Seconds to the verdict's error as the verdict counts them.
+fn seconds_of(verdict: &Verdict) -> f64 {
+    verdict.reach.seconds[1]
+}
+
+/// Label and seconds to 1 % of the quickest of some.
+fn quickest(curves: &[Curve], of: impl Fn(&Curve) -> bool) -> Option<(&str, f64)> {
+    let times = curves
+        .iter()
+        .filter(|c| of(c))
+        .filter_map(|c| Some((c.label.as_str(), reach(c, 0.01)?.seconds[1])));
+    times.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+fn summary(comparison: &Comparison) -> Sheet {
+    let mut sheet = Sheet::new(&[
+        "material",
+        "quickest",
+        "KB",
+        "time to 1 %",
+        "cosine",
+        "best half-vector table",
+        "best that samples the light too",
+    ]);
+    for material in &comparison.materials {
+        let Some(verdict) = &material.verdict else {
+            continue;
+        };
+        let brdf = |c: &Curve| c.competitor.technique == Technique::Brdf;
+        let table = quickest(&material.curves, |c| {
+            brdf(c) && matches!(c.competitor.spec, SamplerSpec::HalfVector(_))
+        });
+        let light = quickest(&material.curves, |c| !brdf(c));
+        let named =
+            |(label, s): (&str, f64)| format!("{label}: {} ({})", duration(s), times(s, verdict));
+        sheet.push(vec![
+            material.material.clone(),
+            verdict.best.clone(),
+            format!("{:.1}", verdict.table_bytes as f64 / 1000.0),
+            duration(seconds_of(verdict)),
+            verdict
+                .cosine_ratio
+                .map_or("never".into(), |r| match r < 1000.0 {
+                    true => format!("{r:.2}× the time"),
+                    false => "over 1000× the time".into(),
+                }),
+            table.map_or("never".into(), named),
+            light.map_or("not measured".into(), named),
+        ]);
+    }
+    sheet
+}

@@ -1,0 +1,212 @@
+//! Samplers' figures, worded.
+
+use serde::Serialize;
+
+use super::Sheet;
+use super::thesis::{ThesisFigures, thesis_figures, thesis_uniform_memory};
+use crate::measure::profile::{MaterialFigures, SamplerFigures};
+use merlkit::material::merl::LookupRule;
+
+/// The figures of a material's samplers, and the thesis's for the same material.
+#[derive(Clone, Debug, Serialize)]
+pub struct SamplerReport {
+    /// Measured in this run.
+    #[serde(flatten)]
+    pub measured: MaterialFigures,
+    /// Printed in the thesis; not measured here.
+    pub thesis: Vec<ThesisFigures>,
+}
+
+impl SamplerReport {
+    /// Puts the thesis's figures beside the measured ones.
+    pub fn new(measured: MaterialFigures) -> Self {
+        let thesis = thesis_figures(&measured.material);
+        Self { measured, thesis }
+    }
+
+    /// One line a sampler, then one a method of the thesis.
+    pub fn sheet(&self) -> Sheet {
+        let mut sheet = Sheet::new(&[
+            &self.measured.material,
+            "table KB",
+            "file KB",
+            "build s",
+            "CPU s",
+            "sample ns",
+            "pdf ns",
+            "relstd",
+            "worst",
+            "holes %",
+            "bias %",
+            "± %",
+            "lost %",
+        ]);
+        for s in &self.measured.samplers {
+            sheet.push(measured_line(s));
+        }
+        for t in &self.thesis {
+            sheet.push(thesis_line(t));
+        }
+        sheet
+    }
+
+    /// What the figures of the sheet are, and how they were come by.
+    pub fn legend(&self) -> String {
+        let m = &self.measured;
+        let azimuths = if m.lookup.is_none() {
+            " of 7 at four azimuths each"
+        } else {
+            ""
+        };
+        let threads = m.samplers.first().map_or(0, |s| s.threads);
+        format!(
+            "{}: {}; loaded (or decoded) in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one (median of five runs over \
+             7 angles). relstd: standard deviation of the weight of mean RGB over its mean, by quadrature, mean and worst \
+             angle{azimuths}; holes: share of the albedo where the density is 0, worst angle; bias: of the albedo from {} draws, seed {}, \
+             at the angle where it is most standard errors (±) from 0; lost: failed draws.",
+            m.material,
+            m.lookup.map_or_else(
+                || "values of the file".to_owned(),
+                |rule| format!("{} lookup", rule.name())
+            ),
+            1e3 * m.load.wall,
+            m.material_bytes as f64 / 1e6,
+            m.settings.draws,
+            m.settings.seed,
+        )
+    }
+
+    /// The same figures as one wide table for machines: full precision, SI units, one row a sampler and angle, then the
+    /// thesis's (1 KB = 1024 bytes).
+    pub fn csv(reports: &[Self]) -> Sheet {
+        let mut sheet = Sheet::new(&[
+            "material",
+            "lookup",
+            "source",
+            "sampler",
+            "table_bytes",
+            "file_bytes",
+            "load_s",
+            "build_wall_s",
+            "build_cpu_s",
+            "threads",
+            "sample_ns",
+            "pdf_ns",
+            "failed",
+            "theta_o_deg",
+            "phi_o_deg",
+            "relstd",
+            "albedo",
+            "holes",
+            "pdf_integral",
+            "bias",
+            "bias_standard_error",
+            "draws",
+            "seed",
+        ]);
+        for report in reports {
+            report.csv_rows(&mut sheet);
+        }
+        sheet
+    }
+
+    fn csv_rows(&self, sheet: &mut Sheet) {
+        let m = &self.measured;
+        for s in &m.samplers {
+            for a in &s.angles {
+                sheet.push(vec![
+                    m.material.clone(),
+                    m.lookup.map_or("", LookupRule::name).into(),
+                    "measured".into(),
+                    s.spec.label(),
+                    s.table_bytes.to_string(),
+                    s.file_bytes.map(|b| b.to_string()).unwrap_or_default(),
+                    m.load.wall.to_string(),
+                    s.build.wall.to_string(),
+                    s.build.cpu.to_string(),
+                    s.threads.to_string(),
+                    s.calls.sample_ns.to_string(),
+                    s.calls.pdf_ns.to_string(),
+                    s.calls.failed.to_string(),
+                    a.theta_o_deg.to_string(),
+                    a.phi_o_deg.to_string(),
+                    a.spread.relstd.to_string(),
+                    a.spread.mean.to_string(),
+                    a.spread.holes.to_string(),
+                    a.spread.pdf_integral.to_string(),
+                    a.bias.relative.to_string(),
+                    a.bias.standard_error.to_string(),
+                    m.settings.draws.to_string(),
+                    m.settings.seed.to_string(),
+                ]);
+            }
+        }
+        for t in &self.thesis {
+            let mut row = vec![String::new(); sheet.heading.len()];
+            let number = |x: Option<f64>| x.map(|x| x.to_string()).unwrap_or_default();
+            row[0] = m.material.clone();
+            row[2] = "thesis".into();
+            row[3] = t.method.clone();
+            row[4] = number(t.memory_kb.map(|kb| (kb * 1024.0).round()));
+            row[7] = number(t.precompute_s);
+            sheet.push(row);
+        }
+    }
+}
+
+/// What the thesis's lines are, once for a whole report.
+pub fn thesis_legend() -> String {
+    let sizes: Vec<String> = thesis_uniform_memory()
+        .iter()
+        .map(|(h, p, kb)| format!("{h} × {p} cells {kb} KB"))
+        .collect();
+    format!(
+        "Lines \"thesis\" are printed in R. Montes's thesis (2008), on an AMD Opteron; none was measured here. Their sample \
+         column is the time spent on drawing for one picture of 450 × 200 pixels at 25 samples. Its uniform CDFs, any \
+         material (5.9): {}.",
+        sizes.join(", ")
+    )
+}
+
+fn measured_line(s: &SamplerFigures) -> Vec<String> {
+    let bias = s.worst_bias();
+    vec![
+        s.spec.label(),
+        kilobytes(s.table_bytes),
+        s.file_bytes.map_or_else(|| "–".into(), kilobytes),
+        format!("{:.3}", s.build.wall),
+        format!("{:.3}", s.build.cpu),
+        format!("{:.0}", s.calls.sample_ns),
+        format!("{:.0}", s.calls.pdf_ns),
+        figure(s.relstd()),
+        figure(s.worst_relstd()),
+        format!("{:.3}", 100.0 * s.worst_holes()),
+        format!("{:+.3}", 100.0 * bias.relative),
+        format!("{:.3}", 100.0 * bias.standard_error),
+        format!("{:.2}", 100.0 * s.calls.failed),
+    ]
+}
+
+fn thesis_line(t: &ThesisFigures) -> Vec<String> {
+    let number =
+        |x: Option<f64>, unit: &str| x.map_or_else(|| "–".into(), |x| format!("{x}{unit}"));
+    let mut line = vec!["–".to_owned(); 13];
+    line[0] = t.method.clone();
+    line[1] = number(t.memory_kb, "");
+    line[3] = number(t.precompute_s, "");
+    line[5] = number(t.sampling_s, " s");
+    line
+}
+
+fn kilobytes(bytes: usize) -> String {
+    format!("{:.1}", bytes as f64 / 1024.0)
+}
+
+/// Three significant digits or so.
+fn figure(x: f64) -> String {
+    if x < 10.0 {
+        format!("{x:.3}")
+    } else {
+        format!("{x:.1}")
+    }
+}
