@@ -19,7 +19,7 @@ use merlkit::files::Overwrite;
 use merlkit::image::{Image, write_exr};
 use merlkit::light::{SkySampling, studio};
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{BsdfSize, tabulate};
 use merlkit::points::PointSet;
 use merlkit::render::{
@@ -139,15 +139,15 @@ impl Files {
     }
 }
 
-fn brdf() -> Measured {
-    Measured::new(
+fn brdf() -> MerlBrdf {
+    MerlBrdf::new(
         Arc::new(decode_embedded(MATERIAL).expect("an embedded material")),
         LOOKUP,
     )
 }
 
 /// f32 by θh, θd, φd and channel.
-fn cells(brdf: &Measured) -> Vec<u8> {
+fn cells(brdf: &MerlBrdf) -> Vec<u8> {
     let table = brdf.table();
     let mut bytes = Vec::new();
     for (h, d, p) in (0..90 * 90 * 180).map(|i| (i / (90 * 180), i / 180 % 90, i % 180)) {

@@ -8,14 +8,14 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
 };
 
 fn benches(c: &mut Criterion) {
-    let brdf = Arc::new(Measured::new(
+    let brdf = Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded("nickel").unwrap()),
         LookupRule::Floor,
     ));

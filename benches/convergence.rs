@@ -8,7 +8,7 @@ use glam::Vec3;
 use merlkit::brdf::Importance;
 use merlkit::geometry::{POINTS_PER_BIN, spherical};
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
@@ -50,14 +50,14 @@ fn samplers() -> [(&'static str, SamplerSpec); 5] {
 }
 
 /// Errors of every material.
-fn errors(spec: &SamplerSpec, brdfs: &[Arc<Measured>]) -> Vec<Vec<ErrorAt>> {
+fn errors(spec: &SamplerSpec, brdfs: &[Arc<MerlBrdf>]) -> Vec<Vec<ErrorAt>> {
     let wo = spherical(45f64.to_radians(), 0.8).as_vec3();
     let runs = Runs {
         points: PointSet::Sobol,
         seeds: 200,
         first_seed: 1,
     };
-    let of = |brdf: &Arc<Measured>| {
+    let of = |brdf: &Arc<MerlBrdf>| {
         let sampler = spec.build(brdf).expect("a sampler");
         let point = LitPoint {
             brdf: &**brdf,
@@ -72,12 +72,12 @@ fn errors(spec: &SamplerSpec, brdfs: &[Arc<Measured>]) -> Vec<Vec<ErrorAt>> {
 
 fn main() {
     let measured = |name: &&str| {
-        Arc::new(Measured::new(
+        Arc::new(MerlBrdf::new(
             Arc::new(decode_embedded(name).expect("an embedded material")),
             LookupRule::Floor,
         ))
     };
-    let brdfs: Vec<Arc<Measured>> = MATERIALS.iter().map(measured).collect();
+    let brdfs: Vec<Arc<MerlBrdf>> = MATERIALS.iter().map(measured).collect();
     println!(
         "relative RMSE over 200 seeds, geometric mean of {} materials, and slopes",
         MATERIALS.len()

@@ -14,7 +14,7 @@ use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{cosine_hemisphere, reflect_about, spherical};
-use merlkit::material::merl::{BinIndex, LookupRule, Measured};
+use merlkit::material::merl::{BinIndex, LookupRule, MerlBrdf};
 use merlkit::material::merl::{MerlTable, decode_embedded};
 use merlkit::points::PointSet;
 use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
@@ -60,7 +60,7 @@ impl Pairs {
     }
 
     /// As paths of a renderer ask: viewers nearly equal within each 64, lights drawn from a half-vector table.
-    fn drawn(brdf: &Measured) -> Self {
+    fn drawn(brdf: &MerlBrdf) -> Self {
         let table = HalfVectorTable::build(brdf, HalfVectorSettings::default()).unwrap();
         let pair = |i| {
             let pixel = PointSet::Random.point(3, i / 64, 0).as_dvec2();
@@ -90,7 +90,7 @@ impl Pairs {
     }
 }
 
-fn sum(brdf: &Measured, pairs: &Pairs) -> Rgb {
+fn sum(brdf: &MerlBrdf, pairs: &Pairs) -> Rgb {
     pairs.iter().map(|(wo, wi)| brdf.eval(wo, wi)).sum()
 }
 
@@ -104,7 +104,7 @@ fn bins(table: &MerlTable, pairs: &Pairs) -> usize {
         .sum()
 }
 
-fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &Measured, pairs: &Pairs) {
+fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &MerlBrdf, pairs: &Pairs) {
     let id = |how: &str| BenchmarkId::new(format!("{} {how}", brdf.rule().name()), pairs.place);
     let mut out = vec![Rgb::ZERO; pairs.wi.len()];
     group.bench_function(id("one"), |b| b.iter(|| sum(brdf, black_box(pairs))));
@@ -156,7 +156,7 @@ fn benches(c: &mut Criterion) {
     let table = Arc::new(decode_embedded("nickel").unwrap());
     let mut group = c.benchmark_group("lookup");
     group.throughput(Throughput::Elements(PAIRS));
-    let floor = Measured::new(table.clone(), LookupRule::Floor);
+    let floor = MerlBrdf::new(table.clone(), LookupRule::Floor);
     for pairs in [
         Pairs::anywhere(),
         Pairs::near_the_mirror(),
@@ -167,7 +167,7 @@ fn benches(c: &mut Criterion) {
             b.iter(|| bins(&table, black_box(&pairs)))
         });
         for by in LookupRule::ALL {
-            let brdf = Measured::new(table.clone(), by);
+            let brdf = MerlBrdf::new(table.clone(), by);
             let ratio = sum(&brdf, &pairs) / floor;
             assert!(
                 ratio.min_element() > 0.5 && ratio.max_element() < 2.0,

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Surface, render,
@@ -73,7 +73,7 @@ impl Picture {
         let plan = EffectPlan::of(&spec);
         let surface = |_, _| {
             let table = Arc::new(decode_embedded(material).expect("an embedded material"));
-            let brdf = Arc::new(Measured::new(table, LookupRule::Linear));
+            let brdf = Arc::new(MerlBrdf::new(table, LookupRule::Linear));
             let sampler = HalfVectorTable::build(&*brdf, HalfVectorSettings::default())?;
             Ok(Surface {
                 brdf,

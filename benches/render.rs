@@ -11,7 +11,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3};
 use merlkit::light::{Light, SkySampling, studio};
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
     Effect, EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Surface,
@@ -79,7 +79,7 @@ fn mean(film: &Film) -> f64 {
 fn effects(c: &mut Criterion) {
     let table = Arc::new(decode_embedded("blue-metallic-paint").expect("an embedded material"));
     let surface = |_, _| {
-        let brdf = Arc::new(Measured::new(table.clone(), LookupRule::Floor));
+        let brdf = Arc::new(MerlBrdf::new(table.clone(), LookupRule::Floor));
         Ok(Surface {
             brdf,
             sampler: Some(Arc::new(Cosine)),

@@ -13,7 +13,7 @@ use merlkit::color;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, Sampler, SamplerSpec,
@@ -67,7 +67,7 @@ fn rejection_free() -> SamplerSpec {
 }
 
 /// The draws estimate the albedo, within six standard errors by quadrature.
-fn assert_albedo(sampler: &Sampler, brdf: &Measured, wo: Vec3, points: &[Vec2]) {
+fn assert_albedo(sampler: &Sampler, brdf: &MerlBrdf, wo: Vec3, points: &[Vec2]) {
     let spread = weight_spread(
         sampler,
         brdf,
@@ -90,7 +90,7 @@ fn assert_albedo(sampler: &Sampler, brdf: &Measured, wo: Vec3, points: &[Vec2]) 
 }
 
 fn benches(c: &mut Criterion) {
-    let brdf = Arc::new(Measured::new(
+    let brdf = Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded("nickel").unwrap()),
         LookupRule::Floor,
     ));
@@ -169,7 +169,7 @@ fn nothing_after(value: f32) -> Vec3 {
 }
 
 fn pairs(c: &mut Criterion) {
-    let brdf = Arc::new(Measured::new(
+    let brdf = Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded("nickel").unwrap()),
         LookupRule::Floor,
     ));

@@ -11,7 +11,7 @@ use merlkit::distribution::Heuristic;
 use merlkit::geometry::{POINTS_PER_BIN, spherical};
 use merlkit::light::{SkySampling, studio};
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
@@ -57,14 +57,14 @@ const WAYS: [(&str, Technique, Strategy); 6] = [
 
 /// A material and its samplers, by name.
 struct Material {
-    brdf: Arc<Measured>,
+    brdf: Arc<MerlBrdf>,
     samplers: [(&'static str, Arc<dyn DirectionSampler>); 2],
 }
 
 impl Material {
     fn load(name: &str) -> Self {
         let table = decode_embedded(name).expect("an embedded material");
-        let brdf = Arc::new(Measured::new(Arc::new(table), LookupRule::Floor));
+        let brdf = Arc::new(MerlBrdf::new(Arc::new(table), LookupRule::Floor));
         let table =
             HalfVectorTable::build(&*brdf, HalfVectorSettings::default()).expect("a sampler");
         Self {

@@ -3,12 +3,12 @@
 //! Data flows one way:
 //!
 //! ```text
-//! *.binary or embedded name → merl::MerlTable → brdf::Measured → sampler::{HalfVectorTable, …, Lobe, Factored} → sampler file
+//! *.binary or embedded name → merl::MerlTable → brdf::MerlBrdf → sampler::{HalfVectorTable, …, Lobe, Factored} → sampler file
 //! Brdf + DirectionSampler + light → render → image
 //! Brdf + DirectionSampler → measure → report
-//! brdf::Measured + sampler::HalfVectorTable → export: a C header, or arrays for numpy
-//! brdf::Measured → bsdf::BsdfFile (for Mitsuba and pbrt) → bsdf::Rgl: a Brdf and DirectionSampler, or a merl::MerlTable
-//! anisotropic *.bsdf → bsdf::Rgl → sampler::ByAzimuth
+//! brdf::MerlBrdf + sampler::HalfVectorTable → export: a C header, or arrays for numpy
+//! brdf::MerlBrdf → bsdf::BsdfFile (for Mitsuba and pbrt) → bsdf::RglBrdf: a Brdf and DirectionSampler, or a merl::MerlTable
+//! anisotropic *.bsdf → bsdf::RglBrdf → sampler::ByAzimuth
 //! ```
 //!
 //! Conventions, stated once in [`geometry`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both

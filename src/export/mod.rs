@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use crate::files::{Overwrite, write_new};
 use crate::material::merl::{Header, MerlTable};
-use crate::material::merl::{LookupRule, Measured};
+use crate::material::merl::{LookupRule, MerlBrdf};
 use crate::material::{Material, Source};
 use crate::sampler::{HalfVectorSettings, HalfVectorTable};
 use crate::{Error, Result};
@@ -23,7 +23,7 @@ pub struct Export {
     name: String,
     embedded: bool,
     sha256: String,
-    brdf: Arc<Measured>,
+    brdf: Arc<MerlBrdf>,
     table: HalfVectorTable,
 }
 
@@ -37,7 +37,7 @@ impl Export {
         lookup: LookupRule,
         settings: HalfVectorSettings,
     ) -> Result<Self> {
-        let brdf = Arc::new(Measured::new(Arc::new(material.load_table()?), lookup));
+        let brdf = Arc::new(MerlBrdf::new(Arc::new(material.load_table()?), lookup));
         Ok(Self {
             name: material.name().to_owned(),
             embedded: matches!(material.source(), Source::Embedded(_)),
@@ -48,7 +48,7 @@ impl Export {
     }
 
     /// The material under its lookup rule.
-    pub fn brdf(&self) -> &Measured {
+    pub fn brdf(&self) -> &MerlBrdf {
         &self.brdf
     }
 

@@ -43,11 +43,11 @@ pub fn cosine_hemisphere(u: DVec2) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Lattice;
+    use crate::geometry::FibonacciLattice;
 
     #[test]
     fn the_square_gives_back_what_the_disc_was_given() {
-        for (x, y) in Lattice::at_least(5000).points() {
+        for (x, y) in FibonacciLattice::at_least(5000).points() {
             let back = concentric_square(concentric_disc(DVec2::new(x, y)));
             assert!(
                 back.abs_diff_eq(DVec2::new(x, y), 5e-8),

@@ -94,12 +94,12 @@ impl HalfVectors {
 /// Its points project to equidistant midpoints on both axes, so that a density that jumps along either axis is integrated
 /// to 1/size, where a grid of as many points reaches only 1/√size (Niederreiter 1992, §5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lattice {
+pub struct FibonacciLattice {
     size: u64,
     generator: u64,
 }
 
-impl Lattice {
+impl FibonacciLattice {
     /// The smallest Fibonacci lattice of at least `points` points (at least two, at most about 10⁹).
     pub fn at_least(points: usize) -> Self {
         let mut lattice = Self {
@@ -138,7 +138,7 @@ mod tests {
         for theta_o in [0.0, 0.3, 30.0, 60.25, 85.0, 89.9_f64] {
             let wo = spherical(theta_o.to_radians(), 2.0).as_vec3();
             let domain = HalfVectors::about(wo).unwrap();
-            for (s, t) in Lattice::at_least(500).points() {
+            for (s, t) in FibonacciLattice::at_least(500).points() {
                 let (theta_h, b) = (s * domain.theta_max(), 2.0 * t - 1.0);
                 let (wi, jacobian) = domain.direction(theta_h, b);
                 assert!(
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn lattices_project_to_midpoints() {
-        let lattice = Lattice::at_least(89);
+        let lattice = FibonacciLattice::at_least(89);
         assert_eq!(lattice.size(), 89);
         let mut second: Vec<f64> = lattice.points().map(|p| p.1).collect();
         second.sort_by(f64::total_cmp);

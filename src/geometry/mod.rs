@@ -19,7 +19,7 @@ mod symmetry;
 pub use disc::{concentric_disc, concentric_square, cosine_hemisphere};
 pub use frame::Frame;
 pub use half_diff::{HalfDiff, half_vector, reflect_about};
-pub use half_vectors::{HalfVectors, Lattice};
+pub use half_vectors::{FibonacciLattice, HalfVectors};
 pub use pairs::DirectionPairs;
 pub use quadrature::{POINTS_PER_BIN, Quadrature};
 pub use symmetry::Symmetry;

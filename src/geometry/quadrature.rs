@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::Vec3;
 
-use super::half_vectors::{HalfVectors, Lattice};
+use super::half_vectors::{FibonacciLattice, HalfVectors};
 
 /// MERL's bins of θh, √-spaced over a right angle.
 const THETA_H_BINS: usize = 90;
@@ -27,7 +27,7 @@ pub struct Quadrature {
     wo: Vec3,
     domain: Option<HalfVectors>,
     pieces: Vec<Piece>,
-    lattice: Lattice,
+    lattice: FibonacciLattice,
 }
 
 impl Quadrature {
@@ -41,7 +41,7 @@ impl Quadrature {
             wo,
             domain,
             pieces,
-            lattice: Lattice::at_least(points_per_bin),
+            lattice: FibonacciLattice::at_least(points_per_bin),
         }
     }
 
@@ -67,7 +67,7 @@ impl Quadrature {
         };
         let mut over = |piece: &Piece, level: usize| {
             let mut sum = 0.0;
-            let lattice = Lattice::at_least(LEVELS[level]);
+            let lattice = FibonacciLattice::at_least(LEVELS[level]);
             piece.for_each(domain, lattice, |wi, d_sigma| sum += value(wi) * d_sigma);
             sum
         };
@@ -165,7 +165,12 @@ const LEVELS: [usize; 7] = [21, 55, 144, 377, 987, 2584, 10_946];
 impl Piece {
     /// Calls `visit(wi, d_sigma)` at every point of the lattice.
     #[inline]
-    fn for_each(&self, domain: &HalfVectors, lattice: Lattice, mut visit: impl FnMut(Vec3, f64)) {
+    fn for_each(
+        &self,
+        domain: &HalfVectors,
+        lattice: FibonacciLattice,
+        mut visit: impl FnMut(Vec3, f64),
+    ) {
         // The azimuth coordinate runs over [−1, 1]: twice the unit square.
         let weight = 2.0 / lattice.size() as f64;
         for (s, t) in lattice.points() {

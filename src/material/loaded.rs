@@ -3,8 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::merl::{LookupRule, Measured};
-use super::rgl::Rgl;
+use super::merl::{LookupRule, MerlBrdf};
+use super::rgl::RglBrdf;
 use crate::brdf::Brdf;
 use crate::direction_sampler::DirectionSampler;
 use crate::geometry::Symmetry;
@@ -14,14 +14,14 @@ use crate::{Error, Result};
 #[derive(Clone)]
 pub struct Loaded {
     brdf: Arc<dyn Brdf>,
-    table: Option<Arc<Measured>>,
+    table: Option<Arc<MerlBrdf>>,
     own_sampler: Option<Arc<dyn DirectionSampler>>,
     bytes: usize,
 }
 
 impl Loaded {
     /// A MERL table with its lookup rule.
-    pub fn from_table(measured: Arc<Measured>) -> Self {
+    pub fn from_table(measured: Arc<MerlBrdf>) -> Self {
         Self {
             bytes: measured.table().bytes(),
             brdf: measured.clone(),
@@ -31,7 +31,7 @@ impl Loaded {
     }
 
     /// A `.bsdf` file, evaluated and sampled as it is.
-    pub fn from_rgl(rgl: Arc<Rgl>) -> Self {
+    pub fn from_rgl(rgl: Arc<RglBrdf>) -> Self {
         Self {
             bytes: rgl.table_bytes(),
             brdf: rgl.clone(),
@@ -61,7 +61,7 @@ impl Loaded {
     }
 
     /// The MERL table that it is, with its lookup rule; `None` for other kinds of material.
-    pub fn table(&self) -> Option<&Arc<Measured>> {
+    pub fn table(&self) -> Option<&Arc<MerlBrdf>> {
         self.table.as_ref()
     }
 
@@ -69,7 +69,7 @@ impl Loaded {
     ///
     /// # Errors
     /// [`Error::Argument`] for a material that is no MERL table.
-    pub fn require_table(&self, purpose: &str) -> Result<&Arc<Measured>> {
+    pub fn require_table(&self, purpose: &str) -> Result<&Arc<MerlBrdf>> {
         self.table.as_ref().ok_or_else(|| {
             Error::argument(
                 format!("{purpose} needs a MERL table, and this material is not one"),

@@ -14,8 +14,8 @@ pub use loaded::Loaded;
 
 use crate::files::RegularFile;
 use crate::{Error, Result};
-use merl::{BinPoint, LookupRule, Measured, MerlTable, embedded, import_bsdf, load};
-use rgl::{BsdfFile, Rgl, looks_like_bsdf};
+use merl::{BinPoint, LookupRule, MerlBrdf, MerlTable, embedded, import_bsdf, load};
+use rgl::{BsdfFile, RglBrdf, looks_like_bsdf};
 
 /// Where a material's values come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -99,13 +99,13 @@ impl Material {
         if let Source::File(path) = &self.source
             && looks_like_bsdf(path)
         {
-            let rgl = Rgl::new(BsdfFile::open(path)?);
+            let rgl = RglBrdf::new(BsdfFile::open(path)?);
             if !rgl.is_isotropic() {
                 return Ok(Loaded::from_rgl(Arc::new(rgl)));
             }
         }
         let table = Arc::new(self.load_table()?);
-        Ok(Loaded::from_table(Arc::new(Measured::new(table, rule))))
+        Ok(Loaded::from_table(Arc::new(MerlBrdf::new(table, rule))))
     }
 
     /// Loads or decodes the table. A `.bsdf` file, known by its first bytes, is resampled at the centres of bins.

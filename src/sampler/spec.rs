@@ -13,7 +13,7 @@ use super::{
 };
 use crate::brdf::Importance;
 use crate::material::Loaded;
-use crate::material::merl::Measured;
+use crate::material::merl::MerlBrdf;
 use crate::{Error, Result};
 
 /// A sampler that can be built for measured materials: the last two for anisotropic ones alone, which of the others have
@@ -155,7 +155,7 @@ impl SamplerSpec {
     ///
     /// # Errors
     /// [`Error::Argument`] for settings outside their domains, and for samplers of anisotropic materials alone.
-    pub fn build(&self, brdf: &Arc<Measured>) -> Result<Sampler> {
+    pub fn build(&self, brdf: &Arc<MerlBrdf>) -> Result<Sampler> {
         Ok(match self {
             Self::Cosine => Sampler::Cosine(Cosine),
             Self::AdaptiveDisc(settings) => {

@@ -6,7 +6,7 @@ use glam::Vec3;
 use merlkit::files::Overwrite;
 use merlkit::geometry::{Symmetry, spherical};
 use merlkit::image::read_exr;
-use merlkit::material::rgl::Rgl;
+use merlkit::material::rgl::RglBrdf;
 use merlkit::sampler::{ByAzimuthSettings, HalfVectorSettings};
 use tempfile::TempDir;
 
@@ -16,7 +16,7 @@ use crate::run::{fails, json, run, run_in, succeeds};
 const NAME: &str = "brushed.bsdf";
 
 /// A folder with the file in it, and the file.
-fn folder() -> (TempDir, Rgl) {
+fn folder() -> (TempDir, RglBrdf) {
     let folder = tempfile::tempdir().unwrap();
     let metal = Brushed {
         turned: 0.5,
@@ -25,7 +25,7 @@ fn folder() -> (TempDir, Rgl) {
     let file = bsdf_of(&metal, Symmetry::Half, Resolution::COARSE);
     file.write(&folder.path().join(NAME), Overwrite::Refuse)
         .unwrap();
-    (folder, Rgl::new(file))
+    (folder, RglBrdf::new(file))
 }
 
 fn numbers(line: &str) -> Vec<f32> {

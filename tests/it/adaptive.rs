@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, Film, LightSpec, Refined, Scene, SceneSpec, Settings, Strategy,
@@ -13,8 +13,8 @@ use merlkit::render::{
 };
 use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable};
 
-fn measured(name: &str) -> Arc<Measured> {
-    Arc::new(Measured::new(
+fn measured(name: &str) -> Arc<MerlBrdf> {
+    Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded(name).unwrap()),
         LookupRule::Floor,
     ))
@@ -35,7 +35,7 @@ impl Picture {
     }
 
     fn with(
-        brdf: Arc<Measured>,
+        brdf: Arc<MerlBrdf>,
         sampler: Arc<dyn DirectionSampler>,
         strategy: Strategy,
         side: usize,

@@ -15,8 +15,8 @@ use merlkit::geometry::{Quadrature, Symmetry, spherical};
 use merlkit::material::Loaded;
 use merlkit::material::Material;
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
-use merlkit::material::rgl::{Colour, Rgl, Tensor};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::rgl::{Colour, RglBrdf, Tensor};
 use merlkit::points::Stream;
 use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{
@@ -40,8 +40,8 @@ fn metal(symmetry: Symmetry) -> Brushed {
     }
 }
 
-fn file(symmetry: Symmetry) -> Rgl {
-    Rgl::new(bsdf_of(&metal(symmetry), symmetry, Resolution::COARSE))
+fn file(symmetry: Symmetry) -> RglBrdf {
+    RglBrdf::new(bsdf_of(&metal(symmetry), symmetry, Resolution::COARSE))
 }
 
 fn settings(azimuths: usize, size: &str) -> ByAzimuthSettings {
@@ -135,7 +135,7 @@ fn spreads(sampler: &dyn DirectionSampler, brdf: &dyn Brdf, azimuths: &[f64]) ->
 
 #[test]
 fn tables_follow_a_brushed_metal() {
-    let rgl = Rgl::new(bsdf_of(
+    let rgl = RglBrdf::new(bsdf_of(
         &metal(Symmetry::Half),
         Symmetry::Half,
         Resolution::FINE,
@@ -271,7 +271,7 @@ fn ugly_files_keep_every_check() {
         calls: 2,
         ..CheckSettings::default()
     };
-    for rgl in [ugly, black].map(Rgl::new) {
+    for rgl in [ugly, black].map(RglBrdf::new) {
         let sampler = ByAzimuth::build(&rgl, settings(3, "4KB")).unwrap();
         let report = check_sampler(&sampler, &rgl, &wos, &checks);
         assert!(report.pass(), "{:?}", report.failures().collect::<Vec<_>>());
@@ -360,7 +360,7 @@ fn tables_come_back_from_a_file() {
         )
         .is_err()
     );
-    let table = Arc::new(Measured::new(
+    let table = Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded("nickel").unwrap()),
         LookupRule::Floor,
     ));

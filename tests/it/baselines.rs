@@ -8,7 +8,7 @@ use merlkit::brdf::Importance;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{Quadrature, spherical};
 use merlkit::material::merl::{HardCase, decode_embedded};
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
     Cosine, Factored, FactoredSettings, Factors, LEAST_DIFFUSE, Lobe, LobeKind, LobeParameters,
@@ -17,12 +17,12 @@ use merlkit::sampler::{
 use merlkit_evaluate::measure::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use merlkit_evaluate::measure::check::{Check, CheckSettings, check_directions, check_sampler};
 
-fn measured(name: &str) -> Arc<Measured> {
+fn measured(name: &str) -> Arc<MerlBrdf> {
     let table = match HardCase::named(name) {
         Some(case) => case.table(),
         None => decode_embedded(name).unwrap(),
     };
-    Arc::new(Measured::new(Arc::new(table), LookupRule::Floor))
+    Arc::new(MerlBrdf::new(Arc::new(table), LookupRule::Floor))
 }
 
 const MATERIALS: [&str; 4] = ["nickel", "teflon", "black-obsidian", "red-plastic"];
@@ -84,7 +84,7 @@ fn all_pass_on_hard_cases() {
 }
 
 /// Geometric mean of E[w²]/E[w]² over angles that none is fitted to.
-fn unevenness(sampler: &dyn DirectionSampler, brdf: &Measured) -> f64 {
+fn unevenness(sampler: &dyn DirectionSampler, brdf: &MerlBrdf) -> f64 {
     let of = |theta: &f64| {
         let quadrature = Quadrature::new(spherical(theta.to_radians(), 0.4).as_vec3(), 55);
         weight_spread(sampler, brdf, &quadrature, Importance::Mean)

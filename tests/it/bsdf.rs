@@ -12,16 +12,18 @@ use merlkit::files::Overwrite;
 use merlkit::geometry::{Quadrature, spherical};
 use merlkit::material::Material;
 use merlkit::material::merl::{BinPoint, HardCase, decode_embedded, import_bsdf};
-use merlkit::material::merl::{LookupRule, Measured};
-use merlkit::material::rgl::{BsdfFile, BsdfSize, Colour, Rgl, Tensor, looks_like_bsdf, tabulate};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::rgl::{
+    BsdfFile, BsdfSize, Colour, RglBrdf, Tensor, looks_like_bsdf, tabulate,
+};
 use merlkit::points::Stream;
 use merlkit_evaluate::measure::chi_square::{ChiSquareTest, Verdict};
 use merlkit_evaluate::measure::{colour_error, draw_quality, size_within, value_errors};
 
 const PATH: &str = "some.bsdf";
 
-fn embedded(name: &str, rule: LookupRule) -> Measured {
-    Measured::new(Arc::new(decode_embedded(name).unwrap()), rule)
+fn embedded(name: &str, rule: LookupRule) -> MerlBrdf {
+    MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), rule)
 }
 
 fn preset(name: &str) -> BsdfSize {
@@ -293,12 +295,12 @@ fn no_damage_panics() {
         bytes[at] ^= 1 << (random.next_u64() % 8);
         let Ok(file) = read(&bytes) else { continue };
         if i % 10 == 0 {
-            check_values(&Rgl::new(file), 20);
+            check_values(&RglBrdf::new(file), 20);
         }
     }
 }
 
-fn check_values(rgl: &Rgl, count: usize) {
+fn check_values(rgl: &RglBrdf, count: usize) {
     let mut random = Stream::new(7);
     for (wo, wi) in support::pairs(count, 2) {
         let f = rgl.value(wo, wi);
@@ -321,7 +323,7 @@ fn six_megabytes_reproduce_the_table() {
         let brdf = embedded(name, LookupRule::Linear);
         let file = exported(&brdf, preset("6MB"));
         assert!((6e6..6.2e6).contains(&(bytes_of(&file).len() as f64)));
-        let rgl = Rgl::new(file);
+        let rgl = RglBrdf::new(file);
         let errors = value_errors(&rgl, &brdf);
         assert!(
             errors.median < 0.001 && errors.percentile_95 < 0.02,
@@ -379,7 +381,7 @@ fn draws_follow_the_density() {
         .into_iter()
         .zip(["direct", "isotropic", "anisotropic"])
     {
-        let rgl = Rgl::new(file);
+        let rgl = RglBrdf::new(file);
         for degrees in angles {
             let wo = spherical(f64::to_radians(degrees), 0.6).as_vec3();
             let found = test.run(&rgl, wo);
@@ -396,7 +398,7 @@ fn draws_follow_the_density() {
 #[test]
 fn densities_of_stretched_files_integrate_to_what_is_drawn() {
     for azimuths in [1, 5] {
-        let rgl = Rgl::new(general(azimuths, true));
+        let rgl = RglBrdf::new(general(azimuths, true));
         let wo = spherical(0.5, 2.2).as_vec3();
         let sum = Quadrature::new(wo, 987).integrate(|wi| f64::from(rgl.density(wo, wi)));
         let mut random = Stream::new(5);
@@ -413,9 +415,9 @@ fn densities_of_stretched_files_integrate_to_what_is_drawn() {
 
 #[test]
 fn turns_that_a_file_leaves_out_change_nothing() {
-    let half = Rgl::new(general(5, true));
+    let half = RglBrdf::new(general(5, true));
     // The projected area may depend on the azimuth of `wo` even so.
-    let isotropic = Rgl::new(general(1, false));
+    let isotropic = RglBrdf::new(general(1, false));
     assert!(isotropic.is_isotropic() && !half.is_isotropic());
     let mut differ = 0;
     for (wo, wi) in support::pairs(1000, 4) {
@@ -435,7 +437,7 @@ fn turns_that_a_file_leaves_out_change_nothing() {
 #[test]
 fn hard_tables_can_be_written_and_drawn_from() {
     for case in HardCase::ALL {
-        let brdf = Measured::new(Arc::new(case.table()), LookupRule::Floor);
+        let brdf = MerlBrdf::new(Arc::new(case.table()), LookupRule::Floor);
         let file = read(&bytes_of(&exported(
             &brdf,
             BsdfSize {
@@ -445,8 +447,8 @@ fn hard_tables_can_be_written_and_drawn_from() {
             },
         )))
         .unwrap();
-        check_values(&Rgl::new(file.to_spectral()), 50);
-        check_values(&Rgl::new(file), 50);
+        check_values(&RglBrdf::new(file.to_spectral()), 50);
+        check_values(&RglBrdf::new(file), 50);
     }
 }
 
@@ -460,12 +462,12 @@ fn isotropic_files_are_materials() {
         .write(&path, Overwrite::Refuse)
         .unwrap();
     let (edges, rgl) = import_bsdf(&path, BinPoint::Edge).unwrap();
-    let errors = value_errors(&Measured::new(Arc::new(edges), LookupRule::Linear), &rgl);
+    let errors = value_errors(&MerlBrdf::new(Arc::new(edges), LookupRule::Linear), &rgl);
     assert!(
         errors.median < 0.002 && errors.percentile_95 < 0.02,
         "{errors:?}"
     );
-    let centred = Measured::new(
+    let centred = MerlBrdf::new(
         Arc::new(
             Material::resolve(path.to_str().unwrap())
                 .unwrap()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use merlkit::distribution::Heuristic;
 use merlkit::light::{Environment, SkySampling, lamps};
 use merlkit::material::merl::{HardCase, decode_embedded};
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
     Competitor, ErrorPoint, PicturePlan, PointPlan, SceneKind, Tuning, Wish, competitors, curve,
@@ -13,8 +13,8 @@ use merlkit_evaluate::measure::compare::{
 };
 use merlkit_evaluate::measure::convergence::Technique;
 
-fn measured(name: &str) -> Arc<Measured> {
-    Arc::new(Measured::new(
+fn measured(name: &str) -> Arc<MerlBrdf> {
+    Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded(name).unwrap()),
         LookupRule::Floor,
     ))
@@ -39,7 +39,7 @@ const HALF_VECTOR: fn() -> SamplerSpec = || SamplerSpec::HalfVector(HalfVectorSe
 /// times the albedo over π.
 #[test]
 fn a_weight_without_spread_has_no_error() {
-    let brdf = Arc::new(Measured::new(
+    let brdf = Arc::new(MerlBrdf::new(
         Arc::new(HardCase::named("constant").unwrap().table()),
         LookupRule::Floor,
     ));

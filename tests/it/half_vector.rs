@@ -7,7 +7,7 @@ use merlkit::brdf::Importance;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
 use merlkit_evaluate::measure::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
@@ -19,8 +19,8 @@ use crate::support::tampered::Tampered;
 /// Upper bound of the samplers checked in this file: together they err once in a hundred seeds.
 const CALLS: usize = 40;
 
-fn measured(name: &str, rule: LookupRule) -> Measured {
-    Measured::new(Arc::new(decode_embedded(name).unwrap()), rule)
+fn measured(name: &str, rule: LookupRule) -> MerlBrdf {
+    MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), rule)
 }
 
 fn preset(name: &str) -> HalfVectorSettings {
@@ -35,7 +35,7 @@ fn direction(degrees: f64) -> Vec3 {
     spherical(degrees.to_radians(), 0.8).as_vec3()
 }
 
-fn assert_passes(brdf: &Measured, settings: HalfVectorSettings, seed: u64) {
+fn assert_passes(brdf: &MerlBrdf, settings: HalfVectorSettings, seed: u64) {
     let table = HalfVectorTable::build(brdf, settings).unwrap();
     let check = CheckSettings {
         draws: 30_000,

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, Vec3};
 use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
 use merlkit::geometry::{HalfDiff, cosine_hemisphere};
-use merlkit::material::merl::{BinIndex, LookupRule, Measured};
+use merlkit::material::merl::{BinIndex, LookupRule, MerlBrdf};
 use merlkit::material::merl::{Header, MerlTable};
 use merlkit::points::Stream;
 
@@ -112,7 +112,7 @@ fn many_evaluations_at_once_are_single_ones_to_the_bit() {
     for (bins, one_in) in [(180, 3), (360, 5)] {
         let table = Arc::new(noise_table(bins, one_in, 3));
         for rule in LookupRule::ALL {
-            let brdf = Measured::new(table.clone(), rule);
+            let brdf = MerlBrdf::new(table.clone(), rule);
             let mut out = vec![Rgb::NAN; wo.len()];
             brdf.eval_pairs(&wo, &wi, &mut out);
             for ((&wo, &wi), &f) in wo.iter().zip(&wi).zip(&out) {
@@ -135,7 +135,7 @@ fn batches_of_any_length_fill_as_many_as_the_shortest_slice_holds() {
     let (wo, wi): (Vec<_>, Vec<_>) = support::pairs(200, 37).unzip();
     let table = Arc::new(noise_table(180, 0, 3));
     for rule in LookupRule::ALL {
-        let brdf = Measured::new(table.clone(), rule);
+        let brdf = MerlBrdf::new(table.clone(), rule);
         for (given, wanted) in [
             (0, 3),
             (1, 1),
@@ -174,7 +174,7 @@ fn every_rule_equals_its_definition() {
     for (bins, one_in) in [(180, 0), (180, 3), (360, 5)] {
         let table = Arc::new(noise_table(bins, one_in, 3));
         for rule in LookupRule::ALL {
-            let brdf = Measured::new(table.clone(), rule);
+            let brdf = MerlBrdf::new(table.clone(), rule);
             for (wo, wi) in support::pairs(60_000, 17) {
                 if naive::near_an_edge(wo, wi, 1e-9) {
                     continue;
@@ -209,7 +209,7 @@ fn a_constant_table_is_constant_between_its_samples() {
         for (table, rules) in [(full, &LookupRule::ALL[..]), (holed, &LookupRule::ALL[1..])] {
             let table = Arc::new(table);
             for &rule in rules {
-                let brdf = Measured::new(table.clone(), rule);
+                let brdf = MerlBrdf::new(table.clone(), rule);
                 for (wo, wi) in support::pairs(40_000, 5).filter(|(o, i)| o.z > 0.0 && i.z > 0.0) {
                     let f = brdf.eval(wo, wi);
                     assert!(
@@ -229,7 +229,7 @@ fn a_table_of_holes_is_black() {
     }));
     for rule in LookupRule::ALL {
         assert_eq!(
-            Measured::new(table.clone(), rule).eval(Vec3::Z, Vec3::Z),
+            MerlBrdf::new(table.clone(), rule).eval(Vec3::Z, Vec3::Z),
             Rgb::ZERO
         );
     }
@@ -249,7 +249,7 @@ fn directions_outside_the_domain_have_the_value_zero() {
         Vec3::new(1.0, 0.0, -0.0),
     ];
     for rule in LookupRule::ALL {
-        let brdf = Measured::new(table.clone(), rule);
+        let brdf = MerlBrdf::new(table.clone(), rule);
         for bad in outside {
             for good in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), bad] {
                 assert_eq!(brdf.eval(bad, good), Rgb::ZERO, "{rule:?} {bad} {good}");
@@ -263,7 +263,7 @@ fn directions_outside_the_domain_have_the_value_zero() {
 fn tables_of_180_are_reciprocal() {
     let table = Arc::new(noise_table(180, 4, 9));
     for rule in LookupRule::ALL {
-        let brdf = Measured::new(table.clone(), rule);
+        let brdf = MerlBrdf::new(table.clone(), rule);
         for (wo, wi) in
             support::pairs(100_000, 23).filter(|&(o, i)| !naive::near_an_edge(o, i, 1e-6))
         {
@@ -282,7 +282,7 @@ fn tables_of_360_tell_phi_d_from_its_opposite() {
     let halves = |_, _, p| if p < 180 { [1.0; 3] } else { [2.0; 3] };
     let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 360 }, halves));
     for rule in LookupRule::ALL {
-        let brdf = Measured::new(table.clone(), rule);
+        let brdf = MerlBrdf::new(table.clone(), rule);
         for (wo, wi) in support::pairs(50_000, 31) {
             let phi_d = HalfDiff::of(wo.as_dvec3(), wi.as_dvec3()).unwrap().phi_d;
             // A degree or less from 0 and π the linear rules blend the halves.

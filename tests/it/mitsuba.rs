@@ -17,8 +17,8 @@ use merlkit::files::Overwrite;
 use merlkit::geometry::{cosine_hemisphere, spherical};
 use merlkit::light::Directional;
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
-use merlkit::material::rgl::{BsdfFile, BsdfSize, Colour, Rgl, Tensor, tabulate};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::rgl::{BsdfFile, BsdfSize, Colour, RglBrdf, Tensor, tabulate};
 use merlkit::points::{PointSet, Stream};
 use merlkit::render::{
     EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render,
@@ -73,12 +73,12 @@ fn has_mitsuba() -> bool {
 /// An exported material in both variants.
 struct Exported {
     folder: tempfile::TempDir,
-    brdf: Arc<Measured>,
+    brdf: Arc<MerlBrdf>,
 }
 
 impl Exported {
     fn new(name: &str) -> Self {
-        let brdf = Arc::new(Measured::new(
+        let brdf = Arc::new(MerlBrdf::new(
             Arc::new(decode_embedded(name).unwrap()),
             LookupRule::Linear,
         ));
@@ -93,8 +93,8 @@ impl Exported {
         Self { folder, brdf }
     }
 
-    fn rgl(&self, variant: &str) -> Rgl {
-        Rgl::new(BsdfFile::open(&self.folder.path().join(variant)).unwrap())
+    fn rgl(&self, variant: &str) -> RglBrdf {
+        RglBrdf::new(BsdfFile::open(&self.folder.path().join(variant)).unwrap())
     }
 
     /// What Mitsuba answers.
@@ -192,7 +192,7 @@ fn in_rgb(channels: &[f32]) -> Rgb {
 struct Replay<'a> {
     draws: Vec<Option<Vec3>>,
     next: AtomicUsize,
-    density: &'a Rgl,
+    density: &'a RglBrdf,
 }
 
 impl DirectionSampler for Replay<'_> {

@@ -10,8 +10,8 @@ use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::Symmetry;
 use merlkit::material::analytic::Lambert;
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
-use merlkit::material::rgl::Rgl;
+use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::rgl::RglBrdf;
 use merlkit::points::{PointSet, Stream};
 use merlkit::sampler::{
     ByAzimuth, ByAzimuthSettings, FactoredSettings, HalfVectorSettings, LobeKind, LobeSettings,
@@ -149,7 +149,7 @@ fn isotropic_samplers() -> Vec<(String, SamplerSpec)> {
 #[test]
 fn every_isotropic_sampler_gives_the_bits_of_single_calls() {
     let table = decode_embedded("nickel").unwrap();
-    let brdf = Arc::new(Measured::new(Arc::new(table), LookupRule::Floor));
+    let brdf = Arc::new(MerlBrdf::new(Arc::new(table), LookupRule::Floor));
     for (name, spec) in isotropic_samplers() {
         assert_same(&name, &spec.build(&brdf).unwrap());
     }
@@ -158,8 +158,8 @@ fn every_isotropic_sampler_gives_the_bits_of_single_calls() {
 #[test]
 fn every_brdf_times_the_cosine_gives_the_bits_of_single_calls() {
     let table = Arc::new(decode_embedded("nickel").unwrap());
-    let measured = LookupRule::ALL.map(|rule| Measured::new(table.clone(), rule));
-    let file = Rgl::new(bsdf_of(
+    let measured = LookupRule::ALL.map(|rule| MerlBrdf::new(table.clone(), rule));
+    let file = RglBrdf::new(bsdf_of(
         &Brushed::STRONG,
         Symmetry::Quarter,
         Resolution::COARSE,
@@ -193,7 +193,7 @@ fn every_brdf_times_the_cosine_gives_the_bits_of_single_calls() {
 
 #[test]
 fn every_anisotropic_sampler_gives_the_bits_of_single_calls() {
-    let file = Rgl::new(bsdf_of(
+    let file = RglBrdf::new(bsdf_of(
         &Brushed::STRONG,
         Symmetry::Quarter,
         Resolution::COARSE,
@@ -205,7 +205,7 @@ fn every_anisotropic_sampler_gives_the_bits_of_single_calls() {
 
 #[test]
 fn slices_of_unequal_lengths_fill_as_many_as_the_shortest_holds() {
-    let brdf = Measured::new(
+    let brdf = MerlBrdf::new(
         Arc::new(decode_embedded("nickel").unwrap()),
         LookupRule::Floor,
     );

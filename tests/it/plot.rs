@@ -479,7 +479,7 @@ mod views {
     use merlkit::direction_sampler::DirectionSampler;
     use merlkit::geometry::spherical;
     use merlkit::material::merl::{Header, MerlTable, decode_embedded};
-    use merlkit::material::merl::{LookupRule, Measured};
+    use merlkit::material::merl::{LookupRule, MerlBrdf};
     use merlkit::points::Stream;
     use merlkit::sampler::{
         AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, LeafChoice,
@@ -487,19 +487,19 @@ mod views {
     };
     use merlkit_evaluate::measure::{directional_albedo, views};
 
-    static NICKEL: LazyLock<Arc<Measured>> = LazyLock::new(|| {
-        Arc::new(Measured::new(
+    static NICKEL: LazyLock<Arc<MerlBrdf>> = LazyLock::new(|| {
+        Arc::new(MerlBrdf::new(
             Arc::new(decode_embedded("nickel").unwrap()),
             LookupRule::Floor,
         ))
     });
 
-    fn black() -> Arc<Measured> {
+    fn black() -> Arc<MerlBrdf> {
         let table = MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| [0.0; 3]);
-        Arc::new(Measured::new(Arc::new(table), LookupRule::Floor))
+        Arc::new(MerlBrdf::new(Arc::new(table), LookupRule::Floor))
     }
 
-    fn disc(brdf: &Arc<Measured>, leaves: LeafChoice) -> AdaptiveDisc {
+    fn disc(brdf: &Arc<MerlBrdf>, leaves: LeafChoice) -> AdaptiveDisc {
         let settings = AdaptiveDiscSettings {
             tables: 4,
             depth: 10,
@@ -780,7 +780,7 @@ mod views {
     fn albedos_are_those_of_the_three_rules() {
         let curves = views::albedo_by_rule(NICKEL.table());
         assert!(curves.iter().all(|c| c.len() == 90 && c[89].0 == 89.0));
-        let centred = Measured::new(NICKEL.table().clone(), LookupRule::Centred);
+        let centred = MerlBrdf::new(NICKEL.table().clone(), LookupRule::Centred);
         let expected = f64::from(merlkit::color::mean(directional_albedo(
             &centred,
             20f64.to_radians(),

@@ -13,7 +13,7 @@ use merlkit::geometry::spherical;
 use merlkit::image::{Image, write_exr, write_png};
 use merlkit::light::{Area, Directional, Light, Point, SkySampling, studio};
 use merlkit::material::merl::{Header, MerlTable, decode_embedded};
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
     Camera, Effect, EffectPlan, EnvironmentSource, Film, LightSpec, Ray, Scene, SceneSpec,
@@ -26,11 +26,11 @@ const STRATEGIES: [Strategy; 3] = [MIS, Strategy::Light, Strategy::Brdf];
 
 fn lambert(rho: f64) -> Arc<dyn Brdf> {
     let table = MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| [rho / PI; 3]);
-    Arc::new(Measured::new(Arc::new(table), LookupRule::Floor))
+    Arc::new(MerlBrdf::new(Arc::new(table), LookupRule::Floor))
 }
 
 fn embedded(name: &str) -> Arc<dyn Brdf> {
-    Arc::new(Measured::new(
+    Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded(name).unwrap()),
         LookupRule::Floor,
     ))

@@ -9,7 +9,7 @@ use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature};
 use merlkit::geometry::{half_vector, is_upper, reflect_about, spherical, to_spherical};
 use merlkit::material::merl::{Header, MerlTable, decode_embedded};
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::Stream;
 use merlkit::sampler::Cosine;
 use merlkit_evaluate::measure::accuracy::weight_spread;
@@ -18,14 +18,14 @@ use merlkit_evaluate::measure::check::{
 };
 use merlkit_evaluate::measure::chi_square::{ChiSquareTest, Verdict};
 
-fn measured(name: &str, rule: LookupRule) -> Measured {
-    Measured::new(Arc::new(decode_embedded(name).unwrap()), rule)
+fn measured(name: &str, rule: LookupRule) -> MerlBrdf {
+    MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), rule)
 }
 
 /// f_r = 0.5/π in every bin.
-fn lambert() -> Measured {
+fn lambert() -> MerlBrdf {
     let table = MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| [0.5 * FRAC_1_PI; 3]);
-    Measured::new(Arc::new(table), LookupRule::Floor)
+    MerlBrdf::new(Arc::new(table), LookupRule::Floor)
 }
 
 fn settings(calls: usize) -> CheckSettings {

@@ -9,7 +9,7 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::Overwrite;
 use merlkit::geometry::spherical;
 use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{
@@ -63,9 +63,9 @@ fn factored() -> SamplerSpec {
     })
 }
 
-fn built(spec: SamplerSpec, folder: &Path) -> (Sampler, Arc<Measured>, std::path::PathBuf) {
+fn built(spec: SamplerSpec, folder: &Path) -> (Sampler, Arc<MerlBrdf>, std::path::PathBuf) {
     let material = Material::resolve("red-plastic").unwrap();
-    let brdf = Arc::new(Measured::new(
+    let brdf = Arc::new(MerlBrdf::new(
         Arc::new(material.load_table().unwrap()),
         LookupRule::Floor,
     ));
@@ -152,7 +152,7 @@ fn another_material_or_lookup_is_refused() {
         message.contains("nickel") && message.contains("SHA-256"),
         "{message}"
     );
-    let linear = Arc::new(Measured::new(brdf.table().clone(), LookupRule::Linear));
+    let linear = Arc::new(MerlBrdf::new(brdf.table().clone(), LookupRule::Linear));
     let message = SamplerFile::open(&path)
         .unwrap()
         .into_sampler(&linear)

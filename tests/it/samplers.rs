@@ -13,7 +13,7 @@ use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
 use merlkit::material::Material;
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::store::encode;
 use merlkit::sampler::{
@@ -30,8 +30,8 @@ use crate::support::tampered::Tampered;
 /// Upper bound of how often [`assert_passes`] is called in this file: together they err once in a hundred seeds.
 const CALLS: usize = 100;
 
-fn measured(name: &str, rule: LookupRule) -> Arc<Measured> {
-    Arc::new(Measured::new(
+fn measured(name: &str, rule: LookupRule) -> Arc<MerlBrdf> {
+    Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded(name).unwrap()),
         rule,
     ))
@@ -102,7 +102,7 @@ fn settings(seed: u64) -> CheckSettings {
     }
 }
 
-fn assert_passes(spec: SamplerSpec, brdf: &Arc<Measured>, settings: &CheckSettings) {
+fn assert_passes(spec: SamplerSpec, brdf: &Arc<MerlBrdf>, settings: &CheckSettings) {
     let sampler = spec.build(brdf).unwrap();
     let report = check_sampler(&sampler, &**brdf, &check_directions(), settings);
     assert_eq!(report.outcomes.len(), 13 * 7);
@@ -224,7 +224,7 @@ fn check_tampered(
     claims: &Sampler,
     shift: f64,
     wos: &[Vec3],
-    brdf: &Measured,
+    brdf: &MerlBrdf,
 ) -> CheckReport {
     check_sampler(
         &Tampered {
@@ -398,7 +398,7 @@ fn draws_of_the_nearest_table_with_the_density_of_the_mixture_are_rejected() {
     }
 }
 
-fn spreads(spec: SamplerSpec, brdf: &Arc<Measured>) -> Vec<WeightSpread> {
+fn spreads(spec: SamplerSpec, brdf: &Arc<MerlBrdf>) -> Vec<WeightSpread> {
     let sampler = spec.build(brdf).unwrap();
     let at = |&degrees: &f64| {
         let quadrature = Quadrature::new(direction(degrees), POINTS_PER_BIN);
@@ -478,7 +478,7 @@ struct Batches {
 }
 
 impl Batches {
-    fn of(brdf: &Measured, wo: Vec3, draw: impl Fn(u64) -> Vec<Option<DirectionSample>>) -> Self {
+    fn of(brdf: &MerlBrdf, wo: Vec3, draw: impl Fn(u64) -> Vec<Option<DirectionSample>>) -> Self {
         let weight = |d: &DirectionSample| {
             f64::from(Importance::Mean.of(brdf.eval_cos(wo, d.wi))) / f64::from(d.pdf)
         };

@@ -11,7 +11,7 @@ use merlkit::color::Rgb;
 use merlkit::files::{Overwrite, RegularFile};
 use merlkit::image::{Image, read_exr, write_exr};
 use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::merl::{decode_embedded, load, write};
 use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
@@ -69,7 +69,7 @@ fn a_sampler_file_and_a_picture_that_shrink_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("s.safetensors");
     let material = Material::resolve("nickel").unwrap();
-    let brdf = Arc::new(Measured::new(
+    let brdf = Arc::new(MerlBrdf::new(
         Arc::new(material.load_table().unwrap()),
         LookupRule::Floor,
     ));

@@ -10,7 +10,7 @@ use merlkit::distribution::Heuristic;
 use merlkit::geometry::{POINTS_PER_BIN, spherical};
 use merlkit::light::{Area, Environment, SkySampling};
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
@@ -28,8 +28,8 @@ const STRATEGIES: [Strategy; 6] = [
     Strategy::Ris { candidates: 16 },
 ];
 
-fn measured(name: &str) -> Arc<Measured> {
-    Arc::new(Measured::new(
+fn measured(name: &str) -> Arc<MerlBrdf> {
+    Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded(name).unwrap()),
         LookupRule::Floor,
     ))

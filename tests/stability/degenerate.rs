@@ -7,7 +7,7 @@ use merlkit::brdf::Brdf;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
 use merlkit::material::merl::{Header, MerlTable};
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, Construction, HalfVectorSettings, LeafChoice,
@@ -185,7 +185,7 @@ fn every_draw_and_density_is_finite_and_agrees() {
     for (material, cell) in MATERIALS {
         let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, cell));
         for rule in [LookupRule::Floor, LookupRule::Linear] {
-            let brdf = Arc::new(Measured::new(table.clone(), rule));
+            let brdf = Arc::new(MerlBrdf::new(table.clone(), rule));
             for (name, spec) in specs() {
                 let sampler = spec.build(&brdf).unwrap();
                 for &wo in &directions() {
@@ -220,7 +220,7 @@ fn directions_outside_the_domain_draw_nothing() {
     let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| {
         [0.3; 3]
     }));
-    let brdf = Arc::new(Measured::new(table, LookupRule::Floor));
+    let brdf = Arc::new(MerlBrdf::new(table, LookupRule::Floor));
     let bad = [
         Vec3::new(1.0, 0.0, 0.0),
         Vec3::new(1.0, 0.0, -1e-9),
@@ -249,7 +249,7 @@ fn settings_out_of_range_are_errors() {
     let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, |_, _, _| {
         [0.3; 3]
     }));
-    let brdf = Arc::new(Measured::new(table, LookupRule::Floor));
+    let brdf = Arc::new(MerlBrdf::new(table, LookupRule::Floor));
     let (disc, cdf) = (
         AdaptiveDiscSettings::default(),
         CascadeCdfSettings::default(),
@@ -294,7 +294,7 @@ fn no_weight_is_beyond_all_bounds_where_light_ends_at_an_edge() {
             .unwrap()
             .table(),
     );
-    let brdf = Arc::new(Measured::new(table, LookupRule::Floor));
+    let brdf = Arc::new(MerlBrdf::new(table, LookupRule::Floor));
     let settings = AdaptiveDiscSettings {
         tables: 3,
         ..Default::default()

@@ -7,14 +7,14 @@ use merlkit::brdf::Brdf;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{spherical, unit_upper};
 use merlkit::material::merl::HardCase;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit_evaluate::measure::hard::hard_samplers;
 
 #[test]
 fn directions_of_any_length_are_renormalised() {
     let table = Arc::new(HardCase::named("noise").unwrap().table());
     for rule in LookupRule::ALL {
-        let brdf = Arc::new(Measured::new(table.clone(), rule));
+        let brdf = Arc::new(MerlBrdf::new(table.clone(), rule));
         for hard in hard_samplers() {
             let sampler = hard.spec.build(&brdf).unwrap();
             for (wo_length, wi_length) in [

@@ -10,7 +10,7 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::distribution::{Curves, Piecewise2d, WHOLE};
 use merlkit::geometry::{Quadrature, half_vector, spherical};
 use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::{PointSet, Stream};
 use merlkit::render::{
     EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, render,
@@ -68,7 +68,7 @@ pub static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
 /// On noise between 0 and 4 a coordinate's error of 10⁻⁶ bins is an error of 4·10⁻⁶ in f, whatever f is.
 fn eval(what: &'static str, rule: LookupRule) -> Row {
     let table = Arc::new(noise_table(180, 0, 3));
-    let brdf = Measured::new(table.clone(), rule);
+    let brdf = MerlBrdf::new(table.clone(), rule);
     let mut row = Row {
         what,
         ulp: 0.0,
@@ -115,7 +115,7 @@ fn cosine_pdf() -> Row {
 /// The default half-vector table of nickel, and the same in f64.
 static NICKEL: LazyLock<(HalfVectorTable, Oracle)> = LazyLock::new(|| {
     let material = Material::resolve("nickel").unwrap();
-    let brdf = Measured::new(Arc::new(material.load_table().unwrap()), LookupRule::Floor);
+    let brdf = MerlBrdf::new(Arc::new(material.load_table().unwrap()), LookupRule::Floor);
     let settings = HalfVectorSettings::default();
     let sampler = HalfVectorTable::build(&brdf, settings).unwrap();
     let file = encode(

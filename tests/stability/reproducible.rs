@@ -14,7 +14,7 @@ use merlkit::geometry::spherical;
 use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::HardCase;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render,
@@ -88,7 +88,7 @@ fn draws(sampler: &Sampler) -> u64 {
     hash.0
 }
 
-fn picture(brdf: &Arc<Measured>, sampler: &Arc<Sampler>) -> Image {
+fn picture(brdf: &Arc<MerlBrdf>, sampler: &Arc<Sampler>) -> Image {
     let row = SceneSpec::row(&["left".into(), "right".into()], 1.5);
     let lights = vec![
         row.row_area(),
@@ -127,7 +127,7 @@ fn everything(threads: usize) -> Vec<u64> {
         .unwrap();
     pool.install(|| {
         let material = Material::resolve("nickel").unwrap();
-        let brdf = Arc::new(Measured::new(
+        let brdf = Arc::new(MerlBrdf::new(
             Arc::new(material.load_table().unwrap()),
             LookupRule::Floor,
         ));
@@ -161,7 +161,7 @@ fn one_two_and_seven_threads_give_the_same_bytes() {
 fn a_loaded_sampler_draws_what_the_fresh_one_drew() {
     let folder = tempfile::tempdir().unwrap();
     let material = Material::resolve("nickel").unwrap();
-    let brdf = Arc::new(Measured::new(
+    let brdf = Arc::new(MerlBrdf::new(
         Arc::new(material.load_table().unwrap()),
         LookupRule::Centred,
     ));

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use merlkit::brdf::Brdf;
 use merlkit::color::{Rgb, luminance};
 use merlkit::geometry::{Symmetry, spherical, unit_upper};
-use merlkit::material::rgl::{BsdfFile, Colour, Rgl, Tensor};
+use merlkit::material::rgl::{BsdfFile, Colour, RglBrdf, Tensor};
 
 /// GGX of two roughnesses (Walter et al. 2007; Heitz 2014) over a little Lambert.
 #[derive(Clone, Copy)]
@@ -158,7 +158,7 @@ pub fn bsdf_of(metal: &Brushed, symmetry: Symmetry, resolution: Resolution) -> B
 
 /// What a file of ones maps each node of the square to tells the values and densities there.
 fn fill(file: &mut BsdfFile, metal: &Brushed, symmetry: Symmetry, side: usize) {
-    let ones = Rgl::new(file.clone());
+    let ones = RglBrdf::new(file.clone());
     assert_eq!(ones.symmetry(), symmetry);
     let share = |k: usize| k as f64 / (side - 1) as f64;
     let cells = side * side;

@@ -9,15 +9,15 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{DirectionPairs, spherical};
 use merlkit::image::decode_exr;
 use merlkit::material::merl::{Header, MerlTable, decode_cells};
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::sampler::store::SamplerFile;
 
 /// A material for samplers of any file: smooth, with a lobe.
-pub fn brdf() -> Arc<Measured> {
+pub fn brdf() -> Arc<MerlBrdf> {
     let lobe = |h: usize, d: usize, p: usize| {
         [1.0 / (1 + h * h) as f64, 0.1, 0.01 * (1 + d + p % 7) as f64]
     };
-    Arc::new(Measured::new(
+    Arc::new(MerlBrdf::new(
         Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, lobe)),
         LookupRule::Floor,
     ))
@@ -44,7 +44,7 @@ pub fn merl(input: &[u8]) -> bool {
 }
 
 /// A sampler file; one that is accepted draws directions with finite densities.
-pub fn sampler(input: &[u8], brdf: &Arc<Measured>) -> bool {
+pub fn sampler(input: &[u8], brdf: &Arc<MerlBrdf>) -> bool {
     match SamplerFile::from_bytes(input.to_vec(), Path::new("fuzz"))
         .and_then(|f| f.into_sampler(brdf))
     {

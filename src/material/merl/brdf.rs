@@ -45,12 +45,12 @@ impl LookupRule {
 
 /// A measured, isotropic BRDF: a table and its lookup rule.
 #[derive(Clone, Debug)]
-pub struct Measured {
+pub struct MerlBrdf {
     table: Arc<MerlTable>,
     rule: LookupRule,
 }
 
-impl Measured {
+impl MerlBrdf {
     /// Reads `table` by `rule`.
     pub fn new(table: Arc<MerlTable>, rule: LookupRule) -> Self {
         Self { table, rule }
@@ -67,7 +67,7 @@ impl Measured {
     }
 }
 
-impl Measured {
+impl MerlBrdf {
     /// f_r of unit directions above the horizon.
     #[inline]
     fn value(&self, wo: Vec3, wi: Vec3) -> Rgb {
@@ -104,7 +104,7 @@ impl Measured {
     }
 }
 
-impl Brdf for Measured {
+impl Brdf for MerlBrdf {
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         if is_unit_upper(wo) & is_unit_upper(wi) {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{Header, MerlTable, THETA_D_BINS, THETA_H_BINS};
 use crate::geometry::{reflect_about, spherical};
-use crate::material::rgl::{BsdfFile, Rgl};
+use crate::material::rgl::{BsdfFile, RglBrdf};
 use crate::{Error, Result};
 
 /// Where in a bin a table's value stands.
@@ -28,7 +28,7 @@ const HEADER: Header = Header { phi_d_bins: 180 };
 ///
 /// # Errors
 /// As [`BsdfFile::open`]; [`Error::Unsupported`] for an anisotropic material.
-pub fn import_bsdf(path: &Path, point: BinPoint) -> Result<(MerlTable, Rgl)> {
+pub fn import_bsdf(path: &Path, point: BinPoint) -> Result<(MerlTable, RglBrdf)> {
     let file = BsdfFile::open(path)?;
     if !file.is_isotropic() {
         return Err(Error::Unsupported {
@@ -39,12 +39,12 @@ pub fn import_bsdf(path: &Path, point: BinPoint) -> Result<(MerlTable, Rgl)> {
                 .into(),
         });
     }
-    let rgl = Rgl::new(file);
+    let rgl = RglBrdf::new(file);
     Ok((resample(&rgl, point), rgl))
 }
 
 /// The table of an isotropic file; see [`import_bsdf`].
-fn resample(rgl: &Rgl, point: BinPoint) -> MerlTable {
+fn resample(rgl: &RglBrdf, point: BinPoint) -> MerlTable {
     let mut values = vec![[0.0f64; 3]; HEADER.cells()];
     let row = THETA_D_BINS * HEADER.phi_d_bins;
     values.par_chunks_mut(row).enumerate().for_each(|(h, row)| {
@@ -61,7 +61,7 @@ fn resample(rgl: &Rgl, point: BinPoint) -> MerlTable {
 }
 
 /// The value of a bin, −1 where it is below the horizon.
-fn bin(rgl: &Rgl, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
+fn bin(rgl: &RglBrdf, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
     let at = |offsets: [f64; 3]| {
         value(
             rgl,
@@ -87,7 +87,7 @@ fn bin(rgl: &Rgl, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
 }
 
 /// The value at coordinates in bins; `None` below the horizon.
-fn value(rgl: &Rgl, [h, d, p]: [f64; 3]) -> Option<DVec3> {
+fn value(rgl: &RglBrdf, [h, d, p]: [f64; 3]) -> Option<DVec3> {
     let theta_h = (h / THETA_H_BINS as f64).powi(2) * FRAC_PI_2;
     let theta_d = d / THETA_D_BINS as f64 * FRAC_PI_2;
     let wi = DQuat::from_rotation_y(theta_h) * spherical(theta_d, p.to_radians());

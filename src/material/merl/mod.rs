@@ -10,7 +10,7 @@ mod lookup;
 mod table;
 mod write;
 
-pub use brdf::{LookupRule, Measured};
+pub use brdf::{LookupRule, MerlBrdf};
 pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;

@@ -5,9 +5,9 @@ use glam::Vec3;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::geometry::Symmetry;
-use crate::material::rgl::Rgl;
+use crate::material::rgl::RglBrdf;
 
-impl Brdf for Rgl {
+impl Brdf for RglBrdf {
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.value(wo, wi)
     }

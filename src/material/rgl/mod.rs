@@ -13,6 +13,6 @@ mod tensors;
 mod warp;
 
 pub use file::{BsdfFile, Colour};
-pub use rgl::Rgl;
+pub use rgl::RglBrdf;
 pub use tabulate::{BsdfSize, tabulate};
 pub use tensors::{Tensor, looks_like_bsdf};

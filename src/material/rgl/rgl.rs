@@ -17,7 +17,7 @@ use crate::geometry::{Symmetry, reflect_about, spherical, to_spherical, unit_upp
 /// Spectra become linear sRGB under the illuminant D65. Channels below 0, which measured spectra and their interpolation may
 /// have, are 0.
 #[derive(Debug)]
-pub struct Rgl {
+pub struct RglBrdf {
     theta_i: Vec<f32>,
     phi_i: Vec<f32>,
     /// Nothing is multiplied where it is missing.
@@ -36,7 +36,7 @@ struct Place {
     jacobian: f64,
 }
 
-impl Rgl {
+impl RglBrdf {
     /// Normalises the tables.
     pub fn new(file: BsdfFile) -> Self {
         let symmetry = symmetry(&file);

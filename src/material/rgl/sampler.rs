@@ -3,9 +3,9 @@
 use glam::{Vec2, Vec3};
 
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
-use crate::material::rgl::Rgl;
+use crate::material::rgl::RglBrdf;
 
-impl DirectionSampler for Rgl {
+impl DirectionSampler for RglBrdf {
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
         let wi = self.draw(wo, u.as_dvec2().to_array())?;
         // Taken from `wi` itself, which rounding may have moved.

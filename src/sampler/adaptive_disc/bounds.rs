@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::square::Rect;
 use crate::brdf::Importance;
-use crate::material::merl::{BinIndex, LookupRule, Measured};
+use crate::material::merl::{BinIndex, LookupRule, MerlBrdf};
 use crate::material::merl::{THETA_D_BINS, THETA_H_BINS};
 
 /// Components of directions are rounded to f32, so a rectangle reaches a little further than drawn.
@@ -34,7 +34,7 @@ struct Range {
 }
 
 impl MaxTable {
-    pub fn new(brdf: &Measured, importance: Importance) -> Self {
+    pub fn new(brdf: &MerlBrdf, importance: Importance) -> Self {
         let table = brdf.table();
         let values: Vec<f32> = table
             .cells()

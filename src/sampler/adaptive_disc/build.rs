@@ -10,7 +10,7 @@ use super::warp::{self, WarpGrower, Warps};
 use super::{AdaptiveDiscSettings, Construction, LeafChoice, MOST_TRIALS, ThetaKnots, Trees};
 use crate::brdf::Brdf;
 use crate::geometry::{Quadrature, spherical};
-use crate::material::merl::{LookupRule, Measured};
+use crate::material::merl::{LookupRule, MerlBrdf};
 
 /// Points along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
 /// decides on splits, and a rough one will do.
@@ -36,7 +36,7 @@ const SPARE: usize = 20;
 const COARSEST: u32 = 3;
 
 /// Builds the trees of all knots, in parallel over knots.
-pub(super) fn trees(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Trees {
+pub(super) fn trees(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Trees {
     match settings.leaves {
         LeafChoice::Warp => Trees::Warped(warps(brdf, settings, knots)),
         LeafChoice::Envelope | LeafChoice::Integral => {
@@ -45,7 +45,7 @@ pub(super) fn trees(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: The
     }
 }
 
-fn warps(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Warps {
+fn warps(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Warps {
     let bounds = MaxTable::new(brdf, settings.importance);
     let trees: Vec<warp::Tree> = (0..knots.count())
         .into_par_iter()
@@ -71,7 +71,7 @@ fn warps(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) ->
     warps
 }
 
-fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
+fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
     let bounds = matches!(settings.construction, Construction::Refined)
         .then(|| MaxTable::new(brdf, settings.importance));
     let trees: Vec<(Vec<Grown>, f64)> = (0..knots.count())
@@ -112,7 +112,7 @@ fn forest(brdf: &Measured, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
 
 /// f(wo, ·) for one fixed `wo` in the plane of φ = 0, as a scalar.
 pub(super) struct Slice<'a> {
-    brdf: &'a Measured,
+    brdf: &'a MerlBrdf,
     settings: &'a AdaptiveDiscSettings,
     /// Where values may be taken from instead of `brdf`.
     plane: Option<&'a MaxTable>,
@@ -121,7 +121,7 @@ pub(super) struct Slice<'a> {
 
 impl<'a> Slice<'a> {
     fn new(
-        brdf: &'a Measured,
+        brdf: &'a MerlBrdf,
         settings: &'a AdaptiveDiscSettings,
         table: Option<&'a MaxTable>,
         theta: f64,
@@ -401,7 +401,7 @@ mod tests {
             .par_iter()
             .for_each(|name| {
                 let brdf =
-                    Measured::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
+                    MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
                 let forest = forest(&brdf, &settings, knots);
                 assert!(
                     forest.bytes() < 1_000_000,
@@ -428,7 +428,7 @@ mod tests {
             ("nickel", LookupRule::Linear),
             ("violet-acrylic", LookupRule::Centred),
         ] {
-            let brdf = Measured::new(Arc::new(decode_embedded(name).unwrap()), rule);
+            let brdf = MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), rule);
             let settings = AdaptiveDiscSettings {
                 tables: 9,
                 ..Default::default()
@@ -461,7 +461,7 @@ mod tests {
     /// What the refined construction mends: under the thesis's image, metals exceed their bounds.
     #[test]
     fn the_image_of_the_thesis_gives_no_bounds() {
-        let brdf = Measured::new(
+        let brdf = MerlBrdf::new(
             Arc::new(decode_embedded("chrome").unwrap()),
             LookupRule::Floor,
         );

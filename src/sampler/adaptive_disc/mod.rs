@@ -29,7 +29,7 @@ use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
 use crate::brdf::{Brdf, Importance};
 use crate::direction_sampler::{DirectionSample, DirectionSampler, well_spread};
 use crate::geometry::{cosine_hemisphere, is_upper, unit_upper};
-use crate::material::merl::Measured;
+use crate::material::merl::MerlBrdf;
 use crate::points::Stream;
 use crate::{Error, Result};
 
@@ -196,7 +196,7 @@ impl Trees {
 /// Quadtrees on the disc and the BRDF that draws are accepted under.
 #[derive(Clone, Debug)]
 pub struct AdaptiveDisc {
-    brdf: Arc<Measured>,
+    brdf: Arc<MerlBrdf>,
     settings: AdaptiveDiscSettings,
     knots: ThetaKnots,
     /// Sine and cosine of each knot's angle.
@@ -229,7 +229,7 @@ impl AdaptiveDisc {
     ///
     /// # Errors
     /// [`Error::Argument`] for settings outside their domains.
-    pub fn build(brdf: Arc<Measured>, settings: AdaptiveDiscSettings) -> Result<Self> {
+    pub fn build(brdf: Arc<MerlBrdf>, settings: AdaptiveDiscSettings) -> Result<Self> {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
         let trees = build::trees(&brdf, &settings, knots);
@@ -238,7 +238,7 @@ impl AdaptiveDisc {
 
     /// Puts a sampler together from stored trees, validated beforehand.
     pub(super) fn from_parts(
-        brdf: Arc<Measured>,
+        brdf: Arc<MerlBrdf>,
         settings: AdaptiveDiscSettings,
         trees: Trees,
     ) -> Result<Self> {
@@ -248,7 +248,7 @@ impl AdaptiveDisc {
     }
 
     fn new(
-        brdf: Arc<Measured>,
+        brdf: Arc<MerlBrdf>,
         settings: AdaptiveDiscSettings,
         knots: ThetaKnots,
         trees: Trees,

@@ -331,7 +331,7 @@ pub(super) fn direction(p: DVec2, turn: DVec2) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Lattice;
+    use crate::geometry::FibonacciLattice;
 
     fn tree(mass: f64) -> Tree {
         Tree {
@@ -371,7 +371,7 @@ mod tests {
         assert!(warps.is_void(0) && !warps.is_void(1));
         assert_eq!(warps.starts, [0, 0, 4]);
         let (mut uniform, mut inverse) = (0.0, 0.0);
-        let lattice = Lattice::at_least(50_000);
+        let lattice = FibonacciLattice::at_least(50_000);
         for (x, y) in lattice.points() {
             uniform += warps.density(1, concentric_disc(DVec2::new(x, y))) * PI;
             inverse += 1.0 / (PI * warps.density(1, warps.draw(1, DVec2::new(x, y))));
@@ -386,7 +386,7 @@ mod tests {
     #[test]
     fn the_map_is_continuous_within_leaves_and_stays_inside() {
         let warps = warps();
-        for (x, y) in Lattice::at_least(2000).points() {
+        for (x, y) in FibonacciLattice::at_least(2000).points() {
             let (u, step) = (DVec2::new(x, y), DVec2::new(1e-9, 1e-9));
             let (p, q) = (
                 warps.draw(1, u),
@@ -416,7 +416,7 @@ mod tests {
                     high: low + side,
                 };
                 let bounds = box_on_disc(cell);
-                for (x, y) in Lattice::at_least(50).points() {
+                for (x, y) in FibonacciLattice::at_least(50).points() {
                     let p = concentric_disc(cell.at(DVec2::new(x, y)));
                     let inside =
                         p.cmpge(bounds.low - 1e-12).all() && p.cmple(bounds.high + 1e-12).all();

@@ -285,7 +285,7 @@ fn tan_of_quarter(x: f32, y: f32, rho: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{HalfVectors, Lattice, spherical};
+    use crate::geometry::{FibonacciLattice, HalfVectors, spherical};
 
     fn edge(square: &Square, number: usize) -> f64 {
         f64::from(square.cap(Edge::of_part(number)))
@@ -296,7 +296,7 @@ mod tests {
         for theta_o in [0.0, 0.3, 30.0, 60.25, 85.0, 89.9_f64] {
             let wo = spherical(theta_o.to_radians(), 2.0).as_vec3();
             let square = Square::about(wo);
-            for (s, t) in Lattice::at_least(500).points() {
+            for (s, t) in FibonacciLattice::at_least(500).points() {
                 let (cap, b) = ((s * edge(&square, PARTS)) as f32, (2.0 * t - 1.0) as f32);
                 let wi = square.direction(cap, b);
                 assert!(
@@ -324,7 +324,7 @@ mod tests {
             let (square, rectangle) = (Square::about(wo), HalfVectors::about(wo).unwrap());
             let theta_max = 2.0 * edge(&square, PARTS).sqrt().asin();
             assert!((theta_max - rectangle.theta_max()).abs() < 1e-6);
-            for (s, t) in Lattice::at_least(300).points() {
+            for (s, t) in FibonacciLattice::at_least(300).points() {
                 let (cap, b) = (s * edge(&square, PARTS), 2.0 * t - 1.0);
                 let theta_h = 2.0 * cap.sqrt().asin();
                 // The quarter's tangent as a share of the largest, against the angle's share.

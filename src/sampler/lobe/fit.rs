@@ -174,13 +174,13 @@ pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
 mod tests {
     use super::*;
     use crate::material::merl::decode_embedded;
-    use crate::material::merl::{LookupRule, Measured};
+    use crate::material::merl::{LookupRule, MerlBrdf};
     use std::sync::Arc;
 
     #[test]
     fn a_fit_is_no_worse_than_its_start_and_than_its_neighbours() {
         for name in ["nickel", "teflon", "red-plastic"] {
-            let brdf = Measured::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
+            let brdf = MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
             let nodes = Nodes::of(&brdf, Importance::Mean);
             for kind in LobeKind::ALL {
                 let search = Search {

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::{Sampler, SamplerSpec};
 use crate::files::{Overwrite, RegularFile, write_new};
 use crate::material::Loaded;
-use crate::material::merl::{LookupRule, Measured};
+use crate::material::merl::{LookupRule, MerlBrdf};
 use crate::material::{Material, Source};
 use crate::{Error, Result};
 use tensors::{Tensors, TensorsOut};
@@ -175,7 +175,7 @@ impl SamplerFile {
     ///
     /// # Errors
     /// [`Error::Argument`] if the lookup rule differs, [`Error::Invalid`] if a tensor breaks an invariant.
-    pub fn into_sampler(self, brdf: &Arc<Measured>) -> Result<Sampler> {
+    pub fn into_sampler(self, brdf: &Arc<MerlBrdf>) -> Result<Sampler> {
         if brdf.rule() != self.record.lookup {
             return Err(Error::argument(
                 format!(

@@ -7,7 +7,7 @@ use crate::Result;
 use crate::distribution;
 use crate::distribution::Curves;
 use crate::geometry::Symmetry;
-use crate::material::merl::Measured;
+use crate::material::merl::MerlBrdf;
 use crate::sampler::adaptive_disc::{
     DEEPEST, Forest, Leaf, MOST_LEAVES, Node, Trees, WHOLE, Warps,
 };
@@ -45,7 +45,7 @@ fn write_forest(forest: &Forest, out: &mut TensorsOut) {
 
 pub(super) fn read_disc(
     tensors: &Tensors,
-    brdf: Arc<Measured>,
+    brdf: Arc<MerlBrdf>,
     settings: AdaptiveDiscSettings,
 ) -> Result<AdaptiveDisc> {
     let trees = match settings.leaves {

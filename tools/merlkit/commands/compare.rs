@@ -8,7 +8,7 @@ use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::light::Environment;
 use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit_evaluate::measure::compare::{
     Comparison, ComparisonPlan, MATERIALS, MaterialComparison, Named, PictureComparison,
     PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors,
@@ -172,7 +172,7 @@ impl Run {
         let mut named: Vec<Named> = Vec::new();
         let mut materials = Vec::new();
         for material in std::mem::take(&mut self.materials) {
-            let brdf = Arc::new(Measured::new(
+            let brdf = Arc::new(MerlBrdf::new(
                 Arc::new(material.load_table()?),
                 self.plan.lookup,
             ));
@@ -209,7 +209,7 @@ impl Run {
     }
 
     /// The lit point.
-    fn material(&mut self, name: &str, brdf: &Arc<Measured>) -> Result<MaterialComparison, Error> {
+    fn material(&mut self, name: &str, brdf: &Arc<MerlBrdf>) -> Result<MaterialComparison, Error> {
         let Self {
             plan,
             sky,
@@ -287,7 +287,7 @@ impl Run {
         })
     }
 
-    fn settings(&mut self, name: &str, brdf: &Measured) -> Result<SettingsComparison, Error> {
+    fn settings(&mut self, name: &str, brdf: &MerlBrdf) -> Result<SettingsComparison, Error> {
         let Self {
             plan,
             sky,

@@ -10,8 +10,8 @@ use merlkit::brdf::Brdf;
 use merlkit::export::{Export, refuse_same_identifier};
 use merlkit::files::check_writable;
 use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, Measured};
-use merlkit::material::rgl::{BsdfFile, BsdfSize, Rgl, tabulate};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::rgl::{BsdfFile, BsdfSize, RglBrdf, tabulate};
 use merlkit::sampler::HalfVectorSettings;
 use merlkit_evaluate::measure::{colour_error, draw_quality, size_within, value_errors};
 use merlkit_evaluate::report::{Sheet, drawn_row, export_row, export_sheet, table_sheet};
@@ -187,7 +187,7 @@ impl Args {
 }
 
 fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
-    let brdf = Measured::new(Arc::new(material.load_table()?), args.lookup());
+    let brdf = MerlBrdf::new(Arc::new(material.load_table()?), args.lookup());
     let (size, mut file) = match args.target_error {
         Some(limit) => size_within(&brdf, limit)?,
         None => {
@@ -208,7 +208,7 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error
         let bytes = written.write(&path, output::overwrite(args.force))?;
         let read = BsdfFile::open(&path)?;
         let colour = colour_error(&read, &file);
-        let rgl = Rgl::new(read);
+        let rgl = RglBrdf::new(read);
         let name = path.display().to_string();
         sheet.push(export_row(
             name,

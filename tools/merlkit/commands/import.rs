@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use merlkit::files::check_writable;
 use merlkit::material::merl::{BinPoint, import_bsdf, write};
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit_evaluate::measure::value_errors;
 
 use crate::failure::Outcome;
@@ -42,7 +42,7 @@ pub fn run(args: &Args) -> Outcome {
     };
     let (table, rgl) = import_bsdf(&args.file, point)?;
     write(&table, &args.output, overwrite)?;
-    let errors = value_errors(&Measured::new(Arc::new(table), args.lookup), &rgl);
+    let errors = value_errors(&MerlBrdf::new(Arc::new(table), args.lookup), &rgl);
     output::stdout(|out| {
         writeln!(
             out,

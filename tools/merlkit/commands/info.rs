@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::{Material, Source};
 use merlkit::sampler::SamplerSpec;
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
@@ -153,7 +153,7 @@ impl SamplerDescription {
 }
 
 fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Error> {
-    let brdf = Measured::new(Arc::new(material.load_table()?), lookup);
+    let brdf = MerlBrdf::new(Arc::new(material.load_table()?), lookup);
     let source = match material.source() {
         Source::File(path) => path.display().to_string(),
         Source::Embedded(_) => "embedded".into(),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use merlkit::Error;
 use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::report::ChartSubject;
 
@@ -116,7 +116,7 @@ pub fn run(args: &Args) -> Outcome {
     let format = Format::of(&destination)?;
     destination.check(overwrite(args.force))?;
     let table = Arc::new(material.load_table()?);
-    let brdf = Arc::new(Measured::new(table, args.lookup.unwrap_or_default()));
+    let brdf = Arc::new(MerlBrdf::new(table, args.lookup.unwrap_or_default()));
     let subject = ChartSubject::new(material.name(), brdf, thetas, spec)?;
     let svg = match kind {
         Kind::Lobe => subject.lobe(),

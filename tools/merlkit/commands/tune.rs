@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::sampler::store;
 use merlkit_evaluate::measure::compare::{PointPlan, Tuning, Wish, tunable, tune};
 use merlkit_evaluate::report::{tuning_sheet, tuning_summary, write_json};
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let material = Material::resolve(&args.material)?;
     let sky = args.sky.load()?;
-    let brdf = Arc::new(Measured::new(Arc::new(material.load_table()?), args.lookup));
+    let brdf = Arc::new(MerlBrdf::new(Arc::new(material.load_table()?), args.lookup));
     let specs = tunable(args.output.is_some());
     let progress = Progress::new("trying", specs.len());
     let plan = PointPlan::quick(args.seed);

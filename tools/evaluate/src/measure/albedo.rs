@@ -56,7 +56,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
     use merlkit::geometry::cosine_hemisphere;
-    use merlkit::material::merl::{LookupRule, Measured};
+    use merlkit::material::merl::{LookupRule, MerlBrdf};
     use merlkit::points::PointSet;
     use std::f64::consts::PI;
 
@@ -88,7 +88,7 @@ mod tests {
     fn agrees_with_cosine_sampling_where_that_converges() {
         let table =
             std::sync::Arc::new(merlkit::material::merl::decode_embedded("teflon").unwrap());
-        let brdf = Measured::new(table, LookupRule::Floor);
+        let brdf = MerlBrdf::new(table, LookupRule::Floor);
         for degrees in [10.0f64, 50.0] {
             let wo = spherical(degrees.to_radians(), 0.0).as_vec3();
             let count = 200_000u64;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use merlkit::direction_sampler::DirectionSampler;
-use merlkit::geometry::{HalfVectors, Lattice, is_upper};
+use merlkit::geometry::{FibonacciLattice, HalfVectors, is_upper};
 
 /// A grid over the half vectors about `wo`: uniform in √θh and in the share of the azimuth, both odd so that no cell edge
 /// falls on the plane of symmetry.
@@ -86,7 +86,7 @@ fn refine(
         wo,
         grid,
         cell,
-        Lattice::at_least(ATTEMPTS[0]),
+        FibonacciLattice::at_least(ATTEMPTS[0]),
         unusable,
     );
     let mut mass = Mass {
@@ -99,7 +99,7 @@ fn refine(
             wo,
             grid,
             cell,
-            Lattice::at_least(*points),
+            FibonacciLattice::at_least(*points),
             unusable,
         );
         mass = Mass {
@@ -123,7 +123,7 @@ fn integrate(
     wo: Vec3,
     grid: &Grid,
     cell: usize,
-    lattice: Lattice,
+    lattice: FibonacciLattice,
     unusable: &mut usize,
 ) -> f64 {
     let ([theta_low, theta_high], [b_low, b_high]) = grid.ranges(cell);

@@ -8,7 +8,7 @@ use super::{albedo_by_degree, directional_albedo_with_error};
 use merlkit::brdf::Importance;
 use merlkit::color::Rgb;
 use merlkit::material::merl::{Census, MerlTable, THETA_D_BINS, THETA_H_BINS};
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 
 /// Angles of `wo`, in degrees, at which [`facts`] gives the albedo.
 const ALBEDO_ANGLES: [f64; 4] = [0.0, 30.0, 60.0, 80.0];
@@ -86,7 +86,7 @@ pub struct Asymmetry {
 }
 
 /// Measures a material, on all threads of the current pool.
-pub fn facts(brdf: &Measured) -> Facts {
+pub fn facts(brdf: &MerlBrdf) -> Facts {
     let albedo = |degrees: f64| {
         let a = directional_albedo_with_error(brdf, degrees.to_radians());
         Albedo {

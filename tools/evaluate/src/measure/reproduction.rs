@@ -7,7 +7,7 @@ use super::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{Quadrature, cosine_hemisphere, spherical};
-use merlkit::material::rgl::{BsdfFile, BsdfSize, Rgl, tabulate};
+use merlkit::material::rgl::{BsdfFile, BsdfSize, RglBrdf, tabulate};
 use merlkit::points::PointSet;
 use merlkit::{Error, Result, color};
 
@@ -93,7 +93,7 @@ pub fn size_within(brdf: &dyn Brdf, limit: f64) -> Result<(BsdfSize, BsdfFile)> 
     let mut least = f64::INFINITY;
     for size in BsdfSize::ALL {
         let file = tabulate(|wo, wi| brdf.eval(wo, wi), size, String::new());
-        let error = value_errors(&Rgl::new(file.clone()), brdf).median;
+        let error = value_errors(&RglBrdf::new(file.clone()), brdf).median;
         if error <= limit {
             return Ok((size, file));
         }

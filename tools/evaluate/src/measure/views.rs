@@ -12,7 +12,7 @@ use merlkit::brdf::Brdf;
 use merlkit::color;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::merl::{MerlTable, THETA_D_BINS, THETA_H_BINS};
 use merlkit::sampler::AdaptiveDisc;
 
@@ -94,7 +94,7 @@ fn slice_bins() -> impl Iterator<Item = (usize, usize)> {
 /// Directional albedo, mean of the channels, at 0°, 1° … 89° by each lookup rule, in the order of [`LookupRule::ALL`].
 pub fn albedo_by_rule(table: &Arc<MerlTable>) -> [Curve; 3] {
     LookupRule::ALL.map(|rule| {
-        let albedo = albedo_by_degree(&Measured::new(table.clone(), rule));
+        let albedo = albedo_by_degree(&MerlBrdf::new(table.clone(), rule));
         albedo
             .into_iter()
             .enumerate()

@@ -11,7 +11,7 @@ use crate::plot::{
     Axis, Caption, Disc, DiscMark, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale, Series,
 };
 use merlkit::image::Image;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, HalfVectorSettings, Sampler,
@@ -22,7 +22,7 @@ use merlkit::{Error, Result};
 /// A material, seen from some angles, and a sampler that was built for it.
 pub struct ChartSubject {
     name: String,
-    brdf: Arc<Measured>,
+    brdf: Arc<MerlBrdf>,
     thetas: Vec<f64>,
     sampler: Option<Sampler>,
 }
@@ -41,7 +41,7 @@ impl ChartSubject {
     /// Those of building the sampler.
     pub fn new(
         name: impl Into<String>,
-        brdf: Arc<Measured>,
+        brdf: Arc<MerlBrdf>,
         thetas: Vec<f64>,
         spec: Option<SamplerSpec>,
     ) -> Result<Self> {
@@ -493,7 +493,7 @@ const LOBES_DEG: [f64; 4] = [10.0, 30.0, 60.0, 80.0];
 ///
 /// # Errors
 /// Those of building the samplers.
-pub fn material_charts(name: &str, brdf: &Arc<Measured>) -> Result<MaterialCharts> {
+pub fn material_charts(name: &str, brdf: &Arc<MerlBrdf>) -> Result<MaterialCharts> {
     let lobes = ChartSubject::new(name, brdf.clone(), LOBES_DEG.to_vec(), None)?;
     let mut charts = MaterialCharts {
         material: name.into(),

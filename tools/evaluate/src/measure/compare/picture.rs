@@ -10,7 +10,7 @@ use crate::measure::cost::{Seconds, time};
 use merlkit::color::luminance;
 use merlkit::distribution::Heuristic;
 use merlkit::image::{Image, encode_png, encode_srgb};
-use merlkit::material::merl::Measured;
+use merlkit::material::merl::MerlBrdf;
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
@@ -158,7 +158,7 @@ pub struct PictureResult {
 }
 
 /// Materials of a scene, looked up and named.
-pub type Named = (String, Arc<Measured>);
+pub type Named = (String, Arc<MerlBrdf>);
 
 /// Renders the reference of a scene: the largest half-vector table and the lights' own directions, power heuristic, random
 /// numbers.

@@ -11,7 +11,7 @@ use crate::measure::convergence::{Incident, LitPoint, Runs, slope_of};
 use merlkit::brdf::Importance;
 use merlkit::geometry::spherical;
 use merlkit::light::Environment;
-use merlkit::material::merl::Measured;
+use merlkit::material::merl::MerlBrdf;
 use merlkit::points::PointSet;
 use merlkit::sampler::Sampler;
 
@@ -71,7 +71,7 @@ fn sample_counts(most: usize) -> Vec<usize> {
 }
 
 /// The point under `sky`, facing up, seen at polar angle `theta_o_deg`.
-fn lit<'a>(brdf: &'a Measured, sky: &'a Environment, theta_o_deg: f64) -> LitPoint<'a> {
+fn lit<'a>(brdf: &'a MerlBrdf, sky: &'a Environment, theta_o_deg: f64) -> LitPoint<'a> {
     LitPoint {
         brdf,
         importance: Importance::Mean,
@@ -100,7 +100,7 @@ pub struct Reference {
 const NODES: [usize; 2] = [2584, 6765];
 
 /// References by quadrature, which no sampler takes part in.
-pub fn references(brdf: &Measured, sky: &Environment, plan: &PointPlan) -> Vec<Reference> {
+pub fn references(brdf: &MerlBrdf, sky: &Environment, plan: &PointPlan) -> Vec<Reference> {
     let reference = |&theta_o_deg: &f64| {
         let point = lit(brdf, sky, theta_o_deg);
         let [coarse, fine] = NODES.map(|n| point.reference(n));
@@ -159,7 +159,7 @@ pub fn curve(
     competitor: Competitor,
     sampler: &Sampler,
     build_seconds: f64,
-    brdf: &Measured,
+    brdf: &MerlBrdf,
     sky: &Environment,
     (plan, references): (&PointPlan, &[Reference]),
 ) -> Curve {
@@ -263,7 +263,7 @@ fn nanoseconds(
 /// Errors of directions from the sampler alone, under Sobol points.
 pub(super) fn errors_at(
     sampler: &Sampler,
-    brdf: &Measured,
+    brdf: &MerlBrdf,
     sky: &Environment,
     references: &[Reference],
     plan: &PointPlan,
@@ -284,7 +284,7 @@ pub(super) fn errors_at(
 /// Relative RMSE from `samples` Sobol samples with 45° between `wo` and the normal, directions from the sampler alone.
 pub(super) fn error_at(
     sampler: &Sampler,
-    brdf: &Measured,
+    brdf: &MerlBrdf,
     sky: &Environment,
     samples: usize,
     plan: &PointPlan,

@@ -13,7 +13,7 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{Quadrature, spherical};
 use merlkit::light::Environment;
 use merlkit::material::merl::MerlTable;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
 };
@@ -169,7 +169,7 @@ pub fn setting(
     knob: Knob,
     plan: &PointPlan,
 ) -> Result<Setting> {
-    let brdf = Arc::new(Measured::new(table.clone(), knob.lookup));
+    let brdf = Arc::new(MerlBrdf::new(table.clone(), knob.lookup));
     let (sampler, seconds) = time(|| knob.spec.build(&brdf));
     let sampler = sampler?;
     let spread = |degrees: f64| {

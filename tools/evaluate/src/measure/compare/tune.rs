@@ -10,7 +10,7 @@ use super::{Competitor, Curve};
 use crate::measure::cost::time;
 use merlkit::Result;
 use merlkit::light::Environment;
-use merlkit::material::merl::Measured;
+use merlkit::material::merl::MerlBrdf;
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, LobeKind,
     LobeSettings, Sampler, SamplerSpec,
@@ -137,7 +137,7 @@ pub fn tunable(stored: bool) -> Vec<SamplerSpec> {
 /// # Errors
 /// Those of building samplers.
 pub fn tune(
-    brdf: &Arc<Measured>,
+    brdf: &Arc<MerlBrdf>,
     sky: &Environment,
     wish: Wish,
     specs: &[SamplerSpec],
@@ -204,7 +204,7 @@ fn prove(
     tuning: &Tuning,
     choice: &Tried,
     sampler: &Sampler,
-    (brdf, sky): (&Measured, &Environment),
+    (brdf, sky): (&MerlBrdf, &Environment),
     plan: &PointPlan,
 ) -> Option<Proof> {
     let mut samples = choice.reach?.samples;

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use merlkit::Result;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::material::merl::HardCase;
-use merlkit::material::merl::{LookupRule, Measured};
+use merlkit::material::merl::{LookupRule, MerlBrdf};
 
 /// What is promised for hard cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
@@ -125,7 +125,7 @@ pub fn check_hard(
     for (number, case) in cases.iter().enumerate() {
         let table = Arc::new(case.table());
         for (rule, &lookup) in LookupRule::ALL.iter().enumerate() {
-            let brdf = Arc::new(Measured::new(table.clone(), lookup));
+            let brdf = Arc::new(MerlBrdf::new(table.clone(), lookup));
             let angles = thoroughness.angles(number);
             let subject = Subject {
                 case,
@@ -159,7 +159,7 @@ const BYTES_A_TABLE: f64 = (1 << 20) as f64;
 struct Subject<'a> {
     case: &'a HardCase,
     lookup: LookupRule,
-    brdf: Arc<Measured>,
+    brdf: Arc<MerlBrdf>,
     thoroughness: Thoroughness,
     angles: &'static [f64],
     seed: u64,
