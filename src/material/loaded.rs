@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use super::MaterialFacts;
 use super::merl::{LookupRule, MerlBrdf};
 use super::rgl::RglBrdf;
 use crate::brdf::Brdf;
@@ -58,6 +59,15 @@ impl Loaded {
     /// Which azimuths of `wo` stand for all others.
     pub fn symmetry(&self) -> Symmetry {
         self.brdf.symmetry()
+    }
+
+    /// What it is, apart from its values.
+    pub fn facts(&self) -> MaterialFacts {
+        MaterialFacts {
+            symmetry: self.symmetry(),
+            has_table: self.table.is_some(),
+            has_own_sampler: self.own_sampler.is_some(),
+        }
     }
 
     /// The MERL table that it is, with its lookup rule; `None` for other kinds of material.

@@ -6,13 +6,16 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 pub mod analytic;
+mod facts;
 mod loaded;
 pub mod merl;
 pub mod rgl;
 
+pub use facts::MaterialFacts;
 pub use loaded::Loaded;
 
 use crate::files::RegularFile;
+use crate::geometry::Symmetry;
 use crate::{Error, Result};
 use merl::{BinPoint, LookupRule, MerlBrdf, MerlTable, embedded, import_bsdf, load};
 use rgl::{BsdfFile, RglBrdf, looks_like_bsdf};
@@ -75,6 +78,24 @@ impl Material {
     /// Where the values come from.
     pub fn source(&self) -> &Source {
         &self.source
+    }
+
+    /// What it is, without loading its values; a `.bsdf` file is read to know.
+    ///
+    /// # Errors
+    /// As [`BsdfFile::open`], for what begins as such a file.
+    pub fn facts(&self) -> Result<MaterialFacts> {
+        let rgl = match &self.source {
+            Source::File(path) if looks_like_bsdf(path) => {
+                Some(RglBrdf::new(BsdfFile::open(path)?)).filter(|rgl| !rgl.is_isotropic())
+            }
+            Source::File(_) | Source::Embedded(_) => None,
+        };
+        Ok(MaterialFacts {
+            symmetry: rgl.as_ref().map_or(Symmetry::Isotropic, RglBrdf::symmetry),
+            has_table: rgl.is_none(),
+            has_own_sampler: rgl.is_some(),
+        })
     }
 
     /// Whether it is an anisotropic `.bsdf` file, which is read to know.
