@@ -6,6 +6,7 @@ mod baselines;
 mod bsdf;
 mod compare;
 mod format;
+mod frozen;
 mod half_vector;
 mod image;
 mod layering;
