@@ -5,7 +5,6 @@ use std::process::ExitCode;
 
 use merlkit::Error;
 use merlkit::material::{LookupRule, Material, Origin};
-use merlkit::sampler::SamplerSpec;
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
 use merlkit_evaluate::measure::facts;
 use merlkit_evaluate::report::{Info, Sheet, write_json};
@@ -127,14 +126,20 @@ impl SamplerDescription {
         })
     }
 
+    /// Whether its material is a table, which a lookup rule has a meaning for; a material that is not found any more counts as
+    /// one.
+    fn is_of_table(&self) -> bool {
+        let facts = self.record.material().and_then(|material| material.facts());
+        facts.map_or(true, |facts| facts.has_table)
+    }
+
     fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&["sampler file", &self.sampler_file]);
         let source = self.record.path.as_deref().unwrap_or("embedded");
-        let anisotropic = matches!(self.record.spec, SamplerSpec::ByAzimuth(_));
-        let lookup = if anisotropic {
-            "none"
-        } else {
+        let lookup = if self.is_of_table() {
             self.record.lookup.name()
+        } else {
+            "none"
         };
         for (name, value) in [
             ("sampler", self.record.spec.label()),
