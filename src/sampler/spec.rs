@@ -12,12 +12,12 @@ use super::{
     LobeSettings, TableChoice, ThetaSpacing,
 };
 use crate::brdf::Importance;
-use crate::material::Loaded;
 use crate::material::merl::MerlBrdf;
+use crate::material::{Loaded, MaterialFacts};
 use crate::{Error, Result};
 
-/// A sampler that can be built for measured materials: the last two for anisotropic ones alone, which of the others have
-/// [`Self::Cosine`] and, as [`Self::ByAzimuth`], [`Self::HalfVector`].
+/// Which sampler to build, with which settings. Anisotropic materials have [`Self::Cosine`], [`Self::HalfVector`], which becomes
+/// [`Self::ByAzimuth`], and, from a `.bsdf` file, [`Self::File`]; [`Self::check_supports`] says so before any work.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "sampler", rename_all = "kebab-case")]
 pub enum SamplerSpec {
@@ -109,38 +109,35 @@ impl SamplerSpec {
         label
     }
 
-    /// Whether such a sampler can be built for an anisotropic material, or for another.
+    /// Whether such a sampler can be built for a material of these facts.
     ///
     /// # Errors
-    /// [`Error::Argument`] if not.
-    pub fn serve(&self, anisotropic: bool) -> Result<()> {
+    /// [`Error::Argument`] if not, naming what the sampler needs.
+    pub fn check_supports(&self, facts: &MaterialFacts) -> Result<()> {
         match self {
             Self::Cosine | Self::HalfVector(_) => Ok(()),
-            Self::ByAzimuth(_) | Self::File if anisotropic => Ok(()),
-            Self::ByAzimuth(_) | Self::File => Err(self.refused_by_tables()),
-            Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_)
-                if anisotropic =>
-            {
-                Err(self.refused_by_files())
-            }
-            Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => {
-                Ok(())
-            }
+            Self::ByAzimuth(_) if facts.is_isotropic() => Err(self.refused_by_tables()),
+            Self::ByAzimuth(_) => Ok(()),
+            Self::File if !facts.has_own_sampler => Err(self.refused_by_tables()),
+            Self::File => Ok(()),
+            _ if !facts.is_isotropic() => Err(self.refused_by_files()),
+            Self::AdaptiveDisc(_) => facts.require_table("the material", self.name()),
+            Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => Ok(()),
         }
     }
 
     fn refused_by_tables(&self) -> Error {
         let (what, fix) = match self {
             Self::ByAzimuth(_) => (
-                "tables by azimuth are",
+                "tables by azimuth are for anisotropic materials, and this one is isotropic",
                 "leave the azimuths out: one table serves all of them",
             ),
-            _ => ("the sampler file is", "choose another, as half-vector"),
+            _ => (
+                "the sampler file is the density that a .bsdf file holds, and this material is none",
+                "choose another, as half-vector",
+            ),
         };
-        Error::argument(
-            format!("{what} for anisotropic .bsdf files, and this material is isotropic"),
-            fix,
-        )
+        Error::argument(what, fix)
     }
 
     fn refused_by_files(&self) -> Error {
@@ -151,51 +148,41 @@ impl SamplerSpec {
         Error::argument(what, "choose the sampler half-vector, file or cosine")
     }
 
-    /// Builds the sampler on the threads of the current pool.
+    /// Builds the sampler for a MERL table, on the threads of the current pool.
     ///
     /// # Errors
-    /// [`Error::Argument`] for settings outside their domains, and for samplers of anisotropic materials alone.
+    /// [`Error::Argument`] for settings outside their domains, and for samplers of other materials alone.
     pub fn build(&self, brdf: &Arc<MerlBrdf>) -> Result<Sampler> {
-        Ok(match self {
-            Self::Cosine => Sampler::Cosine(Cosine),
-            Self::AdaptiveDisc(settings) => {
-                Sampler::AdaptiveDisc(AdaptiveDisc::build(brdf.clone(), *settings)?)
-            }
-            Self::CascadeCdf(settings) => {
-                Sampler::CascadeCdf(CascadeCdf::build(&**brdf, *settings)?)
-            }
-            Self::HalfVector(settings) => {
-                Sampler::HalfVector(HalfVectorTable::build(&**brdf, *settings)?)
-            }
-            Self::Lobe(settings) => Sampler::Lobe(Lobe::build(&**brdf, *settings)?),
-            Self::Factored(settings) => Sampler::Factored(Factored::build(&**brdf, *settings)?),
-            Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(&**brdf, *settings)?),
-            Self::File => return Err(self.refused_by_tables()),
-        })
+        self.build_for(&Loaded::from_table(brdf.clone()))
     }
 
-    /// Builds the sampler for any material.
+    /// Builds the sampler for any material, on the threads of the current pool.
     ///
     /// # Errors
-    /// As [`Self::build`]; [`Error::Argument`] for a sampler that an anisotropic material can't have.
+    /// As [`Self::check_supports`]; [`Error::Argument`] for settings outside their domains.
     pub fn build_for(&self, material: &Loaded) -> Result<Sampler> {
-        if let Some(measured) = material.table() {
-            return self.build(measured);
-        }
-        let brdf = &**material.brdf();
+        let (brdf, facts) = (&**material.brdf(), material.facts());
+        self.check_supports(&facts)?;
         Ok(match self {
-            Self::Cosine => Sampler::Cosine(Cosine),
-            Self::HalfVector(table) => {
+            Self::AdaptiveDisc(settings) => {
+                let table = material.require_table(self.name())?;
+                Sampler::AdaptiveDisc(AdaptiveDisc::build(table.clone(), *settings)?)
+            }
+            Self::HalfVector(table) if !facts.is_isotropic() => {
                 Sampler::ByAzimuth(ByAzimuth::build(brdf, ByAzimuthSettings::of(*table))?)
             }
+            Self::Cosine => Sampler::Cosine(Cosine),
+            Self::CascadeCdf(settings) => Sampler::CascadeCdf(CascadeCdf::build(brdf, *settings)?),
+            Self::HalfVector(settings) => {
+                Sampler::HalfVector(HalfVectorTable::build(brdf, *settings)?)
+            }
+            Self::Lobe(settings) => Sampler::Lobe(Lobe::build(brdf, *settings)?),
+            Self::Factored(settings) => Sampler::Factored(Factored::build(brdf, *settings)?),
             Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(brdf, *settings)?),
             Self::File => match material.own_sampler() {
                 Some(own) => Sampler::File(own.clone()),
                 None => return Err(self.refused_by_tables()),
             },
-            Self::AdaptiveDisc(_) | Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => {
-                return Err(self.refused_by_files());
-            }
         })
     }
 }

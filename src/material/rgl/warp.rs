@@ -5,16 +5,16 @@
 
 use super::tensors::Tensor;
 
-/// The (at most four) tabulated slices about a pair of angles, and their shares.
+/// The (at most four) tabulated slices about a pair of angles, and their weights.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Blend([(usize, f64); 4]);
+pub(super) struct SliceBlend([(usize, f64); 4]);
 
-impl Blend {
+impl SliceBlend {
     /// For grids that depend on nothing.
     pub const ONLY: Self = Self([(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]);
 
-    /// About `phi` and `theta` on the axes of a file; slices are numbered with theta the faster.
-    pub fn about(phi: f64, theta: f64, phi_i: &[f32], theta_i: &[f32]) -> Self {
+    /// The slices about `phi` and `theta` (radians) on the axes of a file; slices are numbered with theta the faster.
+    pub fn between(phi: f64, theta: f64, phi_i: &[f32], theta_i: &[f32]) -> Self {
         let ((p, v), (t, w)) = (neighbours(phi, phi_i), neighbours(theta, theta_i));
         let at =
             |p: usize, t: usize| p.min(phi_i.len() - 1) * theta_i.len() + t.min(theta_i.len() - 1);
@@ -27,18 +27,18 @@ impl Blend {
     }
 
     #[inline]
-    fn of(&self, value: impl Fn(usize) -> f32) -> f64 {
+    fn mean(&self, value: impl Fn(usize) -> f32) -> f64 {
         let mut sum = 0.0;
-        for &(slice, share) in &self.0 {
-            if share > 0.0 {
-                sum += share * f64::from(value(slice));
+        for &(slice, weight) in &self.0 {
+            if weight > 0.0 {
+                sum += weight * f64::from(value(slice));
             }
         }
         sum
     }
 }
 
-/// The tabulated value at or below `x` on a rising axis that is not empty, and the share of the next; clamped at both ends.
+/// The tabulated value at or below `x` on a rising axis that is not empty, and the weight of the next; clamped at both ends.
 fn neighbours(x: f64, axis: &[f32]) -> (usize, f64) {
     let low = axis
         .partition_point(|&a| f64::from(a) <= x)
@@ -53,18 +53,18 @@ fn neighbours(x: f64, axis: &[f32]) -> (usize, f64) {
     }
 }
 
-/// A cell of a grid and the place in it.
+/// A cell of a grid and a point inside it, x and y in [0, 1].
 #[derive(Clone, Copy)]
-struct Patch {
+struct GridCell {
     column: usize,
     row: usize,
     x: f64,
     y: f64,
 }
 
-impl Patch {
+impl GridCell {
     /// The cell that holds a point; points outside the square go to its edge.
-    fn of(point: [f64; 2], width: usize, height: usize) -> Self {
+    fn containing(point: [f64; 2], width: usize, height: usize) -> Self {
         let along = |v: f64, n: usize| {
             let scaled = v.clamp(0.0, 1.0) * (n - 1) as f64;
             let cell = (scaled as usize).min(n - 2);
@@ -77,14 +77,14 @@ impl Patch {
 
 /// `shape` is `[…, h, w]`, every `[h, w]` one slice of `channels` in a row.
 #[derive(Debug)]
-pub(super) struct Grid {
+pub(super) struct SliceGrid {
     values: Vec<f32>,
     width: usize,
     height: usize,
     channels: usize,
 }
 
-impl Grid {
+impl SliceGrid {
     /// A tensor whose last two axes, of at least 2 each, are the square; the one before is `channels` long, if not 1.
     pub fn new(tensor: Tensor, channels: usize) -> Self {
         let axes = tensor.shape.len();
@@ -97,24 +97,24 @@ impl Grid {
     }
 
     /// Value of a channel at a point.
-    pub fn at(&self, point: [f64; 2], channel: usize, blend: &Blend) -> f64 {
-        let patch = Patch::of(point, self.width, self.height);
-        let [left, right] = self.corners(&patch, channel, blend);
-        left + (right - left) * patch.x
+    pub fn interpolate(&self, point: [f64; 2], channel: usize, blend: &SliceBlend) -> f64 {
+        let cell = GridCell::containing(point, self.width, self.height);
+        let [left, right] = self.corners(&cell, channel, blend);
+        left + (right - left) * cell.x
     }
 
     /// Values on the left and right of a cell.
-    fn corners(&self, patch: &Patch, channel: usize, blend: &Blend) -> [f64; 2] {
-        let first = patch.row * self.width + patch.column;
+    fn corners(&self, cell: &GridCell, channel: usize, blend: &SliceBlend) -> [f64; 2] {
+        let first = cell.row * self.width + cell.column;
         let side = |k: usize| {
             let at = |k: usize| {
-                blend.of(|slice| {
+                blend.mean(|slice| {
                     let start = (slice * self.channels + channel) * self.width * self.height;
                     self.values[start + k]
                 })
             };
             let (low, high) = (at(first + k), at(first + k + self.width));
-            low + (high - low) * patch.y
+            low + (high - low) * cell.y
         };
         [side(0), side(1)]
     }
@@ -132,18 +132,18 @@ impl Grid {
 /// A density on the square in each slice, and the continuous map that draws from it: y by the marginal, then x by the
 /// density along the row, both piecewise linear.
 #[derive(Debug)]
-pub(super) struct Warp {
-    density: Grid,
+pub(super) struct SquareWarp {
+    density: SliceGrid,
     /// Integral over x up to each column, of each row: `[slice, h, w − 1]`.
     along: Vec<f32>,
     /// Integral over y up to each row: `[slice, h − 1]`.
     rows: Vec<f32>,
 }
 
-impl Warp {
+impl SquareWarp {
     /// From values ≥ 0, each slice above 0 somewhere; slices are normalised.
     pub fn new(tensor: Tensor) -> Self {
-        let mut density = Grid::new(tensor, 1);
+        let mut density = SliceGrid::new(tensor, 1);
         let (w, h) = (density.width, density.height);
         let (step_x, step_y) = (0.5 / (w - 1) as f64, 0.5 / (h - 1) as f64);
         let (mut along, mut rows, mut scales) = (Vec::new(), Vec::new(), Vec::new());
@@ -172,48 +172,52 @@ impl Warp {
     }
 
     /// Density at a point of the square.
-    pub fn density(&self, point: [f64; 2], blend: &Blend) -> f64 {
-        self.density.at(point, 0, blend)
+    pub fn density(&self, point: [f64; 2], blend: &SliceBlend) -> f64 {
+        self.density.interpolate(point, 0, blend)
     }
 
     /// The point of the square that is mapped to `point`, and the density there. 0 on both axes where nothing is drawn.
-    pub fn invert(&self, point: [f64; 2], blend: &Blend) -> ([f64; 2], f64) {
+    pub fn invert(&self, point: [f64; 2], blend: &SliceBlend) -> ([f64; 2], f64) {
         let (w, h) = (self.density.width, self.density.height);
-        let patch = Patch::of(point, w, h);
-        let [left, right] = self.density.corners(&patch, 0, blend);
-        let inside = 0.5 * (left + left + (right - left) * patch.x) * patch.x / (w - 1) as f64;
-        let x = self.row_sum(&patch, patch.column, blend) + inside;
-        let whole = self.row_sum(&patch, w - 1, blend);
-        let [low, high] = self.row_totals(patch.row, blend);
-        let inside = 0.5 * (low + low + (high - low) * patch.y) * patch.y / (h - 1) as f64;
-        let y = self.rows_to(patch.row, blend) + inside;
-        let pdf = left + (right - left) * patch.x;
+        let cell = GridCell::containing(point, w, h);
+        // u_x = ∫₀ˣ p(t, y) dt / ∫₀¹ p(t, y) dt: whole columns, and the trapezoid inside the cell.
+        let [left, right] = self.density.corners(&cell, 0, blend);
+        let inside = 0.5 * (left + left + (right - left) * cell.x) * cell.x / (w - 1) as f64;
+        let x = self.row_sum(&cell, cell.column, blend) + inside;
+        let whole = self.row_sum(&cell, w - 1, blend);
+        // u_y = ∫₀ʸ of the marginal: whole rows, and the trapezoid inside the cell.
+        let [low, high] = self.row_totals(cell.row, blend);
+        let inside = 0.5 * (low + low + (high - low) * cell.y) * cell.y / (h - 1) as f64;
+        let y = self.rows_to(cell.row, blend) + inside;
+        let pdf = left + (right - left) * cell.x;
         ([if whole > 0.0 { x / whole } else { 0.0 }, y], pdf)
     }
 
     /// The point that `u` is mapped to.
-    pub fn sample(&self, u: [f64; 2], blend: &Blend) -> [f64; 2] {
+    pub fn sample(&self, u: [f64; 2], blend: &SliceBlend) -> [f64; 2] {
         let (w, h) = (self.density.width, self.density.height);
+        // The row in which the marginal's integral reaches u_y, and where in it.
         let row = search(h - 1, |k| self.rows_to(k + 1, blend) <= u[1]);
         let [low, high] = self.row_totals(row, blend);
-        let y = within(
+        let y = invert_linear_cdf(
             (u[1] - self.rows_to(row, blend)) * (h - 1) as f64,
             low,
             high,
         );
-        let mut patch = Patch {
+        let mut cell = GridCell {
             column: 0,
             row,
             x: 0.0,
             y,
         };
-        let target = u[0] * self.row_sum(&patch, w - 1, blend);
-        patch.column = search(w - 1, |k| self.row_sum(&patch, k + 1, blend) <= target);
-        let [left, right] = self.density.corners(&patch, 0, blend);
-        let rest = target - self.row_sum(&patch, patch.column, blend);
-        let x = within(rest * (w - 1) as f64, left, right);
+        // The column in which the integral along that row reaches its part u_x, and where in it.
+        let target = u[0] * self.row_sum(&cell, w - 1, blend);
+        cell.column = search(w - 1, |k| self.row_sum(&cell, k + 1, blend) <= target);
+        let [left, right] = self.density.corners(&cell, 0, blend);
+        let rest = target - self.row_sum(&cell, cell.column, blend);
+        let x = invert_linear_cdf(rest * (w - 1) as f64, left, right);
         [
-            (patch.column as f64 + x) / (w - 1) as f64,
+            (cell.column as f64 + x) / (w - 1) as f64,
             (row as f64 + y) / (h - 1) as f64,
         ]
     }
@@ -223,24 +227,24 @@ impl Warp {
         self.density.bytes() + size_of_val(&self.along[..]) + size_of_val(&self.rows[..])
     }
 
-    /// Integral over x up to a column, along the row that a patch's y means.
-    fn row_sum(&self, patch: &Patch, column: usize, blend: &Blend) -> f64 {
+    /// Integral over x up to a column, along the row that a cell's y means.
+    fn row_sum(&self, cell: &GridCell, column: usize, blend: &SliceBlend) -> f64 {
         if column == 0 {
             return 0.0;
         }
         let (w, h) = (self.density.width, self.density.height);
         let at =
-            |row: usize| blend.of(|slice| self.along[(slice * h + row) * (w - 1) + column - 1]);
-        let (low, high) = (at(patch.row), at(patch.row + 1));
-        low + (high - low) * patch.y
+            |row: usize| blend.mean(|slice| self.along[(slice * h + row) * (w - 1) + column - 1]);
+        let (low, high) = (at(cell.row), at(cell.row + 1));
+        low + (high - low) * cell.y
     }
 
     /// Integrals over x along a row and the next.
-    fn row_totals(&self, row: usize, blend: &Blend) -> [f64; 2] {
+    fn row_totals(&self, row: usize, blend: &SliceBlend) -> [f64; 2] {
         let last = self.density.width - 1;
         [0.0, 1.0].map(|y| {
             self.row_sum(
-                &Patch {
+                &GridCell {
                     column: 0,
                     row,
                     x: 0.0,
@@ -253,12 +257,12 @@ impl Warp {
     }
 
     /// Integral over y up to a row.
-    fn rows_to(&self, row: usize, blend: &Blend) -> f64 {
+    fn rows_to(&self, row: usize, blend: &SliceBlend) -> f64 {
         let h = self.density.height;
         if row == 0 {
             0.0
         } else {
-            blend.of(|slice| self.rows[slice * (h - 1) + row - 1])
+            blend.mean(|slice| self.rows[slice * (h - 1) + row - 1])
         }
     }
 }
@@ -291,8 +295,8 @@ fn search(count: usize, is_below: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// Where the integral of a density that goes from `a` to `b` over [0, 1] reaches `mass`.
-fn within(mass: f64, a: f64, b: f64) -> f64 {
+/// Where the integral of a density that goes from `a` to `b` over [0, 1] reaches `mass`: the x of a·x + (b − a)·x²/2 = mass.
+fn invert_linear_cdf(mass: f64, a: f64, b: f64) -> f64 {
     let root = (a * a + 2.0 * mass * (b - a)).max(0.0).sqrt();
     let x = 2.0 * mass / (a + root);
     if x.is_finite() {

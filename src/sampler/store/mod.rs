@@ -17,7 +17,7 @@ use super::{Sampler, SamplerSpec};
 use crate::files::{Overwrite, RegularFile, write_new};
 use crate::material::Loaded;
 use crate::material::merl::{LookupRule, MerlBrdf};
-use crate::material::{Material, Source};
+use crate::material::{Material, Origin};
 use crate::{Error, Result};
 use tensors::{Tensors, TensorsOut};
 
@@ -36,11 +36,11 @@ pub struct Record {
     pub spec: SamplerSpec,
     /// Name of the material.
     pub material: String,
-    /// Path of the MERL binary as it was named when building, or `None` for an embedded material.
+    /// Path of the material's file as it was named when building, or its formula; `None` for an embedded material.
     pub path: Option<String>,
     /// SHA-256 of the material's defining bytes.
     pub source_sha256: String,
-    /// Lookup rule the sampler was built under; without a meaning to an anisotropic material, which has no table.
+    /// Lookup rule the sampler was built under; without a meaning to a material that is no table.
     pub lookup: LookupRule,
     /// SHA-256 over all tensors.
     payload_sha256: String,
@@ -88,11 +88,11 @@ pub fn save(
 /// [`Error::Argument`] for the cosine sampler, which has nothing to store, and for the density of a `.bsdf` file, which is
 /// stored there; [`Error::Io`] if the material's file is gone.
 pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Result<Vec<u8>> {
-    // An anisotropic file has no lookup rule: whichever was asked for, the bytes are the same.
-    let lookup = if matches!(sampler, Sampler::ByAzimuth(_)) {
-        LookupRule::default()
-    } else {
+    // Only tables have a lookup rule: for other materials the bytes are the same whichever was asked for.
+    let lookup = if material.facts()?.has_table {
         lookup
+    } else {
+        LookupRule::default()
     };
     let mut out = TensorsOut::default();
     match sampler {
@@ -114,9 +114,10 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
         version: VERSION,
         spec: sampler.spec(),
         material: material.name().into(),
-        path: match material.source() {
-            Source::File(path) => Some(path.to_string_lossy().into_owned()),
-            Source::Embedded(_) => None,
+        path: match material.origin() {
+            Origin::File(path) => Some(path.to_string_lossy().into_owned()),
+            Origin::Embedded(_) => None,
+            Origin::Formula(text) => Some(text.clone()),
         },
         source_sha256: material.sha256()?,
         lookup,
@@ -188,30 +189,38 @@ impl SamplerFile {
                 ),
             ));
         }
-        Ok(match self.record.spec {
-            SamplerSpec::Cosine => {
-                return Err(self.tensors.invalid("a sampler with tables", "cosine"));
+        match self.record.spec {
+            SamplerSpec::AdaptiveDisc(settings) => {
+                let disc = parts::read_disc(&self.tensors, brdf.clone(), settings)?;
+                Ok(Sampler::AdaptiveDisc(disc))
             }
+            _ => self.read_isotropic(),
+        }
+    }
+
+    /// A sampler of an isotropic material that does not need it to draw.
+    fn read_isotropic(&self) -> Result<Sampler> {
+        let tensors = &self.tensors;
+        Ok(match self.record.spec {
+            SamplerSpec::Cosine => return Err(tensors.invalid("a sampler with tables", "cosine")),
             SamplerSpec::File => return Err(in_the_file()),
             SamplerSpec::ByAzimuth(_) => {
-                return Err(self
-                    .tensors
-                    .invalid("a sampler of a table", "one of an anisotropic material"));
+                let found = "one of an anisotropic material";
+                return Err(tensors.invalid("a sampler of an isotropic material", found));
             }
-            SamplerSpec::AdaptiveDisc(settings) => {
-                Sampler::AdaptiveDisc(parts::read_disc(&self.tensors, brdf.clone(), settings)?)
+            SamplerSpec::AdaptiveDisc(_) => {
+                let found = "adaptive-disc, which draws from a MERL table";
+                return Err(tensors.invalid("a sampler that needs no table", found));
             }
             SamplerSpec::CascadeCdf(settings) => {
-                Sampler::CascadeCdf(parts::read_cascade(&self.tensors, settings)?)
+                Sampler::CascadeCdf(parts::read_cascade(tensors, settings)?)
             }
             SamplerSpec::HalfVector(settings) => {
-                Sampler::HalfVector(parts::read_half_vector(&self.tensors, settings)?)
+                Sampler::HalfVector(parts::read_half_vector(tensors, settings)?)
             }
-            SamplerSpec::Lobe(settings) => {
-                Sampler::Lobe(parts::read_lobe(&self.tensors, settings)?)
-            }
+            SamplerSpec::Lobe(settings) => Sampler::Lobe(parts::read_lobe(tensors, settings)?),
             SamplerSpec::Factored(settings) => {
-                Sampler::Factored(parts::read_factored(&self.tensors, settings)?)
+                Sampler::Factored(parts::read_factored(tensors, settings)?)
             }
         })
     }
@@ -251,6 +260,7 @@ impl SamplerFile {
         let sampler =
             match (material.table(), self.record.spec) {
                 (Some(measured), _) => self.into_sampler(measured)?,
+                (None, _) if material.facts().is_isotropic() => self.read_isotropic()?,
                 (None, SamplerSpec::ByAzimuth(settings)) => Sampler::ByAzimuth(
                     parts::read_by_azimuth(&self.tensors, settings, material.symmetry())?,
                 ),

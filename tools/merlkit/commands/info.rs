@@ -2,12 +2,9 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
-use merlkit::material::{Material, Source};
-use merlkit::sampler::SamplerSpec;
+use merlkit::material::{LookupRule, Material, Origin};
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
 use merlkit_evaluate::measure::facts;
 use merlkit_evaluate::report::{Info, Sheet, write_json};
@@ -19,12 +16,12 @@ use crate::output::Destination;
 use crate::progress::Progress;
 use crate::{args, table};
 
-/// Print what a material's table holds: size, gaps, range, directional albedo, symmetry
+/// Print what a material is: directional albedo, symmetry, bytes, and of a table its size, gaps and range
 ///
 /// Of a sampler file: which sampler, with which settings, of which material.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or sampler files, or names of embedded materials
+    /// Paths to MERL binaries, .bsdf files or sampler files, names of embedded materials, or formulas
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
     sources: Vec<String>,
     /// What the table says between its samples
@@ -129,14 +126,20 @@ impl SamplerDescription {
         })
     }
 
+    /// Whether its material is a table, which a lookup rule has a meaning for; a material that is not found any more counts as
+    /// one.
+    fn is_of_table(&self) -> bool {
+        let facts = self.record.material().and_then(|material| material.facts());
+        facts.map_or(true, |facts| facts.has_table)
+    }
+
     fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&["sampler file", &self.sampler_file]);
         let source = self.record.path.as_deref().unwrap_or("embedded");
-        let anisotropic = matches!(self.record.spec, SamplerSpec::ByAzimuth(_));
-        let lookup = if anisotropic {
-            "none"
-        } else {
+        let lookup = if self.is_of_table() {
             self.record.lookup.name()
+        } else {
+            "none"
         };
         for (name, value) in [
             ("sampler", self.record.spec.label()),
@@ -153,14 +156,14 @@ impl SamplerDescription {
 }
 
 fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Error> {
-    let brdf = MerlBrdf::new(Arc::new(material.load_table()?), lookup);
-    let source = match material.source() {
-        Source::File(path) => path.display().to_string(),
-        Source::Embedded(_) => "embedded".into(),
+    let source = match material.origin() {
+        Origin::File(path) => path.display().to_string(),
+        Origin::Embedded(_) => "embedded".into(),
+        Origin::Formula(text) => text.clone(),
     };
     Ok(Info {
         material: material.name().into(),
         source,
-        facts: facts(&brdf),
+        facts: facts(&material.load(lookup)?),
     })
 }

@@ -9,12 +9,10 @@ use merlkit::Error;
 use merlkit::brdf::Brdf;
 use merlkit::color;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
-use merlkit::material::Loaded;
-use merlkit::material::Material;
-use merlkit::material::merl::LookupRule;
+use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::points::PointSet;
+use merlkit::sampler::Sampler;
 use merlkit::sampler::store::{SamplerFile, looks_like_sampler_file};
-use merlkit::sampler::{Sampler, SamplerSpec};
 
 use crate::failure::Outcome;
 use crate::sampler_args;
@@ -28,7 +26,7 @@ use crate::{args, output};
 /// --fit, the thesis's point cloud instead: the material, the viewer in degrees, and (x,y,z) f a line.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Path to a MERL binary, a .bsdf file or a sampler file, or name of an embedded material
+    /// Path to a MERL binary, a .bsdf file or a sampler file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]
     source: String,
     /// Sampler to build [default: half-vector; a sampler file brings its own]
@@ -119,21 +117,6 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
             );
             return Err(Error::argument(what, "leave --sampler out"));
         }
-        let of_tables = !matches!(file.record().spec, SamplerSpec::ByAzimuth(_));
-        if args
-            .lookup
-            .is_some_and(|l| of_tables && l != file.record().lookup)
-        {
-            let what = format!(
-                "{} was built for the {} lookup",
-                args.source,
-                file.record().lookup.name()
-            );
-            return Err(Error::argument(
-                what,
-                "leave --lookup out, or build the sampler again",
-            ));
-        }
         if let Some(option) = args.settings.first_given() {
             let what = format!(
                 "{option} has no effect on {}, which is built already",
@@ -148,6 +131,13 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
             .map(Material::resolve)
             .transpose()?;
         let (sampler, brdf) = file.load(material)?;
+        if let (Some(built), Some(asked)) = (brdf.rule(), args.lookup)
+            && built != asked
+        {
+            let what = format!("{} was built for the {} lookup", args.source, built.name());
+            let fix = "leave --lookup out, or build the sampler again";
+            return Err(Error::argument(what, fix));
+        }
         return Ok((name, sampler, brdf));
     }
     if args.material.is_some() {
