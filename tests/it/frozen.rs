@@ -466,8 +466,8 @@ mod library {
 
     /// The figures of `info --json`.
     pub fn info(material: &Material) -> Figures {
-        let brdf = material.brdf.table().expect("a table");
-        let f = facts(brdf);
+        let f = facts(&material.brdf);
+        let (asymmetry, table) = (f.asymmetry.expect("isotropic"), f.table.expect("a table"));
         let wide = |channels: [f32; 3]| channels.map(f64::from);
         let albedo = f
             .albedo
@@ -476,7 +476,7 @@ mod library {
         let above = &f.albedo_above_one;
         let ranges = above.ranges_degrees.iter().flatten().map(|&d| d as f64);
         let greatest = [f64::from(above.greatest), above.greatest_at_degrees as f64];
-        let at = f.asymmetry.greatest_at.map(|i| i as f64);
+        let at = asymmetry.greatest_at.map(|i| i as f64);
         vec![
             ("albedo", albedo.collect()),
             (
@@ -485,12 +485,12 @@ mod library {
             ),
             (
                 "asymmetry",
-                [&[f.asymmetry.mean, f.asymmetry.greatest], &at[..]].concat(),
+                [&[asymmetry.mean, asymmetry.greatest], &at[..]].concat(),
             ),
-            ("range", [wide(f.table.min), wide(f.table.max)].concat()),
+            ("range", [wide(table.min), wide(table.max)].concat()),
             (
                 "invalid above horizon",
-                vec![f.table.invalid_above_horizon as f64],
+                vec![table.invalid_above_horizon as f64],
             ),
         ]
     }
