@@ -8,13 +8,16 @@
 //! Beside the cascade CDF (thesis 5.6; Lawrence et al. 2005) it differs in the horizon, which ends the square exactly instead
 //! of cutting it, and in what it does between angles.
 
+mod azimuths;
 mod batch;
 mod build;
+mod codec;
 mod lanes;
 mod mixed;
 mod mixture;
 mod quantise;
 mod rows;
+mod settings;
 mod square;
 mod tables;
 mod turn;
@@ -23,96 +26,20 @@ use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::{DirectionSample, DirectionSampler};
-use crate::brdf::{Brdf, Importance};
+use super::{DirectionSample, DirectionSampler, Settings};
+use crate::brdf::Brdf;
 use crate::geometry::unit_upper;
 use crate::{Error, Result};
 use mixture::{Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
-use square::PARTS;
-use tables::Blend;
+use square::{Place, Square};
+use tables::{Blend, Tables};
+use turn::Turn;
 
+pub use azimuths::ByAzimuth;
 pub(crate) use mixture::{NODE_UNIT, ROW_UNIT};
+pub use settings::{HalfVector, HalfVectorSettings};
 pub(crate) use square::Edge;
-pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS, Place, Square};
 pub(crate) use tables::Stored;
-pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Tables};
-pub(super) use turn::Turn;
-
-/// Settings of [`HalfVectorTable::build`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct HalfVectorSettings {
-    /// Tables over the polar angle of `wo`, dense towards the horizon, 1 to 1024.
-    pub tables: usize,
-    /// Rows over θh, 2 to 79. They are put where the material asks for them; with 79, every bin of MERL below 44° has its own.
-    pub rows: usize,
-    /// Segments over the azimuth, each linear, 1 to 256.
-    pub segments: usize,
-    /// One side of the plane of incidence stands for both: half the bytes, and as much as the two differ is lost.
-    pub fold: bool,
-    /// The scalar that draws are proportional to.
-    pub importance: Importance,
-}
-
-impl Default for HalfVectorSettings {
-    fn default() -> Self {
-        Self::PRESETS[5].1
-    }
-}
-
-impl HalfVectorSettings {
-    /// Settings by the size of their tables, smallest first: name and settings.
-    pub const PRESETS: [(&str, Self); 8] = [
-        ("2KB", Self::preset(7, 22, 3, true)),
-        ("4KB", Self::preset(9, 31, 4, true)),
-        ("8KB", Self::preset(14, 41, 4, true)),
-        ("16KB", Self::preset(16, 42, 8, false)),
-        ("32KB", Self::preset(20, 48, 12, false)),
-        ("64KB", Self::preset(28, 53, 16, false)),
-        ("256KB", Self::preset(64, 64, 24, false)),
-        ("1MB", Self::preset(128, 64, 48, false)),
-    ];
-
-    const fn preset(tables: usize, rows: usize, segments: usize, fold: bool) -> Self {
-        Self {
-            tables,
-            rows,
-            segments,
-            fold,
-            importance: Importance::Mean,
-        }
-    }
-
-    /// The same for the mean of the channels: what presets are told by.
-    pub(super) fn with_mean(self) -> Self {
-        Self {
-            importance: Importance::Mean,
-            ..self
-        }
-    }
-
-    /// Bytes of the tables in memory; a file holds some 1 to 15 % less, and a header.
-    pub fn bytes(&self) -> usize {
-        tables::bytes(self.tables, self.rows, self.segments)
-    }
-
-    /// # Errors
-    /// [`Error::Argument`] for a number outside its domain.
-    pub(super) fn check(&self) -> Result<()> {
-        for (name, value, range) in [
-            ("tables", self.tables, 1..=1024),
-            ("rows", self.rows, 2..=PARTS),
-            ("segments", self.segments, 1..=256),
-        ] {
-            if !range.contains(&value) {
-                return Err(Error::argument(
-                    format!("{value} {name}"),
-                    format!("choose {} to {}", range.start(), range.end()),
-                ));
-            }
-        }
-        Ok(())
-    }
-}
 
 /// The last table stands short of the horizon.
 const LAST_KNOT: f64 = 89.0 / 180.0 * PI;
@@ -147,6 +74,9 @@ impl HalfVectorTable {
                 "the half-vector table is for isotropic BRDFs",
                 "choose another sampler",
             ));
+        }
+        if settings.azimuths.is_some() {
+            return Err(settings::azimuths_of_isotropic());
         }
         Ok(Self::from_parts(settings, build::tables(brdf, &settings)))
     }

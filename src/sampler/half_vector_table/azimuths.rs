@@ -6,70 +6,22 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::half_vector_table::{Square, Stored, Turn};
-use super::knots::split_unit;
+use super::settings::azimuths_of_isotropic;
+use super::square::Square;
+use super::tables::Stored;
+use super::turn::Turn;
 use super::{DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable};
+use crate::Result;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::geometry::{Symmetry, unit_upper};
-use crate::{Error, Result};
-
-/// Settings of [`ByAzimuth::build`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct ByAzimuthSettings {
-    /// Azimuths of `wo` that have a table, 2 to 256, equally spaced over those that the material's symmetry leaves.
-    pub azimuths: usize,
-    /// The table of each.
-    pub table: HalfVectorSettings,
-}
-
-impl ByAzimuthSettings {
-    /// The default number of azimuths, each with a table of these settings, or of the size that these are the preset of.
-    ///
-    /// Streaks ask for other tables than lobes: azimuths of half vectors three times as fine, both sides of `wo` told apart,
-    /// and for the same bytes fewer polar angles. On a brushed metal of roughness 0.06 by 0.4 that halves the spread of weights.
-    pub fn of(table: HalfVectorSettings) -> Self {
-        let preset = HalfVectorSettings::PRESETS
-            .iter()
-            .any(|p| p.1 == table.with_mean());
-        let table = if preset { finer(table) } else { table };
-        Self { azimuths: 8, table }
-    }
-
-    /// # Errors
-    /// [`Error::Argument`] for a number of azimuths outside its domain.
-    pub(super) fn check(&self) -> Result<()> {
-        if (2..=256).contains(&self.azimuths) {
-            return Ok(());
-        }
-        Err(Error::argument(
-            format!("{} azimuths of wo", self.azimuths),
-            "choose 2 to 256",
-        ))
-    }
-}
-
-impl Default for ByAzimuthSettings {
-    fn default() -> Self {
-        Self::of(HalfVectorSettings::default())
-    }
-}
-
-/// About the same bytes with three times the segments, and no fold.
-fn finer(table: HalfVectorSettings) -> HalfVectorSettings {
-    HalfVectorSettings {
-        tables: (table.tables * 3).div_ceil(7),
-        rows: table.rows * 5 / 6,
-        segments: table.segments * 3,
-        fold: false,
-        ..table
-    }
-}
+use crate::sampler::Settings;
+use crate::sampler::knots::split_unit;
 
 /// A half-vector table for each of a few azimuths of `wo`.
 #[derive(Clone, Debug)]
 pub struct ByAzimuth {
-    settings: ByAzimuthSettings,
+    settings: HalfVectorSettings,
     symmetry: Symmetry,
     tables: Vec<HalfVectorTable>,
 }
@@ -88,26 +40,29 @@ struct Pair<'a> {
 }
 
 impl ByAzimuth {
-    /// Tabulates the anisotropic `brdf` on the threads of the current pool; the result does not depend on their number.
+    /// Tabulates the anisotropic `brdf` on the threads of the current pool; the result does not depend on their number. What
+    /// is tabulated is [`HalfVectorSettings::for_anisotropic`].
     ///
     /// # Errors
     /// [`Error::Argument`] for settings outside their domains, or a BRDF that is isotropic.
-    pub fn build(brdf: &dyn Brdf, settings: ByAzimuthSettings) -> Result<Self> {
+    pub fn build(brdf: &dyn Brdf, settings: HalfVectorSettings) -> Result<Self> {
         let symmetry = brdf.symmetry();
         if symmetry == Symmetry::Isotropic {
-            let what = "tables by azimuth are for anisotropic materials, this one is isotropic";
-            return Err(Error::argument(
-                what,
-                "leave the azimuths out: one table serves all of them",
-            ));
+            return Err(azimuths_of_isotropic());
         }
         settings.check()?;
-        let step = step(symmetry, settings.azimuths);
-        let tables = (0..settings.azimuths)
+        let settings = settings.for_anisotropic();
+        let count = settings.azimuths.unwrap_or(1);
+        let table = HalfVectorSettings {
+            azimuths: None,
+            ..settings
+        };
+        let step = step(symmetry, count);
+        let tables = (0..count)
             .into_par_iter()
             .map(|k| {
                 let view = View::new(brdf, Symmetry::START + step * k as f64);
-                HalfVectorTable::build(&view, settings.table)
+                HalfVectorTable::build(&view, table)
             })
             .collect::<Result<_>>()?;
         Ok(Self::from_parts(settings, symmetry, tables))
@@ -115,7 +70,7 @@ impl ByAzimuth {
 
     /// Puts a sampler together from as many tables as the settings say.
     pub(super) fn from_parts(
-        settings: ByAzimuthSettings,
+        settings: HalfVectorSettings,
         symmetry: Symmetry,
         tables: Vec<HalfVectorTable>,
     ) -> Self {
@@ -130,8 +85,8 @@ impl ByAzimuth {
         self.tables.iter().map(HalfVectorTable::stored).collect()
     }
 
-    /// The settings it was built with.
-    pub fn settings(&self) -> &ByAzimuthSettings {
+    /// The settings it was built with, the number of azimuths among them.
+    pub fn settings(&self) -> &HalfVectorSettings {
         &self.settings
     }
 
