@@ -11,9 +11,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::files::{Overwrite, write_new};
-use crate::material::merl::{Header, MerlTable};
-use crate::material::merl::{LookupRule, MerlBrdf};
-use crate::material::{Material, Source};
+use crate::material::merl::Header;
+use crate::material::{LookupRule, Material, MerlBrdf, MerlTable, Origin};
 use crate::sampler::{HalfVectorSettings, HalfVectorTable};
 use crate::{Error, Result};
 
@@ -31,16 +30,16 @@ impl Export {
     /// Loads `material` and builds its table on the threads of the current pool.
     ///
     /// # Errors
-    /// As [`Material::load`] and [`HalfVectorTable::build`].
+    /// As [`Material::load`] and [`HalfVectorTable::build`]; [`Error::Argument`] for a material that is not a MERL table.
     pub fn new(
         material: &Material,
         lookup: LookupRule,
         settings: HalfVectorSettings,
     ) -> Result<Self> {
-        let brdf = Arc::new(MerlBrdf::new(Arc::new(material.load_table()?), lookup));
+        let brdf = material.load(lookup)?.require_table("this export")?.clone();
         Ok(Self {
             name: material.name().to_owned(),
-            embedded: matches!(material.source(), Source::Embedded(_)),
+            embedded: matches!(material.origin(), Origin::Embedded(_)),
             sha256: material.sha256()?,
             table: HalfVectorTable::build(brdf.as_ref(), settings)?,
             brdf,

@@ -3,17 +3,18 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::MaterialFacts;
+use super::facts::{MaterialFacts, no_table};
 use super::merl::{LookupRule, MerlBrdf};
 use super::rgl::RglBrdf;
+use crate::Result;
 use crate::brdf::Brdf;
 use crate::direction_sampler::DirectionSampler;
 use crate::geometry::Symmetry;
-use crate::{Error, Result};
 
 /// A loaded material: its BRDF, and what only some kinds of material have.
 #[derive(Clone)]
 pub struct Loaded {
+    name: String,
     brdf: Arc<dyn Brdf>,
     table: Option<Arc<MerlBrdf>>,
     own_sampler: Option<Arc<dyn DirectionSampler>>,
@@ -25,9 +26,8 @@ impl Loaded {
     pub fn from_table(measured: Arc<MerlBrdf>) -> Self {
         Self {
             bytes: measured.table().bytes(),
-            brdf: measured.clone(),
-            table: Some(measured),
-            own_sampler: None,
+            table: Some(measured.clone()),
+            ..Self::from_brdf(measured)
         }
     }
 
@@ -35,15 +35,15 @@ impl Loaded {
     pub fn from_rgl(rgl: Arc<RglBrdf>) -> Self {
         Self {
             bytes: rgl.table_bytes(),
-            brdf: rgl.clone(),
-            table: None,
-            own_sampler: Some(rgl),
+            own_sampler: Some(rgl.clone()),
+            ..Self::from_brdf(rgl)
         }
     }
 
     /// Any BRDF without tables.
     pub fn from_brdf(brdf: Arc<dyn Brdf>) -> Self {
         Self {
+            name: "the material".into(),
             brdf,
             table: None,
             own_sampler: None,
@@ -51,12 +51,25 @@ impl Loaded {
         }
     }
 
+    /// The same material, called `name` in messages and reports.
+    pub fn named(self, name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            ..self
+        }
+    }
+
+    /// Its name in messages and reports: that of the [`super::Material`] it was loaded from, or "the material".
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// Its BRDF.
     pub fn brdf(&self) -> &Arc<dyn Brdf> {
         &self.brdf
     }
 
-    /// Which azimuths of `wo` stand for all others.
+    /// Which azimuths of `wo` represent all others.
     pub fn symmetry(&self) -> Symmetry {
         self.brdf.symmetry()
     }
@@ -78,14 +91,12 @@ impl Loaded {
     /// The MERL table, for `purpose`, which can't do without: "the adaptive disc".
     ///
     /// # Errors
-    /// [`Error::Argument`] for a material that is no MERL table.
+    /// As [`MaterialFacts::require_table`].
     pub fn require_table(&self, purpose: &str) -> Result<&Arc<MerlBrdf>> {
-        self.table.as_ref().ok_or_else(|| {
-            Error::argument(
-                format!("{purpose} needs a MERL table, and this material is not one"),
-                "name a MERL binary or an embedded material, or make a table with `merlkit import`",
-            )
-        })
+        match &self.table {
+            Some(table) => Ok(table),
+            None => Err(no_table(&self.name, purpose)),
+        }
     }
 
     /// The sampler that its source itself holds, if it does.
@@ -98,6 +109,15 @@ impl Loaded {
         self.table.as_ref().map(|table| table.rule())
     }
 
+    /// How its values are come by, for legends: "floor lookup", "values of the file", "values of a formula".
+    pub fn reading(&self) -> String {
+        match (self.rule(), &self.own_sampler) {
+            (Some(rule), _) => format!("{} lookup", rule.name()),
+            (None, Some(_)) => "values of the file".into(),
+            (None, None) => "values of a formula".into(),
+        }
+    }
+
     /// Bytes of its tables in memory, counted.
     pub fn bytes(&self) -> usize {
         self.bytes
@@ -107,8 +127,8 @@ impl Loaded {
 impl fmt::Debug for Loaded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Loaded")
-            .field("table", &self.table.is_some())
-            .field("own_sampler", &self.own_sampler.is_some())
+            .field("name", &self.name)
+            .field("reading", &self.reading())
             .field("bytes", &self.bytes)
             .finish_non_exhaustive()
     }

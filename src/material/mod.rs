@@ -1,7 +1,12 @@
-//! What a user means by a material: a path or an embedded name.
+//! What a user means by a material, and what is in memory once it is loaded.
+//!
+//! A [`Material`] is an argument that has been understood: a name and an [`Origin`]. [`Material::facts`] says what can be asked
+//! of it, and [`Material::load`] gives [`Loaded`], which every command, sampler and renderer works on.
+//!
+//! A format is one folder here with a `MaterialFormat`, and one line in `FORMATS`. A formula is one file in [`analytic`], and
+//! one line in its list.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
@@ -13,52 +18,103 @@ pub mod rgl;
 
 pub use facts::MaterialFacts;
 pub use loaded::Loaded;
+pub use merl::{LookupRule, MerlBrdf, MerlTable};
+pub use rgl::RglBrdf;
 
 use crate::files::RegularFile;
-use crate::geometry::Symmetry;
 use crate::{Error, Result};
-use merl::{BinPoint, LookupRule, MerlBrdf, MerlTable, embedded, import_bsdf, load};
-use rgl::{BsdfFile, RglBrdf, looks_like_bsdf};
+use merl::embedded;
+
+/// How one kind of material is recognised and loaded.
+trait MaterialFormat: Sync {
+    /// Whether materials of this origin are of this format; a file is known by its first bytes.
+    fn recognises(&self, origin: &Origin) -> bool;
+
+    /// What the material is, with no more work than that takes.
+    ///
+    /// # Errors
+    /// Those of reading the material.
+    fn facts(&self, origin: &Origin) -> Result<MaterialFacts>;
+
+    /// Loads the material; formats without a table have no use for `rule`.
+    ///
+    /// # Errors
+    /// Those of reading the material.
+    fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded>;
+}
+
+/// All formats: the first that recognises an origin reads it. What none recognises is read as a MERL binary, which begins
+/// with no magic number and whose reader says what is wrong.
+const FORMATS: [&dyn MaterialFormat; 3] = [
+    &rgl::RglFormat,
+    &merl::EmbeddedNetworks,
+    &analytic::Formulas,
+];
 
 /// Where a material's values come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum Origin {
     /// A MERL binary, or a `.bsdf` file.
     File(PathBuf),
-    /// One of the embedded networks.
+    /// One of the embedded networks, by its name.
     Embedded(String),
+    /// A formula with all its parameters, as "lambert:reflectance=0.5".
+    Formula(String),
+}
+
+impl Origin {
+    /// What it holds, as a path: of a file its path, otherwise the name or the formula's text as it is.
+    fn path(&self) -> &Path {
+        match self {
+            Self::File(path) => path,
+            Self::Embedded(text) | Self::Formula(text) => Path::new(text),
+        }
+    }
 }
 
 /// A named material whose values are not loaded yet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Material {
     name: String,
-    source: Source,
+    origin: Origin,
 }
 
 impl Material {
-    /// Resolves an argument: an embedded name, or a path to a MERL binary or a `.bsdf` file.
+    /// Resolves an argument: an embedded name, a formula as "lambert:reflectance=0.5", or a path to a MERL binary or a
+    /// `.bsdf` file.
     ///
-    /// A bare word is an embedded name first; `./nickel` or `nickel.binary` is a path.
+    /// A bare word is an embedded name or a formula first; `./nickel` or `nickel.binary` is a path.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a word that is neither, with the nearest embedded names; [`Error::Io`] for a path that does
-    /// not exist.
+    /// [`Error::Argument`] for a word that is none of them, with the nearest embedded names, and for a formula's parameter that
+    /// is unknown or outside its domain; [`Error::Io`] for a path that does not exist.
     pub fn resolve(argument: &str) -> Result<Self> {
         if embedded::names().iter().any(|n| n == argument) {
             return Ok(Self {
                 name: argument.into(),
-                source: Source::Embedded(argument.into()),
+                origin: Origin::Embedded(argument.into()),
             });
         }
         let path = Path::new(argument);
+        if !path.exists()
+            && let Some(text) = analytic::canonical_text(argument)?
+        {
+            return Ok(Self {
+                name: text.replace([':', ',', '/'], "-"),
+                origin: Origin::Formula(text),
+            });
+        }
+        Self::resolve_path(argument, path)
+    }
+
+    fn resolve_path(argument: &str, path: &Path) -> Result<Self> {
         if path.exists() {
             let name = path
                 .file_stem()
                 .map_or_else(|| argument.into(), |s| s.to_string_lossy().into_owned());
             return Ok(Self {
                 name,
-                source: Source::File(path.to_owned()),
+                origin: Origin::File(path.to_owned()),
             });
         }
         if path.extension().is_some() || path.components().count() > 1 {
@@ -70,102 +126,66 @@ impl Material {
         ))
     }
 
-    /// Short name, without folder or extension.
+    /// Short name, without folder or extension; of a formula, its text with `-` for what no file is called by.
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// Where the values come from.
-    pub fn source(&self) -> &Source {
-        &self.source
+    pub fn origin(&self) -> &Origin {
+        &self.origin
     }
 
     /// What it is, without loading its values; a `.bsdf` file is read to know.
     ///
     /// # Errors
-    /// As [`BsdfFile::open`], for what begins as such a file.
+    /// As [`rgl::BsdfFile::open`], for what begins as such a file.
     pub fn facts(&self) -> Result<MaterialFacts> {
-        let rgl = match &self.source {
-            Source::File(path) if looks_like_bsdf(path) => {
-                Some(RglBrdf::new(BsdfFile::open(path)?)).filter(|rgl| !rgl.is_isotropic())
-            }
-            Source::File(_) | Source::Embedded(_) => None,
-        };
-        Ok(MaterialFacts {
-            symmetry: rgl.as_ref().map_or(Symmetry::Isotropic, RglBrdf::symmetry),
-            has_table: rgl.is_none(),
-            has_own_sampler: rgl.is_some(),
-        })
+        self.format().facts(&self.origin)
     }
 
-    /// Whether it is an anisotropic `.bsdf` file, which is read to know.
+    /// Loads it: a MERL table with `rule`, for which other materials have no use. A `.bsdf` file is evaluated as it is.
     ///
     /// # Errors
-    /// As [`BsdfFile::open`], for what begins as such a file.
-    pub fn is_anisotropic(&self) -> Result<bool> {
-        match &self.source {
-            Source::File(path) if looks_like_bsdf(path) => {
-                Ok(!BsdfFile::open(path)?.is_isotropic())
-            }
-            Source::File(_) | Source::Embedded(_) => Ok(false),
-        }
-    }
-
-    /// Loads it: a table with `rule`, for which other materials have no use. An isotropic `.bsdf` file is resampled into a
-    /// table.
-    ///
-    /// # Errors
-    /// As [`load`], or as [`BsdfFile::open`].
+    /// As [`merl::load`], or as [`rgl::BsdfFile::open`].
     pub fn load(&self, rule: LookupRule) -> Result<Loaded> {
-        if let Source::File(path) = &self.source
-            && looks_like_bsdf(path)
-        {
-            let rgl = RglBrdf::new(BsdfFile::open(path)?);
-            if !rgl.is_isotropic() {
-                return Ok(Loaded::from_rgl(Arc::new(rgl)));
-            }
-        }
-        let table = Arc::new(self.load_table()?);
-        Ok(Loaded::from_table(Arc::new(MerlBrdf::new(table, rule))))
+        let loaded = self.format().load(&self.origin, rule)?;
+        Ok(loaded.named(&self.name))
     }
 
-    /// Loads or decodes the table. A `.bsdf` file, known by its first bytes, is resampled at the centres of bins.
-    ///
-    /// # Errors
-    /// As [`load`], or as [`import_bsdf`]: [`Error::Unsupported`] for an anisotropic file.
-    pub fn load_table(&self) -> Result<MerlTable> {
-        match &self.source {
-            Source::File(path) if looks_like_bsdf(path) => {
-                Ok(import_bsdf(path, BinPoint::Centre)?.0)
+    fn format(&self) -> &'static dyn MaterialFormat {
+        for format in FORMATS {
+            if format.recognises(&self.origin) {
+                return format;
             }
-            Source::File(path) => load(path),
-            Source::Embedded(name) => embedded::decode(name)
-                .ok_or_else(|| Error::argument(format!("no material {name}"), suggestion(name))),
         }
+        &merl::MerlBinary
     }
 
-    /// SHA-256, in hexadecimal, of the bytes that define the material: the file, or the embedded network's weights.
+    /// SHA-256, in hexadecimal, of the bytes that define the material: the file, the embedded network's weights, or the
+    /// formula's text.
     ///
     /// # Errors
     /// [`Error::Io`] if the file can't be read.
     pub fn sha256(&self) -> Result<String> {
-        let digest = match &self.source {
-            Source::File(path) => digest_of(RegularFile::open(path)?)?,
-            Source::Embedded(name) => Sha256::digest(embedded::weights(name).unwrap_or_default()),
+        let digest = match &self.origin {
+            Origin::File(path) => hash_file(RegularFile::open(path)?)?,
+            Origin::Embedded(name) => Sha256::digest(embedded::weights(name).unwrap_or_default()),
+            Origin::Formula(text) => Sha256::digest(text),
         };
         Ok(digest.iter().map(|b| format!("{b:02x}")).collect())
     }
 }
 
-/// Of the file's length when it was opened, so that one that grows meanwhile has an end.
-fn digest_of(mut file: RegularFile) -> Result<sha2::digest::Output<Sha256>> {
+/// Hashes the length that the file had when it was opened, so that one that grows meanwhile has an end.
+fn hash_file(mut file: RegularFile) -> Result<sha2::digest::Output<Sha256>> {
     let (mut hash, mut buffer) = (Sha256::new(), vec![0; 1 << 16]);
-    let mut at = 0;
-    while at < file.len() {
-        let piece = (file.len() - at).min(buffer.len() as u64) as usize;
-        file.read_at(at, &mut buffer[..piece])?;
+    let mut offset = 0;
+    while offset < file.len() {
+        let piece = (file.len() - offset).min(buffer.len() as u64) as usize;
+        file.read_at(offset, &mut buffer[..piece])?;
         hash.update(&buffer[..piece]);
-        at += piece as u64;
+        offset += piece as u64;
     }
     Ok(hash.finalize())
 }
@@ -204,5 +224,18 @@ mod tests {
             message.starts_with("no/such.binary: cannot open"),
             "{message}"
         );
+    }
+
+    #[test]
+    fn formulas_are_materials() {
+        let material = Material::resolve("lambert:reflectance=0.8/0.5/0.25").unwrap();
+        assert_eq!(material.name(), "lambert-reflectance=0.8-0.5-0.25");
+        let facts = material.facts().unwrap();
+        assert!(facts.is_isotropic() && !facts.has_table && !facts.has_own_sampler);
+        let same = Material::resolve("lambert: reflectance = 0.50").unwrap();
+        let default = Material::resolve("lambert").unwrap();
+        assert_eq!(same, default);
+        assert_eq!(same.sha256().unwrap(), default.sha256().unwrap());
+        assert_ne!(material.sha256().unwrap(), default.sha256().unwrap());
     }
 }

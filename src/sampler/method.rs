@@ -8,7 +8,6 @@ use super::settings::Settings;
 use super::store::{TensorWriter, Tensors};
 use crate::Result;
 use crate::direction_sampler::DirectionSampler;
-use crate::geometry::Symmetry;
 use crate::material::{Loaded, MaterialFacts};
 
 /// What a method asks of a material.
@@ -30,7 +29,7 @@ impl Needs {
     pub fn are_met_by(self, facts: &MaterialFacts) -> bool {
         match self {
             Self::AnyMaterial => true,
-            Self::IsotropicMaterial => facts.symmetry == Symmetry::Isotropic,
+            Self::IsotropicMaterial => facts.is_isotropic(),
             Self::MerlTable => facts.has_table,
             Self::OwnSampler => facts.has_own_sampler,
         }

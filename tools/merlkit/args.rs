@@ -5,9 +5,8 @@ use std::collections::BTreeSet;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use merlkit::Error;
-use merlkit::material::Material;
-use merlkit::material::merl::LookupRule;
 use merlkit::material::merl::embedded_names;
+use merlkit::material::{LookupRule, Material};
 
 /// Parses a lookup rule by its name.
 pub fn lookup_rule() -> impl TypedValueParser<Value = LookupRule> {
@@ -40,7 +39,7 @@ fn sin_cos_degrees(angle: f64) -> (f64, f64) {
 /// The materials of a command that takes any number of them.
 #[derive(clap::Args)]
 pub struct Materials {
-    /// Paths to MERL binaries or .bsdf files, or names of embedded materials
+    /// Paths to MERL binaries or .bsdf files, names of embedded materials, or formulas as lambert:reflectance=0.5
     // An option that conflicts with it, as --all does, lifts the requirement.
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
@@ -82,15 +81,18 @@ pub fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
     }
 }
 
-/// For commands that need tables, before they begin: an anisotropic file is none.
-pub fn refuse_anisotropic(materials: &[Material]) -> Result<(), Error> {
-    for material in materials {
-        if material.is_anisotropic()? {
-            // Which says what it is and what takes it.
-            material.load_table()?;
-        }
-    }
-    Ok(())
+/// Before a command that needs MERL tables for `purpose` begins: materials that are none are refused.
+pub fn require_tables(materials: &[Material], purpose: &str) -> Result<(), Error> {
+    materials
+        .iter()
+        .try_for_each(|m| m.facts()?.require_table(m.name(), purpose))
+}
+
+/// Before a command begins whose `purpose` knows no azimuth of the surface: anisotropic materials are refused.
+pub fn require_isotropic(materials: &[Material], purpose: &str) -> Result<(), Error> {
+    materials
+        .iter()
+        .try_for_each(|m| m.facts()?.require_isotropic(m.name(), purpose))
 }
 
 /// Parses one of a few names.

@@ -265,7 +265,7 @@ impl SamplerArgs {
         Ok(specs)
     }
 
-    /// As [`Self::specs`]; for an anisotropic material, all that it can have.
+    /// As [`Self::specs`]; where none are named, all that the material supports, among them the density that its own file holds.
     ///
     /// # Errors
     /// As [`Self::spec`].
@@ -275,15 +275,18 @@ impl SamplerArgs {
         names: &[String],
         sizes: &[&str],
     ) -> Result<Vec<SamplerSpec>, Error> {
-        let anisotropic = material.is_anisotropic()?;
-        if !names.is_empty() || !anisotropic {
-            let specs = self.specs(names, sizes)?;
-            specs.iter().try_for_each(|s| s.serve(anisotropic))?;
-            return Ok(specs);
+        let facts = material.facts()?;
+        if names.is_empty() && !facts.is_isotropic() {
+            self.refuse_foreign(&[DEFAULT])?;
         }
-        self.refuse_foreign(&[DEFAULT])?;
-        let mut specs = self.half_vectors(sizes);
-        specs.extend([SamplerSpec::Cosine, SamplerSpec::File]);
+        let mut specs = self.specs(names, sizes)?;
+        if names.is_empty() {
+            specs.push(SamplerSpec::File);
+            specs.retain(|spec| {
+                matches!(spec, SamplerSpec::ByAzimuth(_)) || spec.check_supports(&facts).is_ok()
+            });
+        }
+        specs.iter().try_for_each(|s| s.check_supports(&facts))?;
         Ok(specs)
     }
 

@@ -1,17 +1,32 @@
-//! The floor's reflectance.
+//! Ideal diffuse reflection: `lambert:reflectance=0.5`.
+
+use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
 
 use glam::Vec3;
-use std::f32::consts::FRAC_1_PI;
 
+use super::Model;
+use super::parameters::Parameters;
+use crate::Result;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::geometry::unit_upper;
 
+pub(super) const MODEL: Model = Model {
+    name: "lambert",
+    build,
+};
+
 /// Equal radiance in all directions: f_r = reflectance/π.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lambert {
-    /// Share of the light that is reflected, in [0, 1] per channel.
+    /// Fraction of the light that is reflected, in [0, 1] per channel.
     pub reflectance: Rgb,
+}
+
+fn build(parameters: &mut Parameters) -> Result<Arc<dyn Brdf>> {
+    let reflectance = parameters.colour("reflectance", 0.0..=1.0, 0.5)?;
+    Ok(Arc::new(Lambert { reflectance }))
 }
 
 impl Brdf for Lambert {

@@ -23,9 +23,9 @@ pub enum LookupRule {
     /// The value of the bin that holds the angles, as the original MERL reader.
     #[default]
     Floor,
-    /// Trilinear, values standing at the lower edges of their bins.
+    /// Trilinear, values at the lower edges of their bins.
     Linear,
-    /// Trilinear, values standing at the centres of their bins.
+    /// Trilinear, values at the centres of their bins.
     Centred,
 }
 
@@ -65,9 +65,7 @@ impl MerlBrdf {
     pub fn rule(&self) -> LookupRule {
         self.rule
     }
-}
 
-impl MerlBrdf {
     /// f_r of unit directions above the horizon.
     #[inline]
     fn value(&self, wo: Vec3, wi: Vec3) -> Rgb {

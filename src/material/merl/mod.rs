@@ -1,4 +1,4 @@
-//! MERL data (Matusik et al. 2003): files, the embedded materials and the decoded table.
+//! MERL data (Matusik et al. 2003): binary files, the embedded materials, the decoded table and its lookup rules.
 
 mod brdf;
 mod decode;
@@ -10,16 +10,73 @@ mod lookup;
 mod table;
 mod write;
 
+use std::sync::Arc;
+
 pub use brdf::{LookupRule, MerlBrdf};
 pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
 pub use header::{Header, THETA_D_BINS, THETA_H_BINS};
-
-pub use import::{BinPoint, import_bsdf};
+pub use import::{BinPoint, tabulate_brdf};
 pub use lookup::BinIndex;
 pub use table::{Census, MerlTable};
 pub use write::write;
 
+use super::{Loaded, MaterialFacts, MaterialFormat, Origin};
+use crate::geometry::Symmetry;
+use crate::{Error, Result};
+
 /// Factors from a file's raw values to f_r in sr⁻¹, for red, green and blue.
 pub const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+
+/// What every table is.
+const FACTS: MaterialFacts = MaterialFacts {
+    symmetry: Symmetry::Isotropic,
+    has_table: true,
+    has_own_sampler: false,
+};
+
+/// MERL binaries, which begin with their dimensions and no magic number.
+pub(super) struct MerlBinary;
+
+impl MaterialFormat for MerlBinary {
+    fn recognises(&self, origin: &Origin) -> bool {
+        matches!(origin, Origin::File(_))
+    }
+
+    fn facts(&self, _: &Origin) -> Result<MaterialFacts> {
+        Ok(FACTS)
+    }
+
+    fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded> {
+        Ok(with_rule(load(origin.path())?, rule))
+    }
+}
+
+/// The materials that are compiled in.
+pub(super) struct EmbeddedNetworks;
+
+impl MaterialFormat for EmbeddedNetworks {
+    fn recognises(&self, origin: &Origin) -> bool {
+        matches!(origin, Origin::Embedded(_))
+    }
+
+    fn facts(&self, _: &Origin) -> Result<MaterialFacts> {
+        Ok(FACTS)
+    }
+
+    fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded> {
+        let name = origin.path().to_string_lossy();
+        match decode_embedded(&name) {
+            Some(table) => Ok(with_rule(table, rule)),
+            None => Err(Error::argument(
+                format!("no embedded material is called \"{name}\""),
+                "choose one of `merlkit list`",
+            )),
+        }
+    }
+}
+
+fn with_rule(table: MerlTable, rule: LookupRule) -> Loaded {
+    Loaded::from_table(Arc::new(MerlBrdf::new(Arc::new(table), rule)))
+}

@@ -1,7 +1,6 @@
 //! The decoded table: one cell of RGB and validity for every bin.
 
 use glam::{Vec3, Vec4};
-use ndarray::{ArrayView4, aview1};
 
 use super::{Header, SCALE, THETA_D_BINS, THETA_H_BINS};
 use crate::color::Rgb;
@@ -84,15 +83,6 @@ impl MerlTable {
         self.cells[self.index(theta_h, theta_d, phi_d)].w != 0.0
     }
 
-    /// The table as an array `[theta_h, theta_d, phi_d, (r, g, b, valid)]`.
-    pub fn as_array(&self) -> ArrayView4<'_, f32> {
-        let flat: &[f32] = self.cells.as_flattened_f32();
-        let shape = (THETA_H_BINS, THETA_D_BINS, self.header.phi_d_bins, 4);
-        aview1(flat)
-            .into_shape_with_order(shape)
-            .unwrap_or_else(|_| unreachable!("the length is the shape's product"))
-    }
-
     /// Cells without a usable value.
     pub fn census(&self) -> Census {
         self.census
@@ -120,17 +110,6 @@ impl std::fmt::Debug for MerlTable {
             .field("header", &self.header)
             .field("census", &self.census)
             .finish_non_exhaustive()
-    }
-}
-
-/// `Vec4` is four packed floats; this spells the slice out without a cast.
-trait FlattenF32 {
-    fn as_flattened_f32(&self) -> &[f32];
-}
-
-impl FlattenF32 for Vec<Vec4> {
-    fn as_flattened_f32(&self) -> &[f32] {
-        bytemuck::cast_slice(self)
     }
 }
 

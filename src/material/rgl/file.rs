@@ -7,6 +7,7 @@ use super::spectrum::to_rgb;
 use super::tensors::{Data, Tensor, TensorFile, write};
 use crate::Result;
 use crate::files::Overwrite;
+use crate::geometry::Symmetry;
 
 /// The tensors of a measured material, as Mitsuba 3 and pbrt-v4 read them.
 ///
@@ -148,9 +149,18 @@ impl BsdfFile {
         write(path, overwrite, &fields)
     }
 
-    /// Whether turning both directions about the normal leaves values as they are: at most two `phi_i`.
-    pub fn is_isotropic(&self) -> bool {
-        self.phi_i.len() <= 2
+    /// Which azimuths of the given direction represent all others. At most two `phi_i`: the material is isotropic. More: the
+    /// azimuths outside their span are turns or mirror images of those inside.
+    pub fn symmetry(&self) -> Symmetry {
+        let span = match self.phi_i.as_slice() {
+            [first, _, .., last] => f64::from(last - first),
+            _ => return Symmetry::Isotropic,
+        };
+        match (std::f64::consts::TAU / span).round() as u32 {
+            0 | 1 => Symmetry::Whole,
+            4 => Symmetry::Quarter,
+            _ => Symmetry::Half,
+        }
     }
 }
 

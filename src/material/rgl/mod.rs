@@ -1,18 +1,45 @@
 //! `.bsdf` files: measured materials as Mitsuba 3 and pbrt-v4 read them (Dupuy & Jakob 2018, the RGL database).
 //!
 //! A file tabulates f_r·cosθᵢ for some given directions over a square of half vectors, and a density to draw half vectors by.
-//! Where a MERL table comes from or goes to is [`crate::material::merl`]'s business.
+//! It is evaluated and sampled as it is, isotropic or not.
 
 mod brdf;
 mod file;
-mod rgl;
 mod sampler;
 mod spectrum;
 mod tabulate;
 mod tensors;
 mod warp;
 
+use std::sync::Arc;
+
+pub use brdf::RglBrdf;
 pub use file::{BsdfFile, Colour};
-pub use rgl::RglBrdf;
 pub use tabulate::{BsdfSize, tabulate};
 pub use tensors::{Tensor, looks_like_bsdf};
+
+use super::merl::LookupRule;
+use super::{Loaded, MaterialFacts, MaterialFormat, Origin};
+use crate::Result;
+
+/// Files that begin as a `.bsdf` file does.
+pub(super) struct RglFormat;
+
+impl MaterialFormat for RglFormat {
+    fn recognises(&self, origin: &Origin) -> bool {
+        matches!(origin, Origin::File(path) if looks_like_bsdf(path))
+    }
+
+    fn facts(&self, origin: &Origin) -> Result<MaterialFacts> {
+        Ok(MaterialFacts {
+            symmetry: BsdfFile::open(origin.path())?.symmetry(),
+            has_table: false,
+            has_own_sampler: true,
+        })
+    }
+
+    fn load(&self, origin: &Origin, _: LookupRule) -> Result<Loaded> {
+        let file = BsdfFile::open(origin.path())?;
+        Ok(Loaded::from_rgl(Arc::new(RglBrdf::new(file))))
+    }
+}

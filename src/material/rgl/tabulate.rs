@@ -58,12 +58,12 @@ pub fn tabulate(
     description: String,
 ) -> BsdfFile {
     let theta_i = angles(size.angles);
-    let slices: Vec<Slice> = theta_i
+    let slices: Vec<ViewTables> = theta_i
         .par_iter()
-        .map(|&theta| Slice::at(f64::from(theta), size.side, &value))
+        .map(|&theta| ViewTables::at(f64::from(theta), size.side, &value))
         .collect();
     let (n, t) = (size.side, theta_i.len());
-    let collect = |shape: &[usize], part: fn(&Slice) -> &Vec<f32>| Tensor {
+    let collect = |shape: &[usize], part: fn(&ViewTables) -> &Vec<f32>| Tensor {
         shape: shape.to_vec(),
         values: slices
             .iter()
@@ -110,19 +110,19 @@ fn angles(count: usize) -> Vec<f32> {
 }
 
 /// One given direction's tables.
-struct Slice {
+struct ViewTables {
     /// `[3, n, n]`.
     rgb: Vec<f32>,
     /// `[n, n]`.
     luminance: Vec<f32>,
 }
 
-impl Slice {
+impl ViewTables {
     fn at(theta: f64, side: usize, value: &(impl Fn(Vec3, Vec3) -> Rgb + Sync)) -> Self {
         let wo = spherical(theta, 0.0);
         let (mut rgb, mut mass) = (vec![0.0; 3 * side * side], Vec::with_capacity(side * side));
         for k in 0..side * side {
-            let node = Node::at(k % side, k / side, side, wo);
+            let node = SquareNode::at(k % side, k / side, side, wo);
             let f = node.value_cos(wo, value);
             (0..3).for_each(|c| rgb[c * side * side + k] = f[c]);
             mass.push(f64::from(luminance(f)) * node.jacobian);
@@ -138,13 +138,13 @@ impl Slice {
 }
 
 /// A half vector and the direction `wo` is reflected to.
-struct Node {
+struct SquareNode {
     wi: DVec3,
     /// Solid angle of `wi` to a unit of area on the square.
     jacobian: f64,
 }
 
-impl Node {
+impl SquareNode {
     fn at(column: usize, row: usize, side: usize, wo: DVec3) -> Self {
         let [x, y] = [column, row].map(|k| k as f64 / (side - 1) as f64);
         let theta_m = x * x * FRAC_PI_2;

@@ -5,16 +5,16 @@
 
 use super::tensors::Tensor;
 
-/// The (at most four) tabulated slices about a pair of angles, and their shares.
+/// The (at most four) tabulated slices about a pair of angles, and their weights.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Blend([(usize, f64); 4]);
+pub(super) struct SliceBlend([(usize, f64); 4]);
 
-impl Blend {
+impl SliceBlend {
     /// For grids that depend on nothing.
     pub const ONLY: Self = Self([(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]);
 
-    /// About `phi` and `theta` on the axes of a file; slices are numbered with theta the faster.
-    pub fn about(phi: f64, theta: f64, phi_i: &[f32], theta_i: &[f32]) -> Self {
+    /// The slices about `phi` and `theta` (radians) on the axes of a file; slices are numbered with theta the faster.
+    pub fn between(phi: f64, theta: f64, phi_i: &[f32], theta_i: &[f32]) -> Self {
         let ((p, v), (t, w)) = (neighbours(phi, phi_i), neighbours(theta, theta_i));
         let at =
             |p: usize, t: usize| p.min(phi_i.len() - 1) * theta_i.len() + t.min(theta_i.len() - 1);
@@ -27,18 +27,18 @@ impl Blend {
     }
 
     #[inline]
-    fn of(&self, value: impl Fn(usize) -> f32) -> f64 {
+    fn mean(&self, value: impl Fn(usize) -> f32) -> f64 {
         let mut sum = 0.0;
-        for &(slice, share) in &self.0 {
-            if share > 0.0 {
-                sum += share * f64::from(value(slice));
+        for &(slice, weight) in &self.0 {
+            if weight > 0.0 {
+                sum += weight * f64::from(value(slice));
             }
         }
         sum
     }
 }
 
-/// The tabulated value at or below `x` on a rising axis that is not empty, and the share of the next; clamped at both ends.
+/// The tabulated value at or below `x` on a rising axis that is not empty, and the weight of the next; clamped at both ends.
 fn neighbours(x: f64, axis: &[f32]) -> (usize, f64) {
     let low = axis
         .partition_point(|&a| f64::from(a) <= x)
@@ -53,18 +53,18 @@ fn neighbours(x: f64, axis: &[f32]) -> (usize, f64) {
     }
 }
 
-/// A cell of a grid and the place in it.
+/// A cell of a grid and a point inside it, x and y in [0, 1].
 #[derive(Clone, Copy)]
-struct Patch {
+struct GridCell {
     column: usize,
     row: usize,
     x: f64,
     y: f64,
 }
 
-impl Patch {
+impl GridCell {
     /// The cell that holds a point; points outside the square go to its edge.
-    fn of(point: [f64; 2], width: usize, height: usize) -> Self {
+    fn containing(point: [f64; 2], width: usize, height: usize) -> Self {
         let along = |v: f64, n: usize| {
             let scaled = v.clamp(0.0, 1.0) * (n - 1) as f64;
             let cell = (scaled as usize).min(n - 2);
@@ -77,14 +77,14 @@ impl Patch {
 
 /// `shape` is `[…, h, w]`, every `[h, w]` one slice of `channels` in a row.
 #[derive(Debug)]
-pub(super) struct Grid {
+pub(super) struct SliceGrid {
     values: Vec<f32>,
     width: usize,
     height: usize,
     channels: usize,
 }
 
-impl Grid {
+impl SliceGrid {
     /// A tensor whose last two axes, of at least 2 each, are the square; the one before is `channels` long, if not 1.
     pub fn new(tensor: Tensor, channels: usize) -> Self {
         let axes = tensor.shape.len();
@@ -97,18 +97,18 @@ impl Grid {
     }
 
     /// Value of a channel at a point.
-    pub fn at(&self, point: [f64; 2], channel: usize, blend: &Blend) -> f64 {
-        let patch = Patch::of(point, self.width, self.height);
+    pub fn interpolate(&self, point: [f64; 2], channel: usize, blend: &SliceBlend) -> f64 {
+        let patch = GridCell::containing(point, self.width, self.height);
         let [left, right] = self.corners(&patch, channel, blend);
         left + (right - left) * patch.x
     }
 
     /// Values on the left and right of a cell.
-    fn corners(&self, patch: &Patch, channel: usize, blend: &Blend) -> [f64; 2] {
+    fn corners(&self, patch: &GridCell, channel: usize, blend: &SliceBlend) -> [f64; 2] {
         let first = patch.row * self.width + patch.column;
         let side = |k: usize| {
             let at = |k: usize| {
-                blend.of(|slice| {
+                blend.mean(|slice| {
                     let start = (slice * self.channels + channel) * self.width * self.height;
                     self.values[start + k]
                 })
@@ -132,18 +132,18 @@ impl Grid {
 /// A density on the square in each slice, and the continuous map that draws from it: y by the marginal, then x by the
 /// density along the row, both piecewise linear.
 #[derive(Debug)]
-pub(super) struct Warp {
-    density: Grid,
+pub(super) struct SquareWarp {
+    density: SliceGrid,
     /// Integral over x up to each column, of each row: `[slice, h, w − 1]`.
     along: Vec<f32>,
     /// Integral over y up to each row: `[slice, h − 1]`.
     rows: Vec<f32>,
 }
 
-impl Warp {
+impl SquareWarp {
     /// From values ≥ 0, each slice above 0 somewhere; slices are normalised.
     pub fn new(tensor: Tensor) -> Self {
-        let mut density = Grid::new(tensor, 1);
+        let mut density = SliceGrid::new(tensor, 1);
         let (w, h) = (density.width, density.height);
         let (step_x, step_y) = (0.5 / (w - 1) as f64, 0.5 / (h - 1) as f64);
         let (mut along, mut rows, mut scales) = (Vec::new(), Vec::new(), Vec::new());
@@ -172,14 +172,14 @@ impl Warp {
     }
 
     /// Density at a point of the square.
-    pub fn density(&self, point: [f64; 2], blend: &Blend) -> f64 {
-        self.density.at(point, 0, blend)
+    pub fn density(&self, point: [f64; 2], blend: &SliceBlend) -> f64 {
+        self.density.interpolate(point, 0, blend)
     }
 
     /// The point of the square that is mapped to `point`, and the density there. 0 on both axes where nothing is drawn.
-    pub fn invert(&self, point: [f64; 2], blend: &Blend) -> ([f64; 2], f64) {
+    pub fn invert(&self, point: [f64; 2], blend: &SliceBlend) -> ([f64; 2], f64) {
         let (w, h) = (self.density.width, self.density.height);
-        let patch = Patch::of(point, w, h);
+        let patch = GridCell::containing(point, w, h);
         let [left, right] = self.density.corners(&patch, 0, blend);
         let inside = 0.5 * (left + left + (right - left) * patch.x) * patch.x / (w - 1) as f64;
         let x = self.row_sum(&patch, patch.column, blend) + inside;
@@ -192,7 +192,7 @@ impl Warp {
     }
 
     /// The point that `u` is mapped to.
-    pub fn sample(&self, u: [f64; 2], blend: &Blend) -> [f64; 2] {
+    pub fn sample(&self, u: [f64; 2], blend: &SliceBlend) -> [f64; 2] {
         let (w, h) = (self.density.width, self.density.height);
         let row = search(h - 1, |k| self.rows_to(k + 1, blend) <= u[1]);
         let [low, high] = self.row_totals(row, blend);
@@ -201,7 +201,7 @@ impl Warp {
             low,
             high,
         );
-        let mut patch = Patch {
+        let mut patch = GridCell {
             column: 0,
             row,
             x: 0.0,
@@ -224,23 +224,23 @@ impl Warp {
     }
 
     /// Integral over x up to a column, along the row that a patch's y means.
-    fn row_sum(&self, patch: &Patch, column: usize, blend: &Blend) -> f64 {
+    fn row_sum(&self, patch: &GridCell, column: usize, blend: &SliceBlend) -> f64 {
         if column == 0 {
             return 0.0;
         }
         let (w, h) = (self.density.width, self.density.height);
         let at =
-            |row: usize| blend.of(|slice| self.along[(slice * h + row) * (w - 1) + column - 1]);
+            |row: usize| blend.mean(|slice| self.along[(slice * h + row) * (w - 1) + column - 1]);
         let (low, high) = (at(patch.row), at(patch.row + 1));
         low + (high - low) * patch.y
     }
 
     /// Integrals over x along a row and the next.
-    fn row_totals(&self, row: usize, blend: &Blend) -> [f64; 2] {
+    fn row_totals(&self, row: usize, blend: &SliceBlend) -> [f64; 2] {
         let last = self.density.width - 1;
         [0.0, 1.0].map(|y| {
             self.row_sum(
-                &Patch {
+                &GridCell {
                     column: 0,
                     row,
                     x: 0.0,
@@ -253,12 +253,12 @@ impl Warp {
     }
 
     /// Integral over y up to a row.
-    fn rows_to(&self, row: usize, blend: &Blend) -> f64 {
+    fn rows_to(&self, row: usize, blend: &SliceBlend) -> f64 {
         let h = self.density.height;
         if row == 0 {
             0.0
         } else {
-            blend.of(|slice| self.rows[slice * (h - 1) + row - 1])
+            blend.mean(|slice| self.rows[slice * (h - 1) + row - 1])
         }
     }
 }

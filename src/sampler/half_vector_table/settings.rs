@@ -181,7 +181,7 @@ impl Method for HalfVector {
     type Settings = HalfVectorSettings;
 
     fn check_facts(settings: &HalfVectorSettings, facts: &MaterialFacts) -> Result<()> {
-        if facts.symmetry == Symmetry::Isotropic && settings.azimuths.is_some() {
+        if facts.is_isotropic() && settings.azimuths.is_some() {
             return Err(azimuths_of_isotropic());
         }
         Ok(())

@@ -16,7 +16,7 @@ use super::{Sampler, SamplerSpec};
 use crate::files::{Overwrite, RegularFile, write_new};
 use crate::material::Loaded;
 use crate::material::merl::LookupRule;
-use crate::material::{Material, Source};
+use crate::material::{Material, Origin};
 use crate::{Error, Result};
 
 pub(super) use curves::{read_curves, write_curves};
@@ -39,7 +39,7 @@ pub struct Record {
     settings: serde_json::Value,
     /// Name of the material.
     pub material: String,
-    /// Path of the MERL binary as it was named when building, or `None` for an embedded material.
+    /// Path of the material's file as it was named when building, or its formula; `None` for an embedded material.
     pub path: Option<String>,
     /// SHA-256 of the material's defining bytes.
     pub source_sha256: String,
@@ -96,9 +96,10 @@ pub fn encode(sampler: &Sampler, material: &Material) -> Result<Vec<u8>> {
         spec: sampler.spec().clone(),
         settings: sampler.fitted().to_json()?,
         material: material.name().into(),
-        path: match material.source() {
-            Source::File(path) => Some(path.to_string_lossy().into_owned()),
-            Source::Embedded(_) => None,
+        path: match material.origin() {
+            Origin::File(path) => Some(path.to_string_lossy().into_owned()),
+            Origin::Embedded(_) => None,
+            Origin::Formula(text) => Some(text.clone()),
         },
         source_sha256: material.sha256()?,
         lookup: sampler.rule(),

@@ -49,7 +49,7 @@ pub fn run(args: &Args) -> Outcome {
     args::refuse_repeated(&materials)?;
     materials
         .iter()
-        .try_for_each(|m| spec.serve(m.is_anisotropic()?))?;
+        .try_for_each(|m| spec.check_supports(&m.facts()?))?;
     let overwrite = output::overwrite(args.force);
     let jobs = destinations(args, materials)?;
     for (_, path) in &jobs {

@@ -2,17 +2,15 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::light::Environment;
-use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::{Loaded, LookupRule, Material, MaterialFacts};
 use merlkit_evaluate::measure::compare::{
-    Comparison, ComparisonPlan, MATERIALS, MaterialComparison, Named, PictureComparison,
-    PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors,
-    curve, knobs, picture_competitors, picture_reference, pictures, references, setting, verdict,
+    Comparison, ComparisonPlan, MATERIALS, MaterialComparison, PictureComparison, PicturePlan,
+    PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors, curve, knobs,
+    picture_competitors, picture_reference, pictures, references, setting, verdict,
 };
 use merlkit_evaluate::measure::cost::time;
 use merlkit_evaluate::report::{
@@ -34,7 +32,7 @@ use crate::{args, table};
 /// What is finished is kept in DIR/compare.partial.jsonl until all is; Ctrl-C and --resume go on from there.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or names of embedded materials [default: eight of the embedded ones; with --quick nickel,
+    /// Paths to MERL binaries or .bsdf files, names of embedded materials, or formulas [default: eight embedded ones; with --quick nickel,
     /// red-plastic and teflon]
     #[arg(value_name = "MATERIAL")]
     materials: Vec<String>,
@@ -122,7 +120,6 @@ fn materials(args: &Args) -> Result<(Vec<String>, Vec<Material>), Error> {
     };
     let materials = args::resolve(&names)?;
     args::refuse_repeated(&materials)?;
-    args::refuse_anisotropic(&materials)?;
     Ok((names, materials))
 }
 
@@ -156,7 +153,11 @@ impl Run {
             ));
         }
         let journal = Journal::open(&path, &(&plan, &names), args.resume)?;
-        let parts = parts(&plan, materials.len());
+        let facts = materials
+            .iter()
+            .map(Material::facts)
+            .collect::<Result<Vec<_>, _>>()?;
+        let parts = parts(&plan, &facts);
         let progress = Progress::new("comparing", parts);
         let sky = args.sky.load()?;
         Ok(Self {
@@ -169,32 +170,27 @@ impl Run {
     }
 
     fn comparison(&mut self) -> Result<Comparison, Error> {
-        let mut named: Vec<Named> = Vec::new();
+        let mut all: Vec<Loaded> = Vec::new();
         let mut materials = Vec::new();
         for material in std::mem::take(&mut self.materials) {
-            let brdf = Arc::new(MerlBrdf::new(
-                Arc::new(material.load_table()?),
-                self.plan.lookup,
-            ));
-            materials.push(self.material(material.name(), &brdf)?);
-            named.push((material.name().into(), brdf));
+            let loaded = material.load(self.plan.lookup)?;
+            materials.push(self.material(&loaded)?);
+            all.push(loaded);
         }
         let mut pictures = Vec::new();
         for scene in scenes(self.plan.quick) {
-            for group in groups(scene, &named) {
+            for group in groups(scene, &all) {
                 pictures.push(self.pictures(scene, group)?);
             }
         }
         let mut settings = Vec::new();
-        for (name, brdf) in &named[..settings_of(&self.plan, named.len())] {
-            settings.push(self.settings(name, brdf)?);
+        for material in &all[..settings_of(&self.plan, all.len())] {
+            settings.push(self.settings(material)?);
         }
         let mut charts = Vec::new();
-        for (name, brdf) in &named {
-            charts.push(
-                self.journal
-                    .recall_or(&format!("charts/{name}"), || material_charts(name, brdf))?,
-            );
+        for material in &all {
+            let key = format!("charts/{}", material.name());
+            charts.push(self.journal.recall_or(&key, || material_charts(material))?);
             self.progress.advance();
         }
         let threads = rayon::current_num_threads();
@@ -209,7 +205,8 @@ impl Run {
     }
 
     /// The lit point.
-    fn material(&mut self, name: &str, brdf: &Arc<MerlBrdf>) -> Result<MaterialComparison, Error> {
+    fn material(&mut self, material: &Loaded) -> Result<MaterialComparison, Error> {
+        let (name, brdf) = (material.name(), &**material.brdf());
         let Self {
             plan,
             sky,
@@ -220,9 +217,12 @@ impl Run {
         let key = format!("references/{name}");
         let references = journal.recall_or(&key, || Ok(references(brdf, sky, &plan.point)))?;
         let mut curves = Vec::new();
-        for (number, competitor) in competitors(plan.quick).into_iter().enumerate() {
+        for (number, competitor) in competitors(plan.quick, &[material.facts()])
+            .into_iter()
+            .enumerate()
+        {
             curves.push(journal.recall_or(&format!("point/{name}/{number}"), || {
-                let (sampler, seconds) = time(|| competitor.spec.build(brdf));
+                let (sampler, seconds) = time(|| competitor.spec.build_for(material));
                 let measured = (&plan.point, &references[..]);
                 Ok(curve(
                     competitor,
@@ -244,8 +244,9 @@ impl Run {
         })
     }
 
-    fn pictures(&mut self, scene: SceneKind, group: &[Named]) -> Result<PictureComparison, Error> {
-        let names: Vec<&str> = group.iter().map(|(name, _)| name.as_str()).collect();
+    fn pictures(&mut self, scene: SceneKind, group: &[Loaded]) -> Result<PictureComparison, Error> {
+        let names: Vec<&str> = group.iter().map(Loaded::name).collect();
+        let facts: Vec<MaterialFacts> = group.iter().map(Loaded::facts).collect();
         let material = names.join(", ");
         let Self {
             plan,
@@ -261,7 +262,10 @@ impl Run {
             Ok(reference)
         })?;
         let mut results: Vec<PictureResult> = Vec::new();
-        for (number, competitor) in picture_competitors(plan.quick).into_iter().enumerate() {
+        for (number, competitor) in picture_competitors(plan.quick, &facts)
+            .into_iter()
+            .enumerate()
+        {
             let one = journal.recall_or(&format!("{key}/{number}"), || {
                 // A run that goes on renders the reference again if it is still needed; it is the same.
                 let rendered = match film.take() {
@@ -287,7 +291,7 @@ impl Run {
         })
     }
 
-    fn settings(&mut self, name: &str, brdf: &MerlBrdf) -> Result<SettingsComparison, Error> {
+    fn settings(&mut self, material: &Loaded) -> Result<SettingsComparison, Error> {
         let Self {
             plan,
             sky,
@@ -295,10 +299,14 @@ impl Run {
             progress,
             ..
         } = self;
+        let (name, facts) = (material.name(), material.facts());
         let mut settings = Vec::new();
-        for (number, knob) in knobs(plan.quick, plan.lookup).into_iter().enumerate() {
+        for (number, knob) in knobs(plan.quick, plan.lookup, &facts)
+            .into_iter()
+            .enumerate()
+        {
             settings.push(journal.recall_or(&format!("setting/{name}/{number}"), || {
-                setting(brdf.table(), sky, knob, &plan.point)
+                setting(material, sky, knob, &plan.point)
             })?);
             progress.advance();
         }
@@ -333,7 +341,7 @@ fn scenes(quick: bool) -> Vec<SceneKind> {
 }
 
 /// Who shares a picture: three at a time where the scene holds three, or else each its own.
-fn groups(scene: SceneKind, materials: &[Named]) -> Vec<&[Named]> {
+fn groups<T>(scene: SceneKind, materials: &[T]) -> Vec<&[T]> {
     match scene {
         SceneKind::Three => materials.chunks_exact(3).take(1).collect(),
         SceneKind::Environment | SceneKind::Glossy => materials.chunks(1).collect(),
@@ -350,13 +358,19 @@ fn settings_of(plan: &ComparisonPlan, materials: usize) -> usize {
 }
 
 /// Measurements in all, for the progress bar.
-fn parts(plan: &ComparisonPlan, materials: usize) -> usize {
-    let spheres = scenes(plan.quick).into_iter().map(|scene| match scene {
-        SceneKind::Three => usize::from(materials >= 3),
-        SceneKind::Environment | SceneKind::Glossy => materials,
-    });
-    let pictures = spheres.sum::<usize>() * picture_competitors(plan.quick).len();
-    let settings = settings_of(plan, materials) * knobs(plan.quick, plan.lookup).len();
-    let charts = materials;
-    materials * competitors(plan.quick).len() + pictures + settings + charts
+fn parts(plan: &ComparisonPlan, materials: &[MaterialFacts]) -> usize {
+    let mut parts = 0;
+    for scene in scenes(plan.quick) {
+        for group in groups(scene, materials) {
+            parts += picture_competitors(plan.quick, group).len();
+        }
+    }
+    for facts in &materials[..settings_of(plan, materials.len())] {
+        parts += knobs(plan.quick, plan.lookup, facts).len();
+    }
+    for facts in materials {
+        // The lit point, and one for the charts.
+        parts += competitors(plan.quick, &[*facts]).len() + 1;
+    }
+    parts
 }

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable};
-use merlkit::material::Material;
 use merlkit::material::merl::{HardCase, write};
+use merlkit::material::{LookupRule, Material};
 use rayon::prelude::*;
 
 use clap::builder::PossibleValuesParser;
@@ -32,12 +32,16 @@ pub struct Args {
     force: bool,
 }
 
+/// What needs a table here.
+const DECODING: &str = "a MERL binary";
+
 pub fn run(args: &Args) -> Outcome {
     if !args.hard_case.is_empty() {
         return hard_cases(args);
     }
     let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
+    args::require_tables(&materials, DECODING)?;
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     let overwrite = output::overwrite(args.force);
     for material in &materials {
@@ -69,11 +73,9 @@ fn hard_cases(args: &Args) -> Outcome {
 }
 
 fn decode(material: &Material, folder: &Path, overwrite: Overwrite) -> Result<(), Error> {
-    write(
-        &material.load_table()?,
-        &file_of(material, folder),
-        overwrite,
-    )
+    let loaded = material.load(LookupRule::default())?;
+    let table = loaded.require_table(DECODING)?.table();
+    write(table, &file_of(material, folder), overwrite)
 }
 
 fn file_of(material: &Material, folder: &Path) -> PathBuf {

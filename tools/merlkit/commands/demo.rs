@@ -93,7 +93,8 @@ fn samplers(folder: &Path) -> Result<Vec<(SamplerSpec, Files)>, Error> {
 fn materials(binaries: &[PathBuf; 3], overwrite: Overwrite) -> Result<Vec<Material>, Failure> {
     let mut materials = Vec::new();
     for (name, path) in NAMES.iter().zip(binaries) {
-        write(&Material::resolve(name)?.load_table()?, path, overwrite)?;
+        let loaded = Material::resolve(name)?.load(LOOKUP)?;
+        write(loaded.require_table("the demo")?.table(), path, overwrite)?;
         output::stdout(|out| writeln!(out, "wrote {}", path.display()))?;
         materials.push(Material::resolve(&path.to_string_lossy())?);
     }

@@ -21,7 +21,7 @@ use crate::output;
 /// viewer and wi to the light. A pair with a direction below the horizon has the value 0. Blank lines are skipped.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Path to a MERL binary or a .bsdf file, or name of an embedded material
+    /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula as lambert:reflectance=0.5
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// What the table says between its samples

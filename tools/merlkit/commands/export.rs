@@ -2,16 +2,13 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
-use merlkit::brdf::Brdf;
 use merlkit::export::{Export, refuse_same_identifier};
 use merlkit::files::check_writable;
-use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{BsdfFile, BsdfSize, RglBrdf, tabulate};
+use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::HalfVectorSettings;
 use merlkit_evaluate::measure::{colour_error, draw_quality, size_within, value_errors};
 use merlkit_evaluate::report::{Sheet, drawn_row, export_row, export_sheet, table_sheet};
@@ -101,7 +98,10 @@ pub fn run(args: &Args) -> Outcome {
     args.refuse_foreign()?;
     let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
-    args::refuse_anisotropic(&materials)?;
+    match args.format {
+        Format::Bsdf => args::require_isotropic(&materials, "an exported .bsdf file")?,
+        Format::Npz | Format::Header => args::require_tables(&materials, "this export")?,
+    }
     if args.format == Format::Header {
         refuse_same_identifier(&materials)?;
     }
@@ -187,9 +187,10 @@ impl Args {
 }
 
 fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
-    let brdf = MerlBrdf::new(Arc::new(material.load_table()?), args.lookup());
+    let loaded = material.load(args.lookup())?;
+    let brdf = &**loaded.brdf();
     let (size, mut file) = match args.target_error {
-        Some(limit) => size_within(&brdf, limit)?,
+        Some(limit) => size_within(brdf, limit)?,
         None => {
             let size = args.size.unwrap_or_else(|| size_called("6MB"));
             (
@@ -198,7 +199,7 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error
             )
         }
     };
-    file.description = description(material, args.lookup(), size);
+    file.description = description(&loaded, size);
     for (variant, path) in args.variants().zip(args.paths(material)) {
         let written = if variant == "rgb" {
             file.clone()
@@ -214,8 +215,8 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error
             name,
             bytes,
             colour,
-            &value_errors(&rgl, &brdf),
-            &draw_quality(&rgl, &brdf),
+            &value_errors(&rgl, brdf),
+            &draw_quality(&rgl, brdf),
         ));
     }
     Ok(())
@@ -245,12 +246,14 @@ fn table_and_values(material: &Material, args: &Args, sheet: &mut Sheet) -> Resu
 }
 
 /// What the file says of itself.
-fn description(material: &Material, lookup: LookupRule, size: BsdfSize) -> String {
+fn description(material: &Loaded, size: BsdfSize) -> String {
+    let source = match material.rule() {
+        Some(rule) => format!("a MERL table by its {} lookup", rule.name()),
+        None => format!("the {}", material.reading()),
+    };
     format!(
-        "{}, from a MERL table by its {} lookup, which values between the knots follow: {} polar angles, {} x {} half \
-         vectors; merlkit {}",
+        "{}, from {source}, which values between the knots follow: {} polar angles, {} x {} half vectors; merlkit {}",
         material.name(),
-        lookup.name(),
         size.angles,
         size.side,
         size.side,

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
+use merlkit::Error;
 use merlkit::files::check_writable;
-use merlkit::material::merl::{BinPoint, import_bsdf, write};
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::merl::{BinPoint, tabulate_brdf, write};
+use merlkit::material::{LookupRule, Material, MerlBrdf};
 use merlkit_evaluate::measure::value_errors;
 
 use crate::failure::Outcome;
@@ -18,10 +19,10 @@ use crate::{args, output};
 /// random pairs of directions that follow the cosine.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Path to a .bsdf file
+    /// Path to a .bsdf file, or a formula
     #[arg(value_name = "FILE")]
-    file: PathBuf,
-    /// How the table will be looked up: values stand at the lower edges of bins for linear, at their centres otherwise
+    file: String,
+    /// How the table will be looked up: values at the lower edges of bins for linear, at their centres otherwise
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// File to write
@@ -35,21 +36,30 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
     check_writable(&args.output, overwrite)?;
+    let material = Material::resolve(&args.file)?;
+    let facts = material.facts()?;
+    facts.require_isotropic(material.name(), "a MERL table")?;
+    if facts.has_table {
+        let what = format!("{} is a MERL table already", material.name());
+        return Err(Error::argument(what, "`merlkit decode` writes it as a MERL binary").into());
+    }
     let point = if args.lookup == LookupRule::Linear {
         BinPoint::Edge
     } else {
         BinPoint::Centre
     };
-    let (table, rgl) = import_bsdf(&args.file, point)?;
+    let loaded = material.load(args.lookup)?;
+    let brdf = &**loaded.brdf();
+    let table = tabulate_brdf(brdf, point)?;
     write(&table, &args.output, overwrite)?;
-    let errors = value_errors(&MerlBrdf::new(Arc::new(table), args.lookup), &rgl);
+    let errors = value_errors(&MerlBrdf::new(Arc::new(table), args.lookup), brdf);
     output::stdout(|out| {
         writeln!(
             out,
             "{}: against {} under the {} lookup, f_r differs by {:.3} % (median), {:.2} % (95th percentile), the albedo by \
              up to {:.2} %",
             args.output.display(),
-            args.file.display(),
+            args.file,
             args.lookup.name(),
             100.0 * errors.median,
             100.0 * errors.percentile_95,

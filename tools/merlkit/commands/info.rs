@@ -2,11 +2,9 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
-use merlkit::material::{Material, Source};
+use merlkit::material::{LookupRule, Material, Origin};
 use merlkit::sampler::SamplerSpec;
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
 use merlkit_evaluate::measure::facts;
@@ -19,12 +17,12 @@ use crate::output::Destination;
 use crate::progress::Progress;
 use crate::{args, table};
 
-/// Print what a material's table holds: size, gaps, range, directional albedo, symmetry
+/// Print what a material is: directional albedo, symmetry, bytes, and of a table its size, gaps and range
 ///
 /// Of a sampler file: which sampler, with which settings, of which material.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or sampler files, or names of embedded materials
+    /// Paths to MERL binaries, .bsdf files or sampler files, names of embedded materials, or formulas
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
     sources: Vec<String>,
     /// What the table says between its samples
@@ -153,14 +151,14 @@ impl SamplerDescription {
 }
 
 fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Error> {
-    let brdf = MerlBrdf::new(Arc::new(material.load_table()?), lookup);
-    let source = match material.source() {
-        Source::File(path) => path.display().to_string(),
-        Source::Embedded(_) => "embedded".into(),
+    let source = match material.origin() {
+        Origin::File(path) => path.display().to_string(),
+        Origin::Embedded(_) => "embedded".into(),
+        Origin::Formula(text) => text.clone(),
     };
     Ok(Info {
         material: material.name().into(),
         source,
-        facts: facts(&brdf),
+        facts: facts(&material.load(lookup)?),
     })
 }

@@ -2,13 +2,11 @@
 
 use std::ffi::OsStr;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::{LookupRule, Material};
 use merlkit::sampler::SamplerSpec;
-use merlkit_evaluate::report::ChartSubject;
+use merlkit_evaluate::report::{ChartSubject, SLICE};
 
 use crate::args;
 use crate::failure::Outcome;
@@ -34,7 +32,7 @@ enum Kind {
     Cdf,
     /// Its CDF over φh, for the θh that halves the draws, before and after compression
     CdfAzimuth,
-    /// Directional albedo over θ by each of the three lookup rules
+    /// Directional albedo over θ, of a table by each of the three lookup rules
     Albedo,
 }
 
@@ -69,7 +67,7 @@ impl Kind {
 /// plane of incidence wo stands on the left, its mirror direction on the right.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Path to a MERL binary or name of an embedded material
+    /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// What to draw
@@ -115,9 +113,15 @@ pub fn run(args: &Args) -> Outcome {
     let destination = args.output.clone().unwrap_or_else(file);
     let format = Format::of(&destination)?;
     destination.check(overwrite(args.force))?;
-    let table = Arc::new(material.load_table()?);
-    let brdf = Arc::new(MerlBrdf::new(table, args.lookup.unwrap_or_default()));
-    let subject = ChartSubject::new(material.name(), brdf, thetas, spec)?;
+    let facts = material.facts()?;
+    if matches!(kind, Kind::Slice | Kind::SliceRgb) {
+        facts.require_table(material.name(), SLICE)?;
+    }
+    if let Some(spec) = &spec {
+        spec.check_supports(&facts)?;
+    }
+    let loaded = material.load(args.lookup.unwrap_or_default())?;
+    let subject = ChartSubject::new(&loaded, thetas, spec)?;
     let svg = match kind {
         Kind::Lobe => subject.lobe(),
         Kind::LobePolar => subject.lobe_polar(),

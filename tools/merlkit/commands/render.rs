@@ -27,7 +27,7 @@ use crate::{args, output, table};
 /// prints it. The same command gives the same bytes on any number of threads.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or .bsdf files, or names of embedded materials; one sphere each, from left to right
+    /// Paths to MERL binaries or .bsdf files, names of embedded materials, or formulas; one sphere each, from left to right
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// point, directional, area, environment (the built-in studio) or FILE.exr (equirectangular); may be repeated

@@ -28,7 +28,7 @@ use crate::{args, output};
 /// --fit, the thesis's point cloud instead: the material, the viewer in degrees, and (x,y,z) f a line.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Path to a MERL binary, a .bsdf file or a sampler file, or name of an embedded material
+    /// Path to a MERL binary, a .bsdf file or a sampler file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]
     source: String,
     /// Sampler to build [default: half-vector; a sampler file brings its own]

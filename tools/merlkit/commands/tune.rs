@@ -2,10 +2,8 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 
-use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::{LookupRule, Material};
 use merlkit::sampler::store;
 use merlkit_evaluate::measure::compare::{PointPlan, Tuning, Wish, tunable, tune};
 use merlkit_evaluate::report::{tuning_sheet, tuning_summary, write_json};
@@ -25,7 +23,7 @@ use crate::{args, table};
 /// estimate's share of the precomputation. Exit status 1 if nothing reaches E within the limits.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Path to a MERL binary or name of an embedded material
+    /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// Relative error of one estimate, root of the mean square: 0.01 or 1%
@@ -80,11 +78,11 @@ pub fn run(args: &Args) -> Outcome {
     }
     let material = Material::resolve(&args.material)?;
     let sky = args.sky.load()?;
-    let brdf = Arc::new(MerlBrdf::new(Arc::new(material.load_table()?), args.lookup));
-    let specs = tunable(args.output.is_some());
+    let loaded = material.load(args.lookup)?;
+    let specs = tunable(&loaded.facts(), args.output.is_some());
     let progress = Progress::new("trying", specs.len());
     let plan = PointPlan::quick(args.seed);
-    let tuning = tune(&brdf, &sky, wish(args), &specs, &plan, &|| {
+    let tuning = tune(&loaded, &sky, wish(args), &specs, &plan, &|| {
         progress.advance()
     })?;
     drop(progress);
@@ -105,7 +103,13 @@ pub fn run(args: &Args) -> Outcome {
         return Ok(ExitCode::from(1));
     };
     if let Some(path) = &args.output {
-        let bytes = store::save(&spec.build(&brdf)?, &material, args.lookup, path, overwrite)?;
+        let bytes = store::save(
+            &spec.build_for(&loaded)?,
+            &material,
+            args.lookup,
+            path,
+            overwrite,
+        )?;
         output::message(&format!("{}: {bytes} bytes", path.display()));
     }
     Ok(ExitCode::SUCCESS)

@@ -1,4 +1,4 @@
-//! What can be said of a measured material without a sampler.
+//! What can be said of a material without a sampler.
 
 use glam::Vec3;
 use serde::Serialize;
@@ -7,25 +7,32 @@ use std::f64::consts::FRAC_PI_2;
 use super::{albedo_by_degree, directional_albedo_with_error};
 use merlkit::brdf::Importance;
 use merlkit::color::Rgb;
-use merlkit::material::merl::{Census, MerlTable, THETA_D_BINS, THETA_H_BINS};
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::geometry::Symmetry;
+use merlkit::material::merl::{Census, THETA_D_BINS, THETA_H_BINS};
+use merlkit::material::{Loaded, LookupRule, MerlTable};
 
 /// Angles of `wo`, in degrees, at which [`facts`] gives the albedo.
 const ALBEDO_ANGLES: [f64; 4] = [0.0, 30.0, 60.0, 80.0];
 
-/// A material as a table and as a BRDF.
+/// A material as a BRDF and, where it is one, as a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Facts {
-    /// How the table was read for the figures below.
-    pub lookup: LookupRule,
-    /// The table alone.
-    pub table: TableFacts,
-    /// Directional albedo at 0, 30, 60 and 80°.
+    /// How the values of the figures below were come by, as [`Loaded::reading`].
+    pub reading: String,
+    /// How a table was read for the figures below; `None` without a table.
+    pub lookup: Option<LookupRule>,
+    /// Which azimuths of `wo` represent all others.
+    pub symmetry: Symmetry,
+    /// Bytes of the loaded tables in memory, counted; 0 for a formula.
+    pub bytes: usize,
+    /// The table alone, if there is one.
+    pub table: Option<TableFacts>,
+    /// Directional albedo at 0, 30, 60 and 80°, of `wo` at azimuth 0.
     pub albedo: Vec<Albedo>,
-    /// Where the material returns more than it receives.
+    /// Where the material returns more than it receives, for `wo` at azimuth 0.
     pub albedo_above_one: AlbedoAboveOne,
-    /// How far the table is from its mirror image in φd.
-    pub asymmetry: Asymmetry,
+    /// How far a table is from its mirror image in φd; `None` without a table.
+    pub asymmetry: Option<Asymmetry>,
 }
 
 /// A table's size, gaps and range.
@@ -86,7 +93,8 @@ pub struct Asymmetry {
 }
 
 /// Measures a material, on all threads of the current pool.
-pub fn facts(brdf: &MerlBrdf) -> Facts {
+pub fn facts(material: &Loaded) -> Facts {
+    let brdf = &**material.brdf();
     let albedo = |degrees: f64| {
         let a = directional_albedo_with_error(brdf, degrees.to_radians());
         Albedo {
@@ -95,12 +103,16 @@ pub fn facts(brdf: &MerlBrdf) -> Facts {
             error: a.error,
         }
     };
+    let table = material.table();
     Facts {
-        lookup: brdf.rule(),
-        table: table_facts(brdf.table()),
+        reading: material.reading(),
+        lookup: material.rule(),
+        symmetry: material.symmetry(),
+        bytes: material.bytes(),
+        table: table.map(|measured| table_facts(measured.table())),
         albedo: ALBEDO_ANGLES.map(albedo).to_vec(),
         albedo_above_one: above_one(&albedo_by_degree(brdf)),
-        asymmetry: asymmetry(brdf.table(), brdf.rule()),
+        asymmetry: table.map(|measured| asymmetry(measured.table(), measured.rule())),
     }
 }
 

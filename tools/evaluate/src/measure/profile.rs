@@ -6,10 +6,9 @@ use super::accuracy::{Bias, Draws, WeightSpread, bias, limit_directions, weight_
 use super::cost::{CallTimes, Seconds, call_times, time};
 use merlkit::Result;
 use merlkit::brdf::{Brdf, Importance};
-use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
-use merlkit::material::Loaded;
-use merlkit::material::Material;
-use merlkit::material::merl::LookupRule;
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::geometry::{POINTS_PER_BIN, Quadrature, Symmetry, spherical};
+use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::{Sampler, SamplerSpec, store};
 
 /// How much to measure.
@@ -106,8 +105,12 @@ impl SamplerFigures {
 pub struct MaterialFigures {
     /// Short name.
     pub material: String,
-    /// Lookup rule of everything measured; `None` for an anisotropic `.bsdf` file, which has none.
+    /// Lookup rule of everything measured; `None` for a material that is not a MERL table.
     pub lookup: Option<LookupRule>,
+    /// How its values are come by, as [`Loaded::reading`].
+    pub reading: String,
+    /// Which azimuths of `wo` represent all others.
+    pub symmetry: Symmetry,
     /// Time to load the file, or to decode an embedded material.
     pub load: Seconds,
     /// Bytes of the loaded tables.
@@ -142,6 +145,8 @@ pub fn profile(
     Ok(MaterialFigures {
         material: material.name().into(),
         lookup: brdf.rule(),
+        reading: brdf.reading(),
+        symmetry: brdf.symmetry(),
         load,
         material_bytes: brdf.bytes(),
         settings: *settings,
@@ -155,7 +160,6 @@ fn sampler_figures(
     spec: &SamplerSpec,
     settings: &ProfileSettings,
 ) -> Result<SamplerFigures> {
-    use merlkit::direction_sampler::DirectionSampler as _;
     let (sampler, build) = time(|| spec.build_for(brdf));
     let sampler = sampler?;
     let file_bytes = match (&sampler, brdf.rule()) {

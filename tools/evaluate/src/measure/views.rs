@@ -12,8 +12,8 @@ use merlkit::brdf::Brdf;
 use merlkit::color;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
-use merlkit::material::merl::{MerlTable, THETA_D_BINS, THETA_H_BINS};
+use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
+use merlkit::material::{LookupRule, MerlBrdf, MerlTable};
 use merlkit::sampler::AdaptiveDisc;
 
 /// A curve over the angle in the plane of incidence: (degrees, value).
@@ -26,7 +26,10 @@ pub fn lobe(brdf: &dyn Brdf, theta_o: f64) -> Curve {
 
 /// [`lobe`] over the albedo at `theta_o`: the density that a sampler should have, sr⁻¹. Empty for a black material.
 pub fn ideal_density(brdf: &dyn Brdf, theta_o: f64) -> Curve {
-    let albedo = f64::from(color::mean(directional_albedo(brdf, theta_o.to_radians())));
+    // An anisotropic material's albedo depends on the azimuth, and wo is drawn on the left.
+    let side = if brdf.is_isotropic() { 1.0 } else { -1.0 };
+    let albedo = directional_albedo(brdf, side * theta_o.to_radians());
+    let albedo = f64::from(color::mean(albedo));
     if albedo <= 0.0 {
         return Vec::new();
     }
@@ -91,16 +94,18 @@ fn slice_bins() -> impl Iterator<Item = (usize, usize)> {
         .flat_map(|theta_d| (0..THETA_H_BINS).map(move |theta_h| (theta_h, theta_d)))
 }
 
-/// Directional albedo, mean of the channels, at 0°, 1° … 89° by each lookup rule, in the order of [`LookupRule::ALL`].
+/// Directional albedo, mean of the channels, at 0°, 1° … 89°, of `wo` at azimuth 0.
+pub fn albedo_curve(brdf: &dyn Brdf) -> Curve {
+    let mut curve = Curve::new();
+    for (degree, rgb) in albedo_by_degree(brdf).into_iter().enumerate() {
+        curve.push((degree as f64, f64::from(color::mean(rgb))));
+    }
+    curve
+}
+
+/// [`albedo_curve`] of a table by each lookup rule, in the order of [`LookupRule::ALL`].
 pub fn albedo_by_rule(table: &Arc<MerlTable>) -> [Curve; 3] {
-    LookupRule::ALL.map(|rule| {
-        let albedo = albedo_by_degree(&MerlBrdf::new(table.clone(), rule));
-        albedo
-            .into_iter()
-            .enumerate()
-            .map(|(degree, rgb)| (degree as f64, f64::from(color::mean(rgb))))
-            .collect()
-    })
+    LookupRule::ALL.map(|rule| albedo_curve(&MerlBrdf::new(table.clone(), rule)))
 }
 
 /// `wo` of a picture of the disc: at `theta_o` degrees on the left, as in the plane of incidence.

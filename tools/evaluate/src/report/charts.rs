@@ -1,28 +1,30 @@
 //! Charts of one material and of the samplers built for it.
 
-use std::sync::Arc;
-
 use glam::DVec2;
 
-use crate::measure::compare::MaterialCharts;
+use crate::measure::compare::{MaterialCharts, supported};
 use crate::measure::views;
 use crate::measure::views::Curve;
 use crate::plot::{
     Axis, Caption, Disc, DiscMark, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale, Series,
 };
+use merlkit::brdf::Brdf;
+use merlkit::geometry::Symmetry;
 use merlkit::image::Image;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
+use merlkit::material::{Loaded, LookupRule};
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, HalfVectorSettings, Sampler,
     SamplerSpec, ShownCdf,
 };
 use merlkit::{Error, Result};
 
+/// What a slice is, to who asks for one of another material than a table.
+pub const SLICE: &str = "a slice of bins";
+
 /// A material, seen from some angles, and a sampler that was built for it.
 pub struct ChartSubject {
-    name: String,
-    brdf: Arc<MerlBrdf>,
+    material: Loaded,
     thetas: Vec<f64>,
     sampler: Option<Sampler>,
 }
@@ -35,27 +37,34 @@ struct Named {
 }
 
 impl ChartSubject {
-    /// `brdf`, called `name`, with `wo` at each of `thetas` degrees, 0 to below 90; with `spec`, builds that sampler.
+    /// `material` with `wo` at each of `thetas` degrees, 0 to below 90; with `spec`, builds that sampler.
     ///
     /// # Errors
     /// Those of building the sampler.
-    pub fn new(
-        name: impl Into<String>,
-        brdf: Arc<MerlBrdf>,
-        thetas: Vec<f64>,
-        spec: Option<SamplerSpec>,
-    ) -> Result<Self> {
-        let sampler = spec.map(|s| s.build(&brdf)).transpose()?;
+    pub fn new(material: &Loaded, thetas: Vec<f64>, spec: Option<SamplerSpec>) -> Result<Self> {
+        let sampler = spec.map(|s| s.build_for(material)).transpose()?;
         Ok(Self {
-            name: name.into(),
-            brdf,
+            material: material.clone(),
             thetas,
             sampler,
         })
     }
 
-    fn rule(&self) -> &'static str {
-        self.brdf.rule().name()
+    fn brdf(&self) -> &dyn Brdf {
+        &**self.material.brdf()
+    }
+
+    fn name(&self) -> &str {
+        self.material.name()
+    }
+
+    /// How values were come by, for captions; of an anisotropic material, also the azimuth that is shown.
+    fn reading(&self) -> String {
+        let reading = self.material.reading();
+        match self.material.symmetry() {
+            Symmetry::Isotropic => reading,
+            _ => format!("{reading}, wo in the plane of the surface's x"),
+        }
     }
 
     fn angles(&self) -> String {
@@ -69,7 +78,7 @@ impl ChartSubject {
             let named = |(style, &theta): (usize, &f64)| Named {
                 label: format!("θ = {theta}°"),
                 style,
-                curve: views::lobe(&*self.brdf, theta),
+                curve: views::lobe(self.brdf(), theta),
             };
             return self.thetas.iter().enumerate().map(named).collect();
         };
@@ -78,7 +87,7 @@ impl ChartSubject {
                 Named {
                     label: format!("ideal, θ = {theta}°"),
                     style: 2 * i,
-                    curve: views::ideal_density(&*self.brdf, theta),
+                    curve: views::ideal_density(self.brdf(), theta),
                 },
                 Named {
                     label: format!("{}, θ = {theta}°", sampler.spec().name()),
@@ -112,10 +121,10 @@ impl ChartSubject {
             .map_or(String::new(), |s| format!(" and {}", s.spec().name()));
         Caption::new(
             format!(
-                "{}: lobe{of} at θ = {} ({} lookup)",
-                self.name,
+                "{}: lobe{of} at θ = {} ({})",
+                self.name(),
                 self.angles(),
-                self.rule()
+                self.reading()
             ),
             format!(
                 "Over the polar angle of the light direction wi in the plane of incidence, in sr⁻¹: {shown}. \
@@ -189,10 +198,11 @@ impl ChartSubject {
     /// The table at φd = 90° over θh and θd, as colours for values.
     ///
     /// # Errors
-    /// Those of encoding the pixels.
+    /// [`Error::Argument`] for a material that is not a MERL table; those of encoding the pixels.
     pub fn slice(&self) -> Result<String> {
+        let table = self.material.require_table(SLICE)?;
         let bar = Axis::new("f [sr⁻¹]", Scale::Log);
-        let values = views::slice(self.brdf.table());
+        let values = views::slice(table.table());
         self.slice_of(
             Pixels::Values { width: THETA_H_BINS, values, bar },
             "colours stand for the mean of red, green and blue on a logarithmic scale; white has no valid value",
@@ -202,9 +212,10 @@ impl ChartSubject {
     /// The same in the material's own colours.
     ///
     /// # Errors
-    /// Those of encoding the pixels.
+    /// As [`Self::slice`].
     pub fn slice_rgb(&self) -> Result<String> {
-        let pixels = views::slice_rgb(self.brdf.table());
+        let table = self.material.require_table(SLICE)?;
+        let pixels = views::slice_rgb(table.table());
         let image = Image::new(THETA_H_BINS, THETA_D_BINS, pixels)?;
         self.slice_of(
             Pixels::Picture {
@@ -217,7 +228,7 @@ impl ChartSubject {
 
     fn slice_of(&self, pixels: Pixels, how: &str) -> Result<String> {
         let caption = Caption::new(
-            format!("{}: slice at φd = 90°", self.name),
+            format!("{}: slice at φd = 90°", self.name()),
             format!(
                 "f of the table over the half angle θh and the difference angle θd, a bin a pixel: {how}."
             ),
@@ -261,11 +272,11 @@ impl ChartSubject {
         };
         let spec = sampler.spec();
         let caption = Caption::new(
-            format!("{}: {} at θ = {theta}°", self.name, spec.name()),
+            format!("{}: {} at θ = {theta}°", self.name(), spec.name()),
             format!(
-                "The hemisphere of light directions from above, {}, {} lookup, seed {seed}.",
+                "The hemisphere of light directions from above, {}, {}, seed {seed}.",
                 spec.label(),
-                self.rule()
+                self.reading()
             ),
         );
         let pairs = |points: Vec<DVec2>| points.into_iter().map(|p| (p.x, p.y)).collect();
@@ -287,7 +298,7 @@ impl ChartSubject {
     pub fn cdf(&self) -> Result<String> {
         let (series, of) = self.compressed(CascadeCdf::marginal, |_| String::new())?;
         let caption = Caption::new(
-            format!("{}: CDF over θh before and after compression", self.name),
+            format!("{}: CDF over θh before and after compression", self.name()),
             format!("Probability of a half vector below θh, by {of}."),
         );
         let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
@@ -312,7 +323,7 @@ impl ChartSubject {
         };
         let (series, of) = self.compressed(CascadeCdf::conditional, span)?;
         let caption = Caption::new(
-            format!("{}: CDF over φh before and after compression", self.name),
+            format!("{}: CDF over φh before and after compression", self.name()),
             format!(
                 "Probability of an azimuth of the half vector below φh, counted from wo, where θh halves the draws, by {of}."
             ),
@@ -342,7 +353,7 @@ impl ChartSubject {
         };
         let settings = *stored.settings();
         let whole = CascadeCdf::build(
-            &*self.brdf,
+            self.brdf(),
             CascadeCdfSettings {
                 tolerance: None,
                 ..settings
@@ -381,32 +392,41 @@ impl ChartSubject {
         Ok((
             series,
             format!(
-                "the tables of {label} nearest to θ = {}, {} lookup",
+                "the tables of {label} nearest to θ = {}, {}",
                 self.angles(),
-                self.rule()
+                self.reading()
             ),
         ))
     }
 
-    /// Directional albedo over θ by each of the three lookup rules.
+    /// Directional albedo over θ, of a table by each of the three lookup rules.
     pub fn albedo(&self) -> String {
-        let curves = views::albedo_by_rule(self.brdf.table());
-        let series =
-            LookupRule::ALL
-                .into_iter()
-                .zip(curves)
-                .enumerate()
-                .map(|(style, (rule, points))| Series {
-                    label: format!("{} lookup", rule.name()),
-                    points,
-                    style,
-                    ..Series::default()
-                });
+        let what = "Fraction of light reflected, the mean of red, green and blue, over the polar angle of wo";
+        let (curves, how): (Vec<(String, Curve)>, String) = match self.material.table() {
+            Some(measured) => {
+                let curves = views::albedo_by_rule(measured.table());
+                let labels = LookupRule::ALL.map(|rule| format!("{} lookup", rule.name()));
+                let how = "by what the table says between its samples".to_owned();
+                (labels.into_iter().zip(curves).collect(), how)
+            }
+            None => {
+                let curve = views::albedo_curve(self.brdf());
+                (vec![(self.material.reading(), curve)], self.reading())
+            }
+        };
         let caption = Caption::new(
-            format!("{}: directional albedo", self.name),
-            "Fraction of light reflected, the mean of red, green and blue, over the polar angle of wo, by what the table says between its samples.",
+            format!("{}: directional albedo", self.name()),
+            format!("{what}, {how}."),
         );
-        let series: Vec<_> = series.collect();
+        let mut series = Vec::new();
+        for (style, (label, points)) in curves.into_iter().enumerate() {
+            series.push(Series {
+                label,
+                points,
+                style,
+                ..Series::default()
+            });
+        }
         let greatest = series
             .iter()
             .flat_map(|s| &s.points)
@@ -489,14 +509,15 @@ const CLOUD: (usize, u64) = (600, 0);
 const SHOWN_DEG: f64 = 45.0;
 const LOBES_DEG: [f64; 4] = [10.0, 30.0, 60.0, 80.0];
 
-/// What `brdf`, called `name`, and the main samplers look like: the lobe, and by sampler its density and its directions.
+/// What `material` and those of the main samplers that it supports look like: the lobe, and by sampler its density and its
+/// directions.
 ///
 /// # Errors
 /// Those of building the samplers.
-pub fn material_charts(name: &str, brdf: &Arc<MerlBrdf>) -> Result<MaterialCharts> {
-    let lobes = ChartSubject::new(name, brdf.clone(), LOBES_DEG.to_vec(), None)?;
+pub fn material_charts(material: &Loaded) -> Result<MaterialCharts> {
+    let lobes = ChartSubject::new(material, LOBES_DEG.to_vec(), None)?;
     let mut charts = MaterialCharts {
-        material: name.into(),
+        material: material.name().into(),
         theta_o_deg: SHOWN_DEG,
         lobe: lobes.lobe_polar(),
         densities: Vec::new(),
@@ -509,7 +530,10 @@ pub fn material_charts(name: &str, brdf: &Arc<MerlBrdf>) -> Result<MaterialChart
         SamplerSpec::Cosine,
     ];
     for spec in shown {
-        let subject = ChartSubject::new(name, brdf.clone(), vec![SHOWN_DEG], Some(spec))?;
+        if !supported(&spec, &[material.facts()]) {
+            continue;
+        }
+        let subject = ChartSubject::new(material, vec![SHOWN_DEG], Some(spec))?;
         charts.densities.push(subject.lobe_polar());
         charts.discs.push(subject.disc(CLOUD.0, CLOUD.1));
     }

@@ -3,14 +3,15 @@
 use serde::Serialize;
 
 use super::Sheet;
-use crate::measure::{Albedo, Facts};
+use crate::measure::{Albedo, Facts, TableFacts};
+use merlkit::geometry::Symmetry;
 
 /// The facts of a named material.
 #[derive(Clone, Debug, Serialize)]
 pub struct Info {
     /// Short name.
     pub material: String,
-    /// Where the values come from: a path, or "embedded".
+    /// Where the values come from: a path, "embedded", or a formula.
     pub source: String,
     /// What was measured.
     #[serde(flatten)]
@@ -18,46 +19,38 @@ pub struct Info {
 }
 
 impl Info {
-    /// One line a fact.
+    /// One line a fact; facts of a table where there is one.
     pub fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&[&self.material, &self.source]);
         let mut line = |name: &str, value: String| sheet.push(vec![name.into(), value]);
-        self.table_lines(&mut line);
-        line("lookup", self.facts.lookup.name().into());
-        for a in &self.facts.albedo {
-            line(&format!("albedo at {}°", a.theta_o_degrees), albedo(a));
+        match &self.facts.table {
+            Some(table) => table_lines(table, &mut line),
+            None => line("bytes in memory", self.facts.bytes.to_string()),
         }
-        line("albedo above 1", self.above_one());
-        let asymmetry = &self.facts.asymmetry;
-        let [h, d] = asymmetry.greatest_at;
-        let greatest = percent(asymmetry.greatest);
-        line("φd asymmetry, mean", percent(asymmetry.mean));
-        line(
-            "φd asymmetry, greatest",
-            format!("{greatest} (θh bin {h}, θd bin {d})"),
-        );
+        match self.facts.lookup {
+            Some(rule) => line("lookup", rule.name().into()),
+            None => line("values", self.facts.reading.clone()),
+        }
+        let azimuth = match self.facts.symmetry {
+            Symmetry::Isotropic => "",
+            _ => ", azimuth 0°",
+        };
+        line("symmetry", symmetry_text(self.facts.symmetry).into());
+        for a in &self.facts.albedo {
+            let name = format!("albedo at {}°{azimuth}", a.theta_o_degrees);
+            line(&name, albedo(a));
+        }
+        line(&format!("albedo above 1{azimuth}"), self.above_one());
+        if let Some(asymmetry) = &self.facts.asymmetry {
+            let [h, d] = asymmetry.greatest_at;
+            let greatest = percent(asymmetry.greatest);
+            line("φd asymmetry, mean", percent(asymmetry.mean));
+            line(
+                "φd asymmetry, greatest",
+                format!("{greatest} (θh bin {h}, θd bin {d})"),
+            );
+        }
         sheet
-    }
-
-    fn table_lines(&self, line: &mut dyn FnMut(&str, String)) {
-        let table = &self.facts.table;
-        let [h, d, p] = table.dimensions;
-        let invalid = table.invalid;
-        line("bins θh × θd × φd", format!("{h} × {d} × {p}"));
-        line("bytes in memory", table.table_bytes.to_string());
-        line("bytes as MERL binary", table.file_bytes.to_string());
-        let share = percent(invalid.invalid() as f64 / (h * d * p) as f64);
-        line("invalid cells", format!("{} ({share})", invalid.invalid()));
-        line("  NaN", invalid.nan.to_string());
-        line("  infinite", invalid.infinite.to_string());
-        line("  negative", invalid.negative.to_string());
-        line(
-            "  above the horizon",
-            table.invalid_above_horizon.to_string(),
-        );
-        line("least value, sr⁻¹", rgb(table.min));
-        line("greatest value, sr⁻¹", rgb(table.max));
-        line("peak / mean", format!("{:.1}", table.peak_to_mean));
     }
 
     fn above_one(&self) -> String {
@@ -72,6 +65,39 @@ impl Info {
             .map(|[first, last]| format!("{first}°–{last}°"))
             .collect();
         format!("{} ({greatest})", ranges.join(", "))
+    }
+}
+
+fn table_lines(table: &TableFacts, line: &mut dyn FnMut(&str, String)) {
+    let [h, d, p] = table.dimensions;
+    let invalid = table.invalid;
+    line("bins θh × θd × φd", format!("{h} × {d} × {p}"));
+    line("bytes in memory", table.table_bytes.to_string());
+    line("bytes as MERL binary", table.file_bytes.to_string());
+    let fraction = percent(invalid.invalid() as f64 / (h * d * p) as f64);
+    line(
+        "invalid cells",
+        format!("{} ({fraction})", invalid.invalid()),
+    );
+    line("  NaN", invalid.nan.to_string());
+    line("  infinite", invalid.infinite.to_string());
+    line("  negative", invalid.negative.to_string());
+    line(
+        "  above the horizon",
+        table.invalid_above_horizon.to_string(),
+    );
+    line("least value, sr⁻¹", rgb(table.min));
+    line("greatest value, sr⁻¹", rgb(table.max));
+    line("peak / mean", format!("{:.1}", table.peak_to_mean));
+}
+
+/// Which turns and mirror images leave the material as it is.
+fn symmetry_text(symmetry: Symmetry) -> &'static str {
+    match symmetry {
+        Symmetry::Isotropic => "isotropic",
+        Symmetry::Quarter => "anisotropic, both axes mirrored",
+        Symmetry::Half => "anisotropic, half a turn",
+        Symmetry::Whole => "anisotropic, none",
     }
 }
 

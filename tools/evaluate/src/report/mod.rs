@@ -19,7 +19,7 @@ mod thesis_ranking;
 mod tune;
 
 pub use beside_thesis::{ThesisTable, beside_thesis};
-pub use charts::{ChartSubject, material_charts};
+pub use charts::{ChartSubject, SLICE, material_charts};
 pub use check::CheckResult;
 pub use compare::{ComparisonDocument, comparison_csv, targets};
 pub use export::{drawn_row, export_row, export_sheet, table_sheet};

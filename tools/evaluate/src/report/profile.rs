@@ -5,7 +5,8 @@ use serde::Serialize;
 use super::Sheet;
 use super::thesis::{ThesisFigures, thesis_figures, thesis_uniform_memory};
 use crate::measure::profile::{MaterialFigures, SamplerFigures};
-use merlkit::material::merl::LookupRule;
+use merlkit::geometry::Symmetry;
+use merlkit::material::LookupRule;
 
 /// The figures of a material's samplers, and the thesis's for the same material.
 #[derive(Clone, Debug, Serialize)]
@@ -53,10 +54,10 @@ impl SamplerReport {
     /// What the figures of the sheet are, and how they were come by.
     pub fn legend(&self) -> String {
         let m = &self.measured;
-        let azimuths = if m.lookup.is_none() {
-            " of 7 at four azimuths each"
-        } else {
+        let azimuths = if m.symmetry == Symmetry::Isotropic {
             ""
+        } else {
+            " of 7 at four azimuths each"
         };
         let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
@@ -65,10 +66,7 @@ impl SamplerReport {
              angle{azimuths}; holes: share of the albedo where the density is 0, worst angle; bias: of the albedo from {} draws, seed {}, \
              at the angle where it is most standard errors (±) from 0; lost: failed draws.",
             m.material,
-            m.lookup.map_or_else(
-                || "values of the file".to_owned(),
-                |rule| format!("{} lookup", rule.name())
-            ),
+            m.reading,
             1e3 * m.load.wall,
             m.material_bytes as f64 / 1e6,
             m.settings.draws,

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::convergence::Technique;
 use merlkit::distribution::Heuristic;
+use merlkit::material::MaterialFacts;
 use merlkit::render::Strategy;
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, FactoredSettings, HalfVectorSettings, LeafChoice,
@@ -56,8 +57,9 @@ fn half_vector(name: &str) -> SamplerSpec {
     SamplerSpec::HalfVector(preset.map_or_else(HalfVectorSettings::default, |p| p.1))
 }
 
-/// All that are compared; `quick` leaves out those that nobody would choose between.
-pub fn competitors(quick: bool) -> Vec<Competitor> {
+/// All that are compared for materials of these facts, as far as every one of the materials supports them; `quick` leaves out
+/// those that nobody would choose between.
+pub fn competitors(quick: bool, facts: &[MaterialFacts]) -> Vec<Competitor> {
     let warp = AdaptiveDiscSettings {
         leaves: LeafChoice::Warp,
         ..Default::default()
@@ -85,6 +87,8 @@ pub fn competitors(quick: bool) -> Vec<Competitor> {
         specs.push(SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::rejection()));
     }
     specs.push(SamplerSpec::Factored(FactoredSettings::default()));
+    specs.push(SamplerSpec::File);
+    specs.retain(|spec| supported(spec, facts));
     let mut all: Vec<Competitor> = specs.into_iter().map(Competitor::brdf).collect();
     all.extend(with_light(half_vector("64KB"), quick));
     all
@@ -92,18 +96,23 @@ pub fn competitors(quick: bool) -> Vec<Competitor> {
 
 /// All whose pictures are compared: as [`competitors`], and resampling, which saves rays in a picture; `quick` leaves out the
 /// factored BRDF, which takes seconds to fit.
-pub fn picture_competitors(quick: bool) -> Vec<Competitor> {
+pub fn picture_competitors(quick: bool, facts: &[MaterialFacts]) -> Vec<Competitor> {
     let resampled = [half_vector("64KB"), SamplerSpec::Cosine];
     let ris = |spec| Competitor {
         spec,
         technique: Technique::Ris(Strategy::CANDIDATES),
     };
     let slow = |c: &Competitor| quick && matches!(c.spec, SamplerSpec::Factored(_));
-    competitors(quick)
+    competitors(quick, facts)
         .into_iter()
         .filter(|c| !slow(c))
         .chain(resampled.map(ris))
         .collect()
+}
+
+/// Whether every material supports a sampler: those that need a table, know no azimuth, or are a file's own, not all do.
+pub fn supported(spec: &SamplerSpec, facts: &[MaterialFacts]) -> bool {
+    facts.iter().all(|f| spec.check_supports(f).is_ok())
 }
 
 /// Ways to take the light into account.

@@ -17,9 +17,9 @@ mod target;
 mod tune;
 mod verdict;
 
-pub use candidates::{Competitor, MATERIALS, competitors, picture_competitors};
+pub use candidates::{Competitor, MATERIALS, competitors, picture_competitors, supported};
 pub use picture::{
-    LIT_FROM, Named, PICTURE_SAMPLES, PictureErrors, PicturePlan, PictureReference, PictureResult,
+    LIT_FROM, PICTURE_SAMPLES, PictureErrors, PicturePlan, PictureReference, PictureResult,
     SceneKind, picture_errors, picture_reference, pictures,
 };
 pub use point::{Curve, ErrorPoint, PointPlan, Reference, THESIS_SAMPLES, curve, references};

@@ -10,7 +10,7 @@ use crate::measure::cost::{Seconds, time};
 use merlkit::color::luminance;
 use merlkit::distribution::Heuristic;
 use merlkit::image::{Image, encode_png, encode_srgb};
-use merlkit::material::merl::MerlBrdf;
+use merlkit::material::Loaded;
 use merlkit::points::PointSet;
 use merlkit::render::{
     EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
@@ -157,9 +157,6 @@ pub struct PictureResult {
     pub difference: Vec<u8>,
 }
 
-/// Materials of a scene, looked up and named.
-pub type Named = (String, Arc<MerlBrdf>);
-
 /// Renders the reference of a scene: the largest half-vector table and the lights' own directions, power heuristic, random
 /// numbers.
 ///
@@ -167,7 +164,7 @@ pub type Named = (String, Arc<MerlBrdf>);
 /// Those of building samplers and scenes.
 pub fn picture_reference(
     scene: SceneKind,
-    materials: &[Named],
+    materials: &[Loaded],
     plan: &PicturePlan,
 ) -> Result<(PictureReference, Film)> {
     let largest = HalfVectorSettings::PRESETS
@@ -197,10 +194,10 @@ fn png(image: &Image) -> Result<Vec<u8>> {
 }
 
 /// One sampler a material.
-fn build(materials: &[Named], spec: &SamplerSpec) -> Result<Vec<Arc<Sampler>>> {
+fn build(materials: &[Loaded], spec: &SamplerSpec) -> Result<Vec<Arc<Sampler>>> {
     materials
         .iter()
-        .map(|(_, brdf)| spec.build(brdf).map(Arc::new))
+        .map(|material| spec.build_for(material).map(Arc::new))
         .collect()
 }
 
@@ -210,7 +207,7 @@ fn build(materials: &[Named], spec: &SamplerSpec) -> Result<Vec<Arc<Sampler>>> {
 /// Those of building samplers and scenes.
 pub fn pictures(
     scene: SceneKind,
-    materials: &[Named],
+    materials: &[Loaded],
     competitor: Competitor,
     plan: &PicturePlan,
     reference: &Film,
@@ -243,12 +240,12 @@ pub fn pictures(
 /// Renders `scene` and times it; loading and building are not counted.
 fn render_with(
     scene: SceneKind,
-    materials: &[Named],
+    materials: &[Loaded],
     samplers: &[Arc<Sampler>],
     technique: Technique,
     settings: &Settings,
 ) -> Result<(Film, Seconds)> {
-    let names: Vec<String> = materials.iter().map(|m| m.0.clone()).collect();
+    let names: Vec<String> = materials.iter().map(|m| m.name().to_owned()).collect();
     let spec = scene.spec(&names, strategy(technique));
     let plan = EffectPlan::of(&spec);
     let surface = |i: usize, directions: bool| {
@@ -258,13 +255,13 @@ fn render_with(
                 "name each material once",
             )
         };
-        let (_, brdf) = materials.get(i).ok_or_else(missing)?;
+        let material = materials.get(i).ok_or_else(missing)?;
         let sampler = samplers
             .get(i)
             .filter(|_| directions)
             .map(|s| s.clone() as _);
         Ok(Surface {
-            brdf: brdf.clone(),
+            brdf: material.brdf().clone(),
             sampler,
         })
     };

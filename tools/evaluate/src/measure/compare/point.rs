@@ -8,10 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Competitor;
 use crate::measure::convergence::{Incident, LitPoint, Runs, slope_of};
-use merlkit::brdf::Importance;
+use merlkit::brdf::{Brdf, Importance};
 use merlkit::geometry::spherical;
 use merlkit::light::Environment;
-use merlkit::material::merl::MerlBrdf;
 use merlkit::points::PointSet;
 use merlkit::sampler::Sampler;
 
@@ -71,7 +70,7 @@ fn sample_counts(most: usize) -> Vec<usize> {
 }
 
 /// The point under `sky`, facing up, seen at polar angle `theta_o_deg`.
-fn lit<'a>(brdf: &'a MerlBrdf, sky: &'a Environment, theta_o_deg: f64) -> LitPoint<'a> {
+fn lit<'a>(brdf: &'a dyn Brdf, sky: &'a Environment, theta_o_deg: f64) -> LitPoint<'a> {
     LitPoint {
         brdf,
         importance: Importance::Mean,
@@ -100,7 +99,7 @@ pub struct Reference {
 const NODES: [usize; 2] = [2584, 6765];
 
 /// References by quadrature, which no sampler takes part in.
-pub fn references(brdf: &MerlBrdf, sky: &Environment, plan: &PointPlan) -> Vec<Reference> {
+pub fn references(brdf: &dyn Brdf, sky: &Environment, plan: &PointPlan) -> Vec<Reference> {
     let reference = |&theta_o_deg: &f64| {
         let point = lit(brdf, sky, theta_o_deg);
         let [coarse, fine] = NODES.map(|n| point.reference(n));
@@ -159,7 +158,7 @@ pub fn curve(
     competitor: Competitor,
     sampler: &Sampler,
     build_seconds: f64,
-    brdf: &MerlBrdf,
+    brdf: &dyn Brdf,
     sky: &Environment,
     (plan, references): (&PointPlan, &[Reference]),
 ) -> Curve {
@@ -263,7 +262,7 @@ fn nanoseconds(
 /// Errors of directions from the sampler alone, under Sobol points.
 pub(super) fn errors_at(
     sampler: &Sampler,
-    brdf: &MerlBrdf,
+    brdf: &dyn Brdf,
     sky: &Environment,
     references: &[Reference],
     plan: &PointPlan,
@@ -284,7 +283,7 @@ pub(super) fn errors_at(
 /// Relative RMSE from `samples` Sobol samples with 45° between `wo` and the normal, directions from the sampler alone.
 pub(super) fn error_at(
     sampler: &Sampler,
-    brdf: &MerlBrdf,
+    brdf: &dyn Brdf,
     sky: &Environment,
     samples: usize,
     plan: &PointPlan,

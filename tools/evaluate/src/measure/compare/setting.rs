@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::candidates::supported;
 use super::point::{PointPlan, error_at};
 use crate::measure::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use crate::measure::cost::{call_times, time};
@@ -12,8 +13,7 @@ use merlkit::brdf::Importance;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{Quadrature, spherical};
 use merlkit::light::Environment;
-use merlkit::material::merl::MerlTable;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::{Loaded, LookupRule, MaterialFacts, MerlBrdf};
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
 };
@@ -27,7 +27,7 @@ pub struct Knob {
     pub value: String,
     /// The sampler that comes of it.
     pub spec: SamplerSpec,
-    /// The table it samples.
+    /// How the table that it samples is read; without a meaning to other materials.
     pub lookup: LookupRule,
 }
 
@@ -51,16 +51,24 @@ pub struct Setting {
 /// Samples of [`Setting::rmse`].
 pub const RMSE_SAMPLES: usize = 256;
 
-/// Every setting that is tried.
-pub fn knobs(quick: bool, lookup: LookupRule) -> Vec<Knob> {
+/// Every setting that is tried for a material, as far as it supports them; lookup rules of tables alone.
+pub fn knobs(quick: bool, lookup: LookupRule, facts: &MaterialFacts) -> Vec<Knob> {
     let mut all = half_vector_knobs(lookup);
     all.extend(disc_knobs(lookup));
     all.extend(cascade_knobs(lookup));
+    all.retain(|knob| supported(&knob.spec, &[*facts]));
     if quick {
         // Every third still shows the shape of the front.
         return all.into_iter().step_by(3).collect();
     }
-    all.extend(LookupRule::ALL.map(|rule| {
+    if facts.has_table {
+        all.extend(lookup_knobs());
+    }
+    all
+}
+
+fn lookup_knobs() -> [Knob; 3] {
+    LookupRule::ALL.map(|rule| {
         let spec = SamplerSpec::HalfVector(HalfVectorSettings::default());
         Knob {
             name: "lookup rule".into(),
@@ -68,8 +76,7 @@ pub fn knobs(quick: bool, lookup: LookupRule) -> Vec<Knob> {
             spec,
             lookup: rule,
         }
-    }));
-    all
+    })
 }
 
 fn half_vector_knobs(lookup: LookupRule) -> Vec<Knob> {
@@ -159,24 +166,31 @@ const SPREAD_POINTS: usize = 233;
 /// Calls that are timed, five times over.
 const TIMED: usize = 20_000;
 
-/// Measures a setting for a material under a sky.
+/// Measures a setting for a material under a sky; a table is read by the setting's own lookup rule.
 ///
 /// # Errors
 /// Those of building the sampler.
 pub fn setting(
-    table: &Arc<MerlTable>,
+    material: &Loaded,
     sky: &Environment,
     knob: Knob,
     plan: &PointPlan,
 ) -> Result<Setting> {
-    let brdf = Arc::new(MerlBrdf::new(table.clone(), knob.lookup));
-    let (sampler, seconds) = time(|| knob.spec.build(&brdf));
+    let material = match material.table() {
+        Some(measured) => {
+            let read = MerlBrdf::new(measured.table().clone(), knob.lookup);
+            Loaded::from_table(Arc::new(read)).named(material.name())
+        }
+        None => material.clone(),
+    };
+    let brdf = &**material.brdf();
+    let (sampler, seconds) = time(|| knob.spec.build_for(&material));
     let sampler = sampler?;
     let spread = |degrees: f64| {
         let wo = spherical(degrees.to_radians(), 0.4).as_vec3();
         weight_spread(
             &sampler,
-            &*brdf,
+            brdf,
             &Quadrature::new(wo, SPREAD_POINTS),
             Importance::Mean,
         )
@@ -187,7 +201,7 @@ pub fn setting(
         build_seconds: seconds.wall,
         sample_ns: call_times(&sampler, TIMED, 1).sample_ns,
         relstd: LIMIT_ANGLES_DEG.map(spread).iter().sum::<f64>() / LIMIT_ANGLES_DEG.len() as f64,
-        rmse: error_at(&sampler, &brdf, sky, RMSE_SAMPLES, plan),
+        rmse: error_at(&sampler, brdf, sky, RMSE_SAMPLES, plan),
         knob,
     })
 }

@@ -1,16 +1,16 @@
 //! Choosing a sampler by the error one can bear.
 
-use std::sync::Arc;
-
 use serde::Serialize;
 
+use super::candidates::supported;
 use super::point::{ErrorPoint, PointPlan, Reference, curve, errors_at, references};
 use super::target::{Reach, reach, seconds};
 use super::{Competitor, Curve};
 use crate::measure::cost::time;
 use merlkit::Result;
+use merlkit::brdf::Brdf;
 use merlkit::light::Environment;
-use merlkit::material::merl::MerlBrdf;
+use merlkit::material::{Loaded, MaterialFacts};
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, LobeKind,
     LobeSettings, Sampler, SamplerSpec,
@@ -104,9 +104,9 @@ impl Tuning {
     }
 }
 
-/// Samplers that are tried: every size of the half-vector table, the thesis's two, and the lobes. With `stored`, only those
-/// that a file can hold.
-pub fn tunable(stored: bool) -> Vec<SamplerSpec> {
+/// Samplers that are tried for a material: every size of the half-vector table, the thesis's two, the lobes and a file's own
+/// density, as far as the material supports them. With `stored`, only those that a sampler file can hold.
+pub fn tunable(facts: &MaterialFacts, stored: bool) -> Vec<SamplerSpec> {
     let mut all: Vec<SamplerSpec> = HalfVectorSettings::PRESETS
         .iter()
         .map(|p| SamplerSpec::HalfVector(p.1))
@@ -127,8 +127,9 @@ pub fn tunable(stored: bool) -> Vec<SamplerSpec> {
     let lobes = [LobeKind::CosineLobe, LobeKind::Ward, LobeKind::Ggx];
     all.extend(lobes.map(|kind| SamplerSpec::Lobe(LobeSettings::fitted(kind))));
     if !stored {
-        all.push(SamplerSpec::Cosine);
+        all.extend([SamplerSpec::Cosine, SamplerSpec::File]);
     }
+    all.retain(|spec| supported(spec, &[*facts]));
     all
 }
 
@@ -137,17 +138,18 @@ pub fn tunable(stored: bool) -> Vec<SamplerSpec> {
 /// # Errors
 /// Those of building samplers.
 pub fn tune(
-    brdf: &Arc<MerlBrdf>,
+    material: &Loaded,
     sky: &Environment,
     wish: Wish,
     specs: &[SamplerSpec],
     plan: &PointPlan,
     progress: &dyn Fn(),
 ) -> Result<Tuning> {
+    let brdf = &**material.brdf();
     let references = references(brdf, sky, plan);
     let mut tried = Vec::new();
     for &spec in specs {
-        let (sampler, seconds) = time(|| spec.build(brdf));
+        let (sampler, seconds) = time(|| spec.build_for(material));
         let measured = (plan, &references[..]);
         let curve = curve(
             Competitor::brdf(spec),
@@ -171,7 +173,7 @@ pub fn tune(
         proof: None,
     };
     if let Some(choice) = chosen.map(|i| &tuning.tried[i]) {
-        let sampler = choice.curve.competitor.spec.build(brdf)?;
+        let sampler = choice.curve.competitor.spec.build_for(material)?;
         tuning.proof = prove(&tuning, choice, &sampler, (brdf, sky), plan);
     }
     Ok(tuning)
@@ -204,7 +206,7 @@ fn prove(
     tuning: &Tuning,
     choice: &Tried,
     sampler: &Sampler,
-    (brdf, sky): (&MerlBrdf, &Environment),
+    (brdf, sky): (&dyn Brdf, &Environment),
     plan: &PointPlan,
 ) -> Option<Proof> {
     let mut samples = choice.reach?.samples;
