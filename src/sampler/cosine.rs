@@ -30,6 +30,7 @@ impl Method for Cosine {
     const NAME: &'static str = "cosine";
     const SUMMARY: &'static str = "in proportion to cosθ, whatever the material";
     const NEEDS: Needs = Needs::AnyMaterial;
+    const IS_STORED: bool = false;
     type Settings = CosineSettings;
 
     fn build(_: &Loaded, _: &CosineSettings) -> Result<Self> {

@@ -58,6 +58,8 @@ pub trait Method: Any + Send + Sync + Sized {
     const SUMMARY: &'static str;
     /// What it asks of a material.
     const NEEDS: Needs;
+    /// Whether it has tables to store: if not, [`Self::write`] and [`Self::read`] fail.
+    const IS_STORED: bool = true;
     /// What can be set.
     type Settings: Settings<Method = Self>;
 

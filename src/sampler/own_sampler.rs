@@ -28,6 +28,7 @@ impl Method for OwnSampler {
     const NAME: &'static str = "file";
     const SUMMARY: &'static str = "the density that a .bsdf file itself holds";
     const NEEDS: Needs = Needs::OwnSampler;
+    const IS_STORED: bool = false;
     type Settings = OwnSamplerSettings;
 
     fn build(material: &Loaded, _: &OwnSamplerSettings) -> Result<Self> {

@@ -38,6 +38,14 @@ impl SamplerSpec {
         METHODS.iter().map(|default| default()).collect()
     }
 
+    /// Reads several texts.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for the first that is no sampler.
+    pub fn parse_all(texts: &[&str]) -> Result<Vec<Self>> {
+        texts.iter().map(|text| text.parse()).collect()
+    }
+
     /// The method's name.
     pub fn name(&self) -> &'static str {
         self.0.name()
@@ -51,6 +59,11 @@ impl SamplerSpec {
     /// What the method asks of a material.
     pub fn needs(&self) -> Needs {
         self.0.needs()
+    }
+
+    /// Whether it has tables that a file can hold.
+    pub fn is_stored(&self) -> bool {
+        self.0.is_stored()
     }
 
     /// The settings, if they are of this type.
@@ -211,6 +224,7 @@ trait AnySettings: Any + Send + Sync {
     fn name(&self) -> &'static str;
     fn summary(&self) -> &'static str;
     fn needs(&self) -> Needs;
+    fn is_stored(&self) -> bool;
     fn to_text(&self) -> String;
     fn parse_text(&self, text: &str) -> Result<SamplerSpec>;
     fn equals(&self, other: &dyn AnySettings) -> bool;
@@ -241,6 +255,10 @@ impl<S: Settings> AnySettings for S {
 
     fn needs(&self) -> Needs {
         S::Method::NEEDS
+    }
+
+    fn is_stored(&self) -> bool {
+        S::Method::IS_STORED
     }
 
     fn to_text(&self) -> String {

@@ -1,7 +1,5 @@
 //! Hard cases on spheres under every kind of light.
 
-use std::sync::Arc;
-
 use super::{HardCheck, HardOutcome, HardSampler, Subject};
 use merlkit::Result;
 use merlkit::points::PointSet;
@@ -23,7 +21,7 @@ const SETTINGS: Settings = Settings {
 pub(super) fn picture(
     subject: &Subject<'_>,
     hard: &HardSampler,
-    sampler: Arc<Sampler>,
+    sampler: &Sampler,
 ) -> Result<HardOutcome> {
     let (mut count, mut violations, mut note) = (0, 0, String::new());
     for light in 0..3 {
@@ -31,7 +29,7 @@ pub(super) fn picture(
         let plan = EffectPlan::of(&spec);
         let surface = Surface {
             brdf: subject.brdf.clone(),
-            sampler: Some(sampler.clone()),
+            sampler: Some(sampler.shared()),
         };
         let scene = Scene::build(&spec, &plan, |_, _| Ok(surface.clone()))?;
         let film = render(&scene, &plan, &SETTINGS, &|_| {})?;
