@@ -1,10 +1,8 @@
 //! Rendering a scene to files: what `render` and `demo` share.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::{Overwrite, check_writable};
 use merlkit::image::{write_exr, write_png};
 use merlkit::material::Material;
@@ -28,7 +26,7 @@ pub struct Picture<'a> {
     /// What tables say between their samples.
     pub lookup: LookupRule,
     /// How directions are drawn, where any are.
-    pub sampler: SamplerSpec,
+    pub sampler: &'a SamplerSpec,
     /// Size, samples and seed.
     pub settings: Settings,
     /// Where its paths go.
@@ -79,9 +77,10 @@ impl Picture<'_> {
 
     fn surface(&self, material: usize, directions: bool) -> Result<Surface, Error> {
         let brdf = self.materials[material].load(self.lookup)?;
-        let sampler = match directions {
-            true => Some(Arc::new(self.sampler.build_for(&brdf)?) as Arc<dyn DirectionSampler>),
-            false => None,
+        let sampler = if directions {
+            Some(self.sampler.build(&brdf)?.shared())
+        } else {
+            None
         };
         Ok(Surface {
             brdf: brdf.brdf().clone(),

@@ -20,7 +20,6 @@ use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::picture::{Files, Picture, Spending};
 use crate::progress::Progress;
-use crate::sampler_args::SamplerArgs;
 use crate::table;
 
 /// Show everything on three embedded materials: files, samplers, report and pictures, in less than a minute
@@ -72,21 +71,24 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Samplers that are shown.
+const SHOWN: [&str; 5] = [
+    "half-vector:64KB",
+    "cosine",
+    "adaptive-disc",
+    "cascade-cdf:uniform",
+    "cascade-cdf",
+];
+
 /// Each sampler and the files of its picture.
 fn samplers(folder: &Path) -> Result<Vec<(SamplerSpec, Files)>, Error> {
-    let names = [
-        "half-vector",
-        "cosine",
-        "adaptive-disc",
-        "cascade-cdf-whole",
-        "cascade-cdf-compressed",
-    ];
-    let specs = SamplerArgs::default().specs(&[], &["64KB"])?;
-    Ok(specs
-        .into_iter()
-        .zip(names)
-        .map(|(spec, name)| (spec, Files::named(&folder.join(format!("spheres-{name}")))))
-        .collect())
+    let mut all = Vec::new();
+    for spec in SamplerSpec::parse_all(&SHOWN)? {
+        let name = spec.to_string().replace(':', "-");
+        let files = Files::named(&folder.join(format!("spheres-{name}")));
+        all.push((spec, files));
+    }
+    Ok(all)
 }
 
 /// Writes the binaries and resolves them as a user's files would be.
@@ -106,7 +108,7 @@ fn report(
     samplers: &[(SamplerSpec, Files)],
     seed: u64,
 ) -> Result<(), Failure> {
-    let specs: Vec<SamplerSpec> = samplers.iter().map(|s| s.0).collect();
+    let specs: Vec<SamplerSpec> = samplers.iter().map(|s| s.0.clone()).collect();
     let settings = ProfileSettings {
         draws: 50_000,
         timed_calls: 50_000,
@@ -157,7 +159,7 @@ fn pictures(
             plan: &plan,
             materials,
             lookup: LOOKUP,
-            sampler: *sampler,
+            sampler,
             settings,
             spending: Spending::Even,
             exposure: 0.0,
@@ -167,9 +169,8 @@ fn pictures(
         output::stdout(|out| {
             writeln!(
                 out,
-                "{}: {}, {} paths a pixel, {seconds:.1} s",
+                "{}: {sampler}, {} paths a pixel, {seconds:.1} s",
                 files.png.display(),
-                sampler.label(),
                 args.spp
             )
         })?;

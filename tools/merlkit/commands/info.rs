@@ -5,7 +5,6 @@ use std::process::ExitCode;
 
 use merlkit::Error;
 use merlkit::material::{LookupRule, Material, Origin};
-use merlkit::sampler::SamplerSpec;
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
 use merlkit_evaluate::measure::facts;
 use merlkit_evaluate::report::{Info, Sheet, write_json};
@@ -130,14 +129,9 @@ impl SamplerDescription {
     fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&["sampler file", &self.sampler_file]);
         let source = self.record.path.as_deref().unwrap_or("embedded");
-        let anisotropic = matches!(self.record.spec, SamplerSpec::ByAzimuth(_));
-        let lookup = if anisotropic {
-            "none"
-        } else {
-            self.record.lookup.name()
-        };
+        let lookup = self.record.lookup.map_or("none", LookupRule::name);
         for (name, value) in [
-            ("sampler", self.record.spec.label()),
+            ("sampler", self.record.spec.to_string()),
             ("material", format!("{} ({source})", self.record.material)),
             ("lookup", lookup.to_owned()),
             ("bytes", self.file_bytes.to_string()),

@@ -13,12 +13,12 @@ use merlkit::render::{
     Decision, Effect, EffectPlan, EnvironmentSource, LEAST_ALLOCATED, LightSpec, Refined,
     SceneSpec, Settings, Strategy,
 };
+use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::report::Sheet;
 
 use crate::failure::Outcome;
 use crate::picture::{Files, Picture, Spending};
 use crate::sampler_args;
-use crate::sampler_args::{DEFAULT, SamplerArgs};
 use crate::{args, output, table};
 
 /// Path-trace a row of spheres, one a material, to NAME.exr (linear RGB) and NAME.png (tone-mapped sRGB)
@@ -33,9 +33,9 @@ pub struct Args {
     /// point, directional, area, environment (the built-in studio) or FILE.exr (equirectangular); may be repeated
     #[arg(long = "light", value_name = "LIGHT", default_value = "environment")]
     lights: Vec<String>,
-    /// How directions are drawn from the BRDF
-    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = sampler_args::any_name_or_file())]
-    sampler: String,
+    /// How directions are drawn from the BRDF (`merlkit samplers`)
+    #[arg(long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
+    sampler: SamplerSpec,
     /// Paths a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
@@ -96,8 +96,6 @@ pub struct Args {
     /// Output without extension; .exr and .png are appended
     #[arg(short, long, value_name = "NAME", default_value = "render")]
     output: PathBuf,
-    #[command(flatten)]
-    settings: SamplerArgs,
 }
 
 const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
@@ -118,7 +116,6 @@ pub fn run(args: &Args) -> Outcome {
     let files = Files::named(&args.output);
     let overwrite = output::overwrite(args.force);
     files.check(overwrite)?;
-    let sampler = args.settings.spec(&args.sampler)?;
     let settings = settings(args)?;
     let (scene, materials) = describe(args, &settings)?;
     let plan = if args.all_effects {
@@ -135,7 +132,7 @@ pub fn run(args: &Args) -> Outcome {
         plan: &plan,
         materials: &materials,
         lookup: args.lookup,
-        sampler,
+        sampler: &args.sampler,
         settings,
         spending: spending(args),
         exposure: args.exposure,
