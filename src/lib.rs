@@ -3,12 +3,11 @@
 //! Data flows one way:
 //!
 //! ```text
-//! *.binary or embedded name → merl::MerlTable → brdf::MerlBrdf → sampler::{HalfVectorTable, …, Lobe, Factored} → sampler file
+//! *.binary, *.bsdf, embedded name or formula → material::Material → material::Loaded: a Brdf, and what only some materials have
+//! Loaded → sampler::{HalfVectorTable, …, Lobe, Factored}, of anisotropic materials sampler::ByAzimuth → sampler file
 //! Brdf + DirectionSampler + light → render → image
-//! Brdf + DirectionSampler → measure → report
-//! brdf::MerlBrdf + sampler::HalfVectorTable → export: a C header, or arrays for numpy
-//! brdf::MerlBrdf → bsdf::BsdfFile (for Mitsuba and pbrt) → bsdf::RglBrdf: a Brdf and DirectionSampler, or a merl::MerlTable
-//! anisotropic *.bsdf → bsdf::RglBrdf → sampler::ByAzimuth
+//! MerlBrdf + sampler::HalfVectorTable → export: a C header, or arrays for numpy
+//! Brdf → material::rgl::BsdfFile (for Mitsuba and pbrt), or material::merl::MerlTable
 //! ```
 //!
 //! Conventions, stated once in [`geometry`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both

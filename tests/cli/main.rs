@@ -5,6 +5,7 @@ mod anisotropic;
 mod brushed;
 mod compare;
 mod eval;
+mod every_material;
 mod hard;
 mod materials;
 mod memory;

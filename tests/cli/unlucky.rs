@@ -9,8 +9,8 @@ use assert_cmd::cargo::cargo_bin;
 use merlkit::color::Rgb;
 use merlkit::files::Overwrite;
 use merlkit::image::{Image, decode_exr, read_exr, write_exr};
-use merlkit::material::Material;
 use merlkit::material::merl::{load, load_mapped};
+use merlkit::material::{LookupRule, Material};
 use merlkit::sampler::store::SamplerFile;
 
 /// What each reader says of `path`.
@@ -22,7 +22,7 @@ fn refusals(path: &Path) -> [String; 5] {
         SamplerFile::open(path).map(drop).map_err(text).unwrap_err(),
         read_exr(path).map(drop).map_err(text).unwrap_err(),
         Material::resolve(&path.to_string_lossy())
-            .and_then(|m| m.load_table())
+            .and_then(|m| m.load(LookupRule::Floor))
             .map(drop)
             .map_err(text)
             .unwrap_err(),

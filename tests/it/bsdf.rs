@@ -1,17 +1,19 @@
 //! `.bsdf` files: written and read, hostile ones, and what they make of a material.
 
+use crate::ROOT;
 use crate::support;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 use merlkit::Error;
 use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::Overwrite;
 use merlkit::geometry::{Quadrature, spherical};
 use merlkit::material::Material;
-use merlkit::material::merl::{BinPoint, HardCase, decode_embedded, import_bsdf};
+use merlkit::material::merl::{BinPoint, HardCase, decode_embedded, tabulate_brdf};
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{
     BsdfFile, BsdfSize, Colour, RglBrdf, Tensor, looks_like_bsdf, tabulate,
@@ -303,16 +305,16 @@ fn no_damage_panics() {
 fn check_values(rgl: &RglBrdf, count: usize) {
     let mut random = Stream::new(7);
     for (wo, wi) in support::pairs(count, 2) {
-        let f = rgl.value(wo, wi);
+        let f = rgl.eval(wo, wi);
         assert!(f.is_finite() && f.min_element() >= 0.0, "{f} at {wo}, {wi}");
-        assert!(rgl.density(wo, wi) >= 0.0);
-        let _ = rgl.draw(wo, [random.next_f64(), random.next_f64()]);
+        assert!(rgl.pdf(wo, wi) >= 0.0);
+        let _ = rgl.map_square(wo, DVec2::new(random.next_f64(), random.next_f64()));
     }
     for w in [Vec3::NAN, Vec3::ZERO, -Vec3::Z, Vec3::INFINITY] {
-        assert_eq!(rgl.value(w, Vec3::Z), Rgb::ZERO);
-        assert_eq!(rgl.value(Vec3::Z, w), Rgb::ZERO);
-        assert_eq!(rgl.density(w, Vec3::Z), 0.0);
-        assert_eq!(rgl.draw(w, [0.5; 2]), None);
+        assert_eq!(rgl.eval(w, Vec3::Z), Rgb::ZERO);
+        assert_eq!(rgl.eval(Vec3::Z, w), Rgb::ZERO);
+        assert_eq!(rgl.pdf(w, Vec3::Z), 0.0);
+        assert_eq!(rgl.map_square(w, DVec2::splat(0.5)), None);
     }
 }
 
@@ -400,11 +402,11 @@ fn densities_of_stretched_files_integrate_to_what_is_drawn() {
     for azimuths in [1, 5] {
         let rgl = RglBrdf::new(general(azimuths, true));
         let wo = spherical(0.5, 2.2).as_vec3();
-        let sum = Quadrature::new(wo, 987).integrate(|wi| f64::from(rgl.density(wo, wi)));
+        let sum = Quadrature::new(wo, 987).integrate(|wi| f64::from(rgl.pdf(wo, wi)));
         let mut random = Stream::new(5);
         let drawn = (0..200_000)
             .filter(|_| {
-                rgl.draw(wo, [random.next_f64(), random.next_f64()])
+                rgl.map_square(wo, DVec2::new(random.next_f64(), random.next_f64()))
                     .is_some()
             })
             .count();
@@ -422,11 +424,11 @@ fn turns_that_a_file_leaves_out_change_nothing() {
     let mut differ = 0;
     for (wo, wi) in support::pairs(1000, 4) {
         let turn = |w: Vec3| Vec3::new(-w.x, -w.y, w.z);
-        assert_eq!(half.value_cos(wo, wi), half.value_cos(turn(wo), turn(wi)));
+        assert_eq!(half.eval_cos(wo, wi), half.eval_cos(turn(wo), turn(wi)));
         let spun = |w: Vec3| glam::Quat::from_rotation_z(1.0) * w;
         let (a, b) = (
-            isotropic.value_cos(wo, wi),
-            isotropic.value_cos(spun(wo), spun(wi)),
+            isotropic.eval_cos(wo, wi),
+            isotropic.eval_cos(spun(wo), spun(wi)),
         );
         differ += usize::from((a - b).abs().max_element() > 1e-3);
     }
@@ -452,44 +454,83 @@ fn hard_tables_can_be_written_and_drawn_from() {
     }
 }
 
+/// A MERL table that is made of a file, by either rule.
 #[test]
-fn isotropic_files_are_materials() {
+fn a_table_is_made_of_an_isotropic_file() {
+    let brdf = embedded("blue-metallic-paint", LookupRule::Linear);
+    let rgl = RglBrdf::new(exported(&brdf, preset("3MB")).to_spectral());
+    for (point, rule) in [
+        (BinPoint::Edge, LookupRule::Linear),
+        (BinPoint::Centre, LookupRule::Centred),
+    ] {
+        let table = tabulate_brdf(&rgl, point).unwrap();
+        let errors = value_errors(&MerlBrdf::new(Arc::new(table), rule), &rgl);
+        assert!(
+            errors.median < 0.002 && errors.percentile_95 < 0.02,
+            "{errors:?}"
+        );
+    }
+    let brushed = RglBrdf::new(general(5, true));
+    let error = tabulate_brdf(&brushed, BinPoint::Edge).unwrap_err();
+    assert!(error.to_string().contains("anisotropic"), "{error}");
+}
+
+/// Every value of a material is that of the file to the bit, whichever rule is asked for: resampled as a table, most would
+/// differ.
+fn assert_evaluated_as_it_is(path: &Path) {
+    let rgl = RglBrdf::new(BsdfFile::open(path).unwrap());
+    let material = Material::resolve(path.to_str().unwrap()).unwrap();
+    let facts = material.facts().unwrap();
+    assert_eq!(facts.symmetry, rgl.symmetry());
+    assert!(!facts.has_table && facts.has_own_sampler);
+    for rule in LookupRule::ALL {
+        let loaded = material.load(rule).unwrap();
+        assert_eq!(loaded.facts(), facts);
+        assert!(loaded.table().is_none() && loaded.rule().is_none());
+        let own = loaded.own_sampler().unwrap();
+        for (wo, wi) in support::pairs(2000, 11) {
+            let bits = |f: Rgb| f.to_array().map(f32::to_bits);
+            let brdf = loaded.brdf();
+            assert_eq!(bits(brdf.eval(wo, wi)), bits(rgl.eval(wo, wi)));
+            assert_eq!(bits(brdf.eval_cos(wo, wi)), bits(rgl.eval_cos(wo, wi)));
+            assert_eq!(own.pdf(wo, wi).to_bits(), rgl.pdf(wo, wi).to_bits());
+        }
+    }
+}
+
+#[test]
+fn isotropic_files_are_evaluated_as_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("paint.bsdf");
     let brdf = embedded("blue-metallic-paint", LookupRule::Linear);
-    exported(&brdf, preset("3MB"))
-        .to_spectral()
-        .write(&path, Overwrite::Refuse)
-        .unwrap();
-    let (edges, rgl) = import_bsdf(&path, BinPoint::Edge).unwrap();
-    let errors = value_errors(&MerlBrdf::new(Arc::new(edges), LookupRule::Linear), &rgl);
-    assert!(
-        errors.median < 0.002 && errors.percentile_95 < 0.02,
-        "{errors:?}"
-    );
-    let centred = MerlBrdf::new(
-        Arc::new(
-            Material::resolve(path.to_str().unwrap())
-                .unwrap()
-                .load_table()
-                .unwrap(),
-        ),
-        LookupRule::Centred,
-    );
-    let errors = value_errors(&centred, &rgl);
-    assert!(
-        errors.median < 0.002 && errors.percentile_95 < 0.02,
-        "{errors:?}"
-    );
-    let path = folder.path().join("brushed.bsdf");
-    general(5, true).write(&path, Overwrite::Refuse).unwrap();
-    let error = Material::resolve(path.to_str().unwrap())
-        .unwrap()
-        .load_table()
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("anisotropic") && error.contains("5 azimuths"),
-        "{error}"
-    );
+    let file = exported(&brdf, preset("0.4MB"));
+    file.write(&path, Overwrite::Refuse).unwrap();
+    assert_evaluated_as_it_is(&path);
+    // The comparison can fail: a table of the same file has other values.
+    let rgl = RglBrdf::new(file);
+    let table = tabulate_brdf(&rgl, BinPoint::Centre).unwrap();
+    let table = MerlBrdf::new(Arc::new(table), LookupRule::Floor);
+    let differ =
+        support::pairs(2000, 11).filter(|&(wo, wi)| table.eval(wo, wi) != rgl.eval(wo, wi));
+    assert!(differ.count() > 1500);
+}
+
+/// The measured files of the RGL database, where there are some: in the folder that MERLKIT_RGL names, or beside the
+/// repository.
+#[test]
+fn measured_files_are_evaluated_as_they_are() {
+    let beside = Path::new(ROOT).join("../shared/data/rgl");
+    let folder = std::env::var_os("MERLKIT_RGL").map_or(beside, Into::into);
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped: no files in {}", folder.display());
+        return;
+    };
+    let mut count = 0;
+    for path in entries.map(|entry| entry.unwrap().path()) {
+        if path.extension().is_some_and(|e| e == "bsdf") {
+            assert_evaluated_as_it_is(&path);
+            count += 1;
+        }
+    }
+    println!("{count} files of {}", folder.display());
 }

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use merlkit::distribution::Heuristic;
+use merlkit::geometry::Symmetry;
 use merlkit::light::{Environment, SkySampling, lamps};
 use merlkit::material::merl::{HardCase, decode_embedded};
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::{Loaded, LookupRule, MaterialFacts, MerlBrdf};
 use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
     Competitor, ErrorPoint, PicturePlan, PointPlan, SceneKind, Tuning, Wish, competitors, curve,
@@ -19,6 +20,12 @@ fn measured(name: &str) -> Arc<MerlBrdf> {
         LookupRule::Floor,
     ))
 }
+
+const TABLE: MaterialFacts = MaterialFacts {
+    symmetry: Symmetry::Isotropic,
+    has_table: true,
+    has_own_sampler: false,
+};
 
 fn sky() -> Environment {
     lamps(SkySampling::Importance).unwrap()
@@ -45,7 +52,7 @@ fn a_weight_without_spread_has_no_error() {
     ));
     let even = Environment::uniform(merlkit::color::Rgb::ONE).unwrap();
     let plan = plan(&[1, 16], 8);
-    let references = references(&brdf, &even, &plan);
+    let references = references(&*brdf, &even, &plan);
     for r in &references {
         assert!(
             (r.radiance / (0.25 * std::f64::consts::PI) - 1.0).abs() < 1e-4 && r.error < 1e-4,
@@ -58,7 +65,7 @@ fn a_weight_without_spread_has_no_error() {
         competitor,
         &sampler,
         0.0,
-        &brdf,
+        &*brdf,
         &even,
         (&plan, &references),
     );
@@ -74,13 +81,21 @@ fn intervals_hold_and_random_errors_fall_as_the_root() {
     let competitor = Competitor::brdf(HALF_VECTOR());
     let sampler = competitor.spec.build(&brdf).unwrap();
     let plan = plan(&[16, 64, 256], 100);
-    let references = references(&brdf, &sky, &plan);
+    let references = references(&*brdf, &sky, &plan);
     let at = |first_seed: u64| {
         let plan = PointPlan {
             first_seed,
             ..plan.clone()
         };
-        curve(competitor, &sampler, 0.0, &brdf, &sky, (&plan, &references)).random
+        curve(
+            competitor,
+            &sampler,
+            0.0,
+            &*brdf,
+            &sky,
+            (&plan, &references),
+        )
+        .random
     };
     let many: Vec<Vec<ErrorPoint>> = (0..12).map(|i| at(1000 * i + 1)).collect();
     let truth =
@@ -105,7 +120,7 @@ fn intervals_hold_and_random_errors_fall_as_the_root() {
 fn the_table_beats_cosine_on_metal_and_the_verdict_says_so() {
     let (brdf, sky) = (measured("nickel"), sky());
     let plan = plan(&[4, 16, 64, 256, 1024], 24);
-    let references = references(&brdf, &sky, &plan);
+    let references = references(&*brdf, &sky, &plan);
     let curves: Vec<_> = [SamplerSpec::Cosine, HALF_VECTOR()]
         .map(|spec| {
             let sampler = spec.build(&brdf).unwrap();
@@ -113,7 +128,7 @@ fn the_table_beats_cosine_on_metal_and_the_verdict_says_so() {
                 Competitor::brdf(spec),
                 &sampler,
                 0.03,
-                &brdf,
+                &*brdf,
                 &sky,
                 (&plan, &references),
             )
@@ -151,13 +166,21 @@ fn the_table_beats_cosine_on_metal_and_the_verdict_says_so() {
 fn all_competitors_converge_to_the_reference() {
     let (brdf, sky) = (measured("red-plastic"), sky());
     let plan = plan(&[16, 1024], 16);
-    let references = references(&brdf, &sky, &plan);
-    for competitor in competitors(true)
+    let references = references(&*brdf, &sky, &plan);
+    for competitor in competitors(true, &[TABLE])
         .into_iter()
         .filter(|c| !matches!(c.spec, SamplerSpec::Factored(_)))
     {
         let sampler = competitor.spec.build(&brdf).unwrap();
-        let errors = curve(competitor, &sampler, 0.0, &brdf, &sky, (&plan, &references)).sobol;
+        let errors = curve(
+            competitor,
+            &sampler,
+            0.0,
+            &*brdf,
+            &sky,
+            (&plan, &references),
+        )
+        .sobol;
         assert!(
             errors[1].rmse < 0.05 && errors[1].rmse < 0.5 * errors[0].rmse,
             "{competitor:?} {errors:?}"
@@ -166,12 +189,12 @@ fn all_competitors_converge_to_the_reference() {
 }
 
 fn tuned(name: &str, wish: Wish) -> Tuning {
-    let specs: Vec<SamplerSpec> = tunable(false)
+    let specs: Vec<SamplerSpec> = tunable(&TABLE, false)
         .into_iter()
         .filter(|s| matches!(s.name(), "half-vector" | "cosine"))
         .collect();
     tune(
-        &measured(name),
+        &Loaded::from_table(measured(name)),
         &sky(),
         wish,
         &specs,
@@ -240,7 +263,7 @@ fn limits_are_kept_and_what_cannot_be_had_is_not_chosen() {
 
 #[test]
 fn pictures_are_nearer_their_reference_with_more_samples_and_better_samplers() {
-    let named = [("nickel".to_owned(), measured("nickel"))];
+    let named = [Loaded::from_table(measured("nickel")).named("nickel")];
     let plan = PicturePlan {
         side: 24,
         samples: vec![4, 25],
@@ -275,13 +298,13 @@ fn pictures_are_nearer_their_reference_with_more_samples_and_better_samplers() {
 
 #[test]
 fn settings_trade_bytes_for_error() {
-    let brdf = measured("nickel");
+    let material = Loaded::from_table(measured("nickel"));
     let of = |value: &str| {
-        let knob = knobs(false, LookupRule::Floor)
+        let knob = knobs(false, LookupRule::Floor, &TABLE)
             .into_iter()
             .find(|k| k.value == value)
             .unwrap();
-        setting(brdf.table(), &sky(), knob, &plan(&[1], 16)).unwrap()
+        setting(&material, &sky(), knob, &plan(&[1], 16)).unwrap()
     };
     let [small, large] = ["2KB", "256KB"].map(of);
     assert!(small.table_bytes < large.table_bytes / 50);

@@ -65,10 +65,12 @@ fn factored() -> SamplerSpec {
 
 fn built(spec: SamplerSpec, folder: &Path) -> (Sampler, Arc<MerlBrdf>, std::path::PathBuf) {
     let material = Material::resolve("red-plastic").unwrap();
-    let brdf = Arc::new(MerlBrdf::new(
-        Arc::new(material.load_table().unwrap()),
-        LookupRule::Floor,
-    ));
+    let brdf = material
+        .load(LookupRule::Floor)
+        .unwrap()
+        .table()
+        .unwrap()
+        .clone();
     let sampler = spec.build(&brdf).unwrap();
     let path = folder.join("s.safetensors");
     save(

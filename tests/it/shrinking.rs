@@ -3,15 +3,14 @@
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use merlkit::Error;
 use merlkit::color::Rgb;
 use merlkit::files::{Overwrite, RegularFile};
 use merlkit::image::{Image, read_exr, write_exr};
+use merlkit::material::LookupRule;
 use merlkit::material::Material;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::merl::{decode_embedded, load, write};
 use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
@@ -69,10 +68,12 @@ fn a_sampler_file_and_a_picture_that_shrink_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("s.safetensors");
     let material = Material::resolve("nickel").unwrap();
-    let brdf = Arc::new(MerlBrdf::new(
-        Arc::new(material.load_table().unwrap()),
-        LookupRule::Floor,
-    ));
+    let brdf = material
+        .load(LookupRule::Floor)
+        .unwrap()
+        .table()
+        .unwrap()
+        .clone();
     let sampler = SamplerSpec::HalfVector(HalfVectorSettings::default())
         .build(&brdf)
         .unwrap();

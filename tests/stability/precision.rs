@@ -115,9 +115,10 @@ fn cosine_pdf() -> Row {
 /// The default half-vector table of nickel, and the same in f64.
 static NICKEL: LazyLock<(HalfVectorTable, Oracle)> = LazyLock::new(|| {
     let material = Material::resolve("nickel").unwrap();
-    let brdf = MerlBrdf::new(Arc::new(material.load_table().unwrap()), LookupRule::Floor);
+    let brdf = material.load(LookupRule::Floor).unwrap();
+    let brdf = &**brdf.brdf();
     let settings = HalfVectorSettings::default();
-    let sampler = HalfVectorTable::build(&brdf, settings).unwrap();
+    let sampler = HalfVectorTable::build(brdf, settings).unwrap();
     let file = encode(
         &Sampler::HalfVector(sampler.clone()),
         &material,

@@ -127,10 +127,12 @@ fn everything(threads: usize) -> Vec<u64> {
         .unwrap();
     pool.install(|| {
         let material = Material::resolve("nickel").unwrap();
-        let brdf = Arc::new(MerlBrdf::new(
-            Arc::new(material.load_table().unwrap()),
-            LookupRule::Floor,
-        ));
+        let brdf = material
+            .load(LookupRule::Floor)
+            .unwrap()
+            .table()
+            .unwrap()
+            .clone();
         let mut all = Vec::new();
         for spec in specs() {
             let sampler = Arc::new(spec.build(&brdf).unwrap());
@@ -161,10 +163,12 @@ fn one_two_and_seven_threads_give_the_same_bytes() {
 fn a_loaded_sampler_draws_what_the_fresh_one_drew() {
     let folder = tempfile::tempdir().unwrap();
     let material = Material::resolve("nickel").unwrap();
-    let brdf = Arc::new(MerlBrdf::new(
-        Arc::new(material.load_table().unwrap()),
-        LookupRule::Centred,
-    ));
+    let brdf = material
+        .load(LookupRule::Centred)
+        .unwrap()
+        .table()
+        .unwrap()
+        .clone();
     for (i, spec) in specs().into_iter().enumerate() {
         let fresh = spec.build(&brdf).unwrap();
         let Ok(bytes) = encode(&fresh, &material, LookupRule::Centred) else {

@@ -3,9 +3,10 @@
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use merlkit::brdf::Brdf;
 use merlkit::color::{Rgb, luminance};
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{Symmetry, spherical, unit_upper};
 use merlkit::material::rgl::{BsdfFile, Colour, RglBrdf, Tensor};
 
@@ -173,8 +174,8 @@ fn fill(file: &mut BsdfFile, metal: &Brushed, symmetry: Symmetry, side: usize) {
         let phi = f64::from(phi).clamp(Symmetry::START + 1e-5, end - 1e-5);
         let wo = spherical(f64::from(theta).max(1e-3), phi).as_vec3();
         let node = |k: usize| {
-            let wi = ones.draw(wo, [share(k % side), share(k / side)])?;
-            let (scale, density) = (ones.value_cos(wo, wi).x, ones.density(wo, wi));
+            let wi = ones.map_square(wo, DVec2::new(share(k % side), share(k / side)))?;
+            let (scale, density) = (ones.eval_cos(wo, wi).x, ones.pdf(wo, wi));
             let value = metal.eval_cos(wo, wi);
             (scale > 0.0 && density > 0.0).then(|| (value / scale, luminance(value) / density))
         };

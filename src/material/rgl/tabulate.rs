@@ -60,7 +60,7 @@ pub fn tabulate(
     let theta_i = angles(size.angles);
     let slices: Vec<ViewTables> = theta_i
         .par_iter()
-        .map(|&theta| ViewTables::at(f64::from(theta), size.side, &value))
+        .map(|&theta| ViewTables::tabulate(f64::from(theta), size.side, &value))
         .collect();
     let (n, t) = (size.side, theta_i.len());
     let collect = |shape: &[usize], part: fn(&ViewTables) -> &Vec<f32>| Tensor {
@@ -118,13 +118,17 @@ struct ViewTables {
 }
 
 impl ViewTables {
-    fn at(theta: f64, side: usize, value: &(impl Fn(Vec3, Vec3) -> Rgb + Sync)) -> Self {
+    fn tabulate(theta: f64, side: usize, value: &(impl Fn(Vec3, Vec3) -> Rgb + Sync)) -> Self {
         let wo = spherical(theta, 0.0);
         let (mut rgb, mut mass) = (vec![0.0; 3 * side * side], Vec::with_capacity(side * side));
         for k in 0..side * side {
-            let node = SquareNode::at(k % side, k / side, side, wo);
+            let node = SquareNode::new(k % side, k / side, side, wo);
+            // With ndf 1 and sigma ¼ the colour is f_r·cosθᵢ itself.
             let f = node.value_cos(wo, value);
-            (0..3).for_each(|c| rgb[c * side * side + k] = f[c]);
+            for channel in 0..3 {
+                rgb[channel * side * side + k] = f[channel];
+            }
+            // Density on the square: luminance times solid angle for a unit of its area.
             mass.push(f64::from(luminance(f)) * node.jacobian);
         }
         let mean = mass.iter().sum::<f64>() / mass.len() as f64;
@@ -145,10 +149,12 @@ struct SquareNode {
 }
 
 impl SquareNode {
-    fn at(column: usize, row: usize, side: usize, wo: DVec3) -> Self {
+    fn new(column: usize, row: usize, side: usize, wo: DVec3) -> Self {
         let [x, y] = [column, row].map(|k| k as f64 / (side - 1) as f64);
+        // θm = x²·π/2, φm = (2y − 1)·π.
         let theta_m = x * x * FRAC_PI_2;
         let m = spherical(theta_m, (2.0 * y - 1.0) * PI);
+        // dω(wi) = 4 (wo·m) dω(m), dω(m) = 2π²·x·sinθm dx dy.
         let jacobian = TAU * PI * x * theta_m.sin() * 4.0 * wo.dot(m).max(0.0);
         Self {
             wi: reflect_about(wo, m),

@@ -98,14 +98,14 @@ impl SliceGrid {
 
     /// Value of a channel at a point.
     pub fn interpolate(&self, point: [f64; 2], channel: usize, blend: &SliceBlend) -> f64 {
-        let patch = GridCell::containing(point, self.width, self.height);
-        let [left, right] = self.corners(&patch, channel, blend);
-        left + (right - left) * patch.x
+        let cell = GridCell::containing(point, self.width, self.height);
+        let [left, right] = self.corners(&cell, channel, blend);
+        left + (right - left) * cell.x
     }
 
     /// Values on the left and right of a cell.
-    fn corners(&self, patch: &GridCell, channel: usize, blend: &SliceBlend) -> [f64; 2] {
-        let first = patch.row * self.width + patch.column;
+    fn corners(&self, cell: &GridCell, channel: usize, blend: &SliceBlend) -> [f64; 2] {
+        let first = cell.row * self.width + cell.column;
         let side = |k: usize| {
             let at = |k: usize| {
                 blend.mean(|slice| {
@@ -114,7 +114,7 @@ impl SliceGrid {
                 })
             };
             let (low, high) = (at(first + k), at(first + k + self.width));
-            low + (high - low) * patch.y
+            low + (high - low) * cell.y
         };
         [side(0), side(1)]
     }
@@ -179,41 +179,45 @@ impl SquareWarp {
     /// The point of the square that is mapped to `point`, and the density there. 0 on both axes where nothing is drawn.
     pub fn invert(&self, point: [f64; 2], blend: &SliceBlend) -> ([f64; 2], f64) {
         let (w, h) = (self.density.width, self.density.height);
-        let patch = GridCell::containing(point, w, h);
-        let [left, right] = self.density.corners(&patch, 0, blend);
-        let inside = 0.5 * (left + left + (right - left) * patch.x) * patch.x / (w - 1) as f64;
-        let x = self.row_sum(&patch, patch.column, blend) + inside;
-        let whole = self.row_sum(&patch, w - 1, blend);
-        let [low, high] = self.row_totals(patch.row, blend);
-        let inside = 0.5 * (low + low + (high - low) * patch.y) * patch.y / (h - 1) as f64;
-        let y = self.rows_to(patch.row, blend) + inside;
-        let pdf = left + (right - left) * patch.x;
+        let cell = GridCell::containing(point, w, h);
+        // u_x = ∫₀ˣ p(t, y) dt / ∫₀¹ p(t, y) dt: whole columns, and the trapezoid inside the cell.
+        let [left, right] = self.density.corners(&cell, 0, blend);
+        let inside = 0.5 * (left + left + (right - left) * cell.x) * cell.x / (w - 1) as f64;
+        let x = self.row_sum(&cell, cell.column, blend) + inside;
+        let whole = self.row_sum(&cell, w - 1, blend);
+        // u_y = ∫₀ʸ of the marginal: whole rows, and the trapezoid inside the cell.
+        let [low, high] = self.row_totals(cell.row, blend);
+        let inside = 0.5 * (low + low + (high - low) * cell.y) * cell.y / (h - 1) as f64;
+        let y = self.rows_to(cell.row, blend) + inside;
+        let pdf = left + (right - left) * cell.x;
         ([if whole > 0.0 { x / whole } else { 0.0 }, y], pdf)
     }
 
     /// The point that `u` is mapped to.
     pub fn sample(&self, u: [f64; 2], blend: &SliceBlend) -> [f64; 2] {
         let (w, h) = (self.density.width, self.density.height);
+        // The row in which the marginal's integral reaches u_y, and where in it.
         let row = search(h - 1, |k| self.rows_to(k + 1, blend) <= u[1]);
         let [low, high] = self.row_totals(row, blend);
-        let y = within(
+        let y = invert_linear_cdf(
             (u[1] - self.rows_to(row, blend)) * (h - 1) as f64,
             low,
             high,
         );
-        let mut patch = GridCell {
+        let mut cell = GridCell {
             column: 0,
             row,
             x: 0.0,
             y,
         };
-        let target = u[0] * self.row_sum(&patch, w - 1, blend);
-        patch.column = search(w - 1, |k| self.row_sum(&patch, k + 1, blend) <= target);
-        let [left, right] = self.density.corners(&patch, 0, blend);
-        let rest = target - self.row_sum(&patch, patch.column, blend);
-        let x = within(rest * (w - 1) as f64, left, right);
+        // The column in which the integral along that row reaches its part u_x, and where in it.
+        let target = u[0] * self.row_sum(&cell, w - 1, blend);
+        cell.column = search(w - 1, |k| self.row_sum(&cell, k + 1, blend) <= target);
+        let [left, right] = self.density.corners(&cell, 0, blend);
+        let rest = target - self.row_sum(&cell, cell.column, blend);
+        let x = invert_linear_cdf(rest * (w - 1) as f64, left, right);
         [
-            (patch.column as f64 + x) / (w - 1) as f64,
+            (cell.column as f64 + x) / (w - 1) as f64,
             (row as f64 + y) / (h - 1) as f64,
         ]
     }
@@ -223,16 +227,16 @@ impl SquareWarp {
         self.density.bytes() + size_of_val(&self.along[..]) + size_of_val(&self.rows[..])
     }
 
-    /// Integral over x up to a column, along the row that a patch's y means.
-    fn row_sum(&self, patch: &GridCell, column: usize, blend: &SliceBlend) -> f64 {
+    /// Integral over x up to a column, along the row that a cell's y means.
+    fn row_sum(&self, cell: &GridCell, column: usize, blend: &SliceBlend) -> f64 {
         if column == 0 {
             return 0.0;
         }
         let (w, h) = (self.density.width, self.density.height);
         let at =
             |row: usize| blend.mean(|slice| self.along[(slice * h + row) * (w - 1) + column - 1]);
-        let (low, high) = (at(patch.row), at(patch.row + 1));
-        low + (high - low) * patch.y
+        let (low, high) = (at(cell.row), at(cell.row + 1));
+        low + (high - low) * cell.y
     }
 
     /// Integrals over x along a row and the next.
@@ -291,8 +295,8 @@ fn search(count: usize, is_below: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// Where the integral of a density that goes from `a` to `b` over [0, 1] reaches `mass`.
-fn within(mass: f64, a: f64, b: f64) -> f64 {
+/// Where the integral of a density that goes from `a` to `b` over [0, 1] reaches `mass`: the x of a·x + (b − a)·x²/2 = mass.
+fn invert_linear_cdf(mass: f64, a: f64, b: f64) -> f64 {
     let root = (a * a + 2.0 * mass * (b - a)).max(0.0).sqrt();
     let x = 2.0 * mass / (a + root);
     if x.is_finite() {
