@@ -11,7 +11,9 @@ use super::{
     FactoredSettings, HalfVectorSettings, HalfVectorTable, LeafChoice, Lobe, LobeKind,
     LobeSettings, TableChoice, ThetaSpacing,
 };
+use crate::batch::Wo;
 use crate::brdf::Importance;
+use crate::direction_sampler::draw_stratified;
 use crate::material::Loaded;
 use crate::material::merl::MerlBrdf;
 use crate::{Error, Result};
@@ -310,6 +312,20 @@ impl Sampler {
         }
     }
 
+    /// Draws `count` directions for one `wo` that are spread together as well as the method can: by
+    /// [`AdaptiveDisc::draw_stratified`] for the disc, by [`draw_stratified`] for the others.
+    pub fn draw_stratified(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Vec<Option<DirectionSample>> {
+        match self {
+            Self::AdaptiveDisc(disc) => disc.draw_stratified(wo, count, seed),
+            _ => draw_stratified(self, wo, count, seed),
+        }
+    }
+
     /// The sampler behind the common interface.
     pub fn as_dyn(&self) -> &dyn DirectionSampler {
         match self {
@@ -338,20 +354,14 @@ impl DirectionSampler for Sampler {
         self.as_dyn().bytes()
     }
 
-    fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        self.as_dyn().sample_batch(wo, points)
+    #[track_caller]
+    fn sample_batch(&self, wo: Wo<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
+        self.as_dyn().sample_batch(wo, u, out);
     }
 
-    fn sample_pairs(&self, wo: &[Vec3], points: &[Vec2], out: &mut [Option<DirectionSample>]) {
-        self.as_dyn().sample_pairs(wo, points, out);
-    }
-
-    fn pdf_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
-        self.as_dyn().pdf_pairs(wo, wi, out);
-    }
-
-    fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
-        self.as_dyn().sample_many(wo, count, seed)
+    #[track_caller]
+    fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
+        self.as_dyn().pdf_batch(wo, wi, out);
     }
 }
 

@@ -14,7 +14,7 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::merl::{MerlTable, THETA_D_BINS, THETA_H_BINS};
-use merlkit::sampler::AdaptiveDisc;
+use merlkit::sampler::{AdaptiveDisc, Sampler};
 
 /// A curve over the angle in the plane of incidence: (degrees, value).
 pub type Curve = Vec<(f64, f64)>;
@@ -108,15 +108,15 @@ fn disc_wo(theta_o: f64) -> Vec3 {
     spherical(-theta_o.to_radians(), 0.0).as_vec3()
 }
 
-/// The first `count` draws of a seed for `wo` at `theta_o` degrees: their feet on the unit disc, `wo` at x < 0, and how many
+/// `count` draws of a seed, spread together as well as the sampler can, for `wo` at `theta_o` degrees: their feet on the unit disc, `wo` at x < 0, and how many
 /// of the draws failed.
 pub fn sampled_directions(
-    sampler: &dyn DirectionSampler,
+    sampler: &Sampler,
     theta_o: f64,
     count: usize,
     seed: u64,
 ) -> (Vec<DVec2>, usize) {
-    let draws = sampler.sample_many(disc_wo(theta_o), count, seed);
+    let draws = sampler.draw_stratified(disc_wo(theta_o), count, seed);
     let feet: Vec<DVec2> = draws
         .iter()
         .flatten()

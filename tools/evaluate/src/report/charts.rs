@@ -238,7 +238,7 @@ impl ChartSubject {
     pub fn disc(&self, samples: usize, seed: u64) -> String {
         let theta = self.thetas.first().copied().unwrap_or(0.0);
         let sampler = self.sampler.as_ref().unwrap_or(&Sampler::Cosine(Cosine));
-        let (points, failed) = views::sampled_directions(sampler.as_dyn(), theta, samples, seed);
+        let (points, failed) = views::sampled_directions(sampler, theta, samples, seed);
         let (cells, tree) = match sampler {
             Sampler::AdaptiveDisc(disc) => views::leaf_outlines(disc, theta),
             _ => (Vec::new(), theta),
