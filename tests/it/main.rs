@@ -9,6 +9,7 @@ mod batches;
 mod bsdf;
 mod compare;
 mod format;
+mod frozen;
 mod half_vector;
 mod image;
 mod layering;
