@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
+use merlkit::Wo;
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::color;
 use merlkit::direction_sampler::DirectionSampler;
@@ -122,7 +123,8 @@ fn benches(c: &mut Criterion) {
                     });
                 } else if call == "batch" {
                     group.bench_with_input(id, &wo, |b, &wo| {
-                        b.iter(|| sampler.sample_batch(black_box(wo), &points))
+                        let mut drawn = vec![None; points.len()];
+                        b.iter(|| sampler.sample_batch(Wo::One(black_box(wo)), &points, &mut drawn))
                     });
                 } else {
                     let drawn: Vec<Vec3> = points
@@ -186,8 +188,8 @@ fn pairs(c: &mut Criterion) {
             .collect();
         let wi: Vec<Vec3> = single.iter().map(|s| s.unwrap().wi).collect();
         let (mut drawn, mut pdfs) = (vec![None; wi.len()], vec![0.0; wi.len()]);
-        sampler.sample_pairs(&wo, &points, &mut drawn);
-        sampler.pdf_pairs(&wo, &wi, &mut pdfs);
+        sampler.sample_batch(Wo::Each(&wo), &points, &mut drawn);
+        sampler.pdf_batch(Wo::Each(&wo), &wi, &mut pdfs);
         assert!(
             drawn == single
                 && single
@@ -233,22 +235,26 @@ fn pairs(c: &mut Criterion) {
             b.iter(|| black_box(&wo).iter().zip(&wi).fold(Vec3::ZERO, next))
         });
         for count in [16, 32, 64] {
-            group.bench_function(id(&format!("sample_pairs of {count}")), |b| {
+            group.bench_function(id(&format!("sample_batch of {count}")), |b| {
                 b.iter(|| {
                     let batches = wo
                         .chunks(count)
                         .zip(points.chunks(count))
                         .zip(drawn.chunks_mut(count));
-                    batches.for_each(|((wo, u), out)| sampler.sample_pairs(black_box(wo), u, out));
+                    batches.for_each(|((wo, u), out)| {
+                        sampler.sample_batch(Wo::Each(black_box(wo)), u, out)
+                    });
                 })
             });
-            group.bench_function(id(&format!("pdf_pairs of {count}")), |b| {
+            group.bench_function(id(&format!("pdf_batch of {count}")), |b| {
                 b.iter(|| {
                     let batches = wo
                         .chunks(count)
                         .zip(wi.chunks(count))
                         .zip(pdfs.chunks_mut(count));
-                    batches.for_each(|((wo, wi), out)| sampler.pdf_pairs(black_box(wo), wi, out));
+                    batches.for_each(|((wo, wi), out)| {
+                        sampler.pdf_batch(Wo::Each(black_box(wo)), wi, out)
+                    });
                 })
             });
         }

@@ -9,6 +9,7 @@ use super::path::Tracer;
 use super::plan::ROULETTE_FROM;
 use super::scene::Hit;
 use super::{Ray, Surface};
+use crate::batch::Wo;
 use crate::color::Rgb;
 use crate::geometry::{Frame, is_upper};
 use crate::light::Light;
@@ -274,14 +275,16 @@ impl<'a> Tracer<'a> {
             }
         }
         let mut reflected = vec![Rgb::ZERO; lit.len()];
-        surface.brdf.eval_cos_pairs(&wo, &wi, &mut reflected);
+        surface
+            .brdf
+            .eval_cos_batch(Wo::Each(&wo), &wi, &mut reflected);
         let mut other = vec![0.0; lit.len()];
         if let Some(sampler) = surface
             .sampler
             .as_ref()
             .filter(|_| self.mis && !light.is_delta())
         {
-            sampler.pdf_pairs(&wo, &wi, &mut other);
+            sampler.pdf_batch(Wo::Each(&wo), &wi, &mut other);
         }
         for ((lit, reflected), other) in lit.iter().zip(reflected).zip(other) {
             let reflected = reflected.as_dvec3() * lit.radiance;
@@ -309,13 +312,15 @@ impl<'a> Tracer<'a> {
         };
         let wo: Vec<Vec3> = run.iter().map(|v| v.wo).collect();
         let mut samples = vec![None; run.len()];
-        sampler.sample_pairs(&wo, points, &mut samples);
+        sampler.sample_batch(Wo::Each(&wo), points, &mut samples);
         let wi: Vec<Vec3> = samples
             .iter()
             .map(|s| s.map_or(Vec3::ZERO, |s| s.wi))
             .collect();
         let mut reflected = vec![Rgb::ZERO; run.len()];
-        surface.brdf.eval_cos_pairs(&wo, &wi, &mut reflected);
+        surface
+            .brdf
+            .eval_cos_batch(Wo::Each(&wo), &wi, &mut reflected);
         let step = |((vertex, sample), reflected): ((&Vertex<'_>, &Option<_>), Rgb)| {
             let sample: &crate::direction_sampler::DirectionSample = sample.as_ref()?;
             let pdf = f64::from(sample.pdf);

@@ -4,10 +4,12 @@ use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use super::settings::Settings;
 use super::store::{TensorWriter, Tensors};
 use crate::Result;
-use crate::direction_sampler::DirectionSampler;
+use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::material::{Loaded, MaterialFacts};
 
 /// What a method asks of a material.
@@ -83,6 +85,17 @@ pub trait Method: Any + Send + Sync + Sized {
 
     /// What draws the directions.
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler>;
+
+    /// Draws `count` directions for one `wo` that are spread together by a way of its own, each with the density `pdf`; `None`
+    /// if it has none that is better than [`crate::direction_sampler::draw_stratified`].
+    fn draw_own_strata(
+        &self,
+        _wo: Vec3,
+        _count: usize,
+        _seed: u64,
+    ) -> Option<Vec<Option<DirectionSample>>> {
+        None
+    }
 
     /// Adds its tables to a file.
     ///

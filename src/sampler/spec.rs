@@ -6,6 +6,7 @@ use std::ops::Deref;
 use std::str::FromStr;
 use std::sync::Arc;
 
+use glam::Vec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::METHODS;
@@ -15,7 +16,7 @@ use super::settings::{
     value_text,
 };
 use super::store::{TensorWriter, Tensors};
-use crate::direction_sampler::DirectionSampler;
+use crate::direction_sampler::{DirectionSample, DirectionSampler, draw_stratified};
 use crate::material::merl::LookupRule;
 use crate::material::{Loaded, MaterialFacts};
 use crate::{Error, Result};
@@ -323,6 +324,12 @@ impl<S: Settings> AnySettings for S {
 trait AnyMethod: Any + Send + Sync {
     fn fitted(&self) -> SamplerSpec;
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler>;
+    fn draw_own_strata(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Option<Vec<Option<DirectionSample>>>;
     fn write(&self, out: &mut TensorWriter) -> Result<()>;
 }
 
@@ -333,6 +340,15 @@ impl<M: Method> AnyMethod for M {
 
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
         Method::sampler(self)
+    }
+
+    fn draw_own_strata(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Option<Vec<Option<DirectionSample>>> {
+        Method::draw_own_strata(self, wo, count, seed)
     }
 
     fn write(&self, out: &mut TensorWriter) -> Result<()> {
@@ -382,6 +398,20 @@ impl Sampler {
     /// What draws the directions, to be kept.
     pub fn shared(&self) -> Arc<dyn DirectionSampler> {
         self.drawing.clone()
+    }
+
+    /// Draws `count` directions for one `wo` that are spread together as well as the method can: by a way of its own, or by
+    /// [`draw_stratified`]. Each alone has the density `pdf`; `None` is a failed draw.
+    pub fn draw_stratified(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Vec<Option<DirectionSample>> {
+        match self.built.draw_own_strata(wo, count, seed) {
+            Some(draws) => draws,
+            None => draw_stratified(self.as_dyn(), wo, count, seed),
+        }
     }
 
     /// What was built, if it is of this type.

@@ -1,18 +1,21 @@
 //! What the library promises, one file a subject.
 
 mod adaptive;
+#[path = "../support/allocations.rs"]
+mod allocations;
 mod anisotropic;
 mod baselines;
+mod batches;
 mod bsdf;
 mod compare;
 mod format;
+mod frozen;
 mod half_vector;
 mod image;
 mod layering;
 mod lookup;
 mod mitsuba;
 mod page;
-mod pairs;
 mod plot;
 mod render;
 mod sampler_checks;

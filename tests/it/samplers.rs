@@ -524,7 +524,7 @@ fn batches_are_stratified_and_unbiased() {
         let sampler = spec.build(&brdf).unwrap();
         let exact = weight_spread(&sampler, &*brdf, &quadrature, Importance::Mean);
         let independent = (exact.relstd * exact.mean).powi(2) / BATCH as f64;
-        let many = Batches::of(&brdf, wo, |seed| sampler.sample_many(wo, BATCH, seed));
+        let many = Batches::of(&brdf, wo, |seed| sampler.draw_stratified(wo, BATCH, seed));
         let single = Batches::of(&brdf, wo, |seed| {
             (0..BATCH as u64)
                 .map(|i| sampler.sample(wo, PointSet::Random.point(seed, i, 0)))
@@ -586,7 +586,7 @@ fn batches_fall_where_the_density_says() {
         let sampler = spec.build(&brdf).unwrap();
         for wo in [29.0, 84.7].map(direction) {
             let draws = (0..200)
-                .flat_map(|seed| sampler.sample_many(wo, 500, seed))
+                .flat_map(|seed| sampler.draw_stratified(wo, 500, seed))
                 .collect();
             let batched = Batched {
                 sampler: &sampler,
@@ -655,7 +655,7 @@ fn shallow_trees_lose_no_draws() {
         );
     }
     assert!(
-        disc.sample_many(Vec3::Z, 200, 1)
+        disc.draw_stratified(Vec3::Z, 200, 1)
             .iter()
             .all(Option::is_some)
     );

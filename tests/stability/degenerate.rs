@@ -237,7 +237,10 @@ fn directions_outside_the_domain_draw_nothing() {
             assert_eq!(sampler.pdf(Vec3::Z, wo), 0.0, "{name} {wo}");
             assert_eq!(brdf.eval(Vec3::Z, wo), Vec3::ZERO);
             assert!(
-                sampler.sample_many(wo, 5, 1).iter().all(Option::is_none),
+                sampler
+                    .draw_stratified(wo, 5, 1)
+                    .iter()
+                    .all(Option::is_none),
                 "{name} {wo}"
             );
         }

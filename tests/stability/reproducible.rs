@@ -75,7 +75,7 @@ fn draws(sampler: &Sampler) -> u64 {
         let wo = spherical(degrees.to_radians(), 1.0).as_vec3();
         let points = (0..2000).map(|i| PointSet::Sobol.point(9, i, 0));
         let single = points.map(|u| sampler.sample(wo, u));
-        for draw in single.chain(sampler.sample_many(wo, 500, 3)).flatten() {
+        for draw in single.chain(sampler.draw_stratified(wo, 500, 3)).flatten() {
             hash.floats(&[
                 draw.wi.x,
                 draw.wi.y,

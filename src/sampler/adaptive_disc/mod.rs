@@ -30,7 +30,7 @@ use super::Settings;
 use super::knots::{Neighbours, ThetaKnots, split_unit};
 use crate::Result;
 use crate::brdf::Brdf;
-use crate::direction_sampler::{DirectionSample, DirectionSampler, well_spread};
+use crate::direction_sampler::{DirectionSample, DirectionSampler, draw_stratified};
 use crate::geometry::{cosine_hemisphere, is_upper, unit_upper};
 use crate::material::merl::MerlBrdf;
 use crate::points::Stream;
@@ -281,6 +281,21 @@ impl AdaptiveDisc {
         None
     }
 
+    /// Draws `count` directions for one `wo` whose numbers in every node of the tree are their expectation, rounded at random:
+    /// one descent shares them over the leaves (thesis 6.3.2, algorithms 17 and 18). Trees that are warped instead are drawn
+    /// from by [`draw_stratified`]. Each draw alone has the density `pdf`; `None` is a failed draw.
+    pub fn draw_stratified(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Vec<Option<DirectionSample>> {
+        match &self.trees {
+            Trees::Rejecting(forest) => many::share_draws(self, forest, wo, count, seed),
+            Trees::Warped(_) => draw_stratified(self, wo, count, seed),
+        }
+    }
+
     fn finish(&self, view: &View, wi: Vec3) -> Option<DirectionSample> {
         if !is_upper(wi) {
             return None;
@@ -326,13 +341,5 @@ impl DirectionSampler for AdaptiveDisc {
 
     fn bytes(&self) -> usize {
         self.trees.bytes() + size_of_val(self.directions.as_slice())
-    }
-
-    /// One descent that shares the draws over the leaves (thesis 6.3.2, algorithms 17 and 18).
-    fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
-        match &self.trees {
-            Trees::Rejecting(forest) => many::sample_many(self, forest, wo, count, seed),
-            Trees::Warped(_) => self.sample_batch(wo, &well_spread(count, seed)),
-        }
     }
 }

@@ -3,10 +3,12 @@
 use std::ops::Bound;
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use super::square::DEEPEST;
 use super::{AdaptiveDisc, codec};
 use crate::brdf::Importance;
-use crate::direction_sampler::DirectionSampler;
+use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::material::Loaded;
 use crate::sampler::settings::{floor, importance, table_choice};
 use crate::sampler::store::{TensorWriter, Tensors};
@@ -249,6 +251,15 @@ impl Method for AdaptiveDisc {
 
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
         self
+    }
+
+    fn draw_own_strata(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Option<Vec<Option<DirectionSample>>> {
+        Some(self.draw_stratified(wo, count, seed))
     }
 
     fn write(&self, out: &mut TensorWriter) -> Result<()> {

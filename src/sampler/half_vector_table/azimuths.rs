@@ -6,15 +6,22 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::batch::LANES;
+use super::mixture::Mixture;
 use super::settings::azimuths_of_isotropic;
-use super::square::Square;
-use super::tables::Stored;
+use super::square::{Place, Square};
+use super::tables::{Blend, Stored};
 use super::turn::Turn;
-use super::{DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable};
+use super::{
+    About, Choice, DirectionSample, DirectionSampler, Found, HalfVectorSettings, HalfVectorTable,
+    raise,
+};
 use crate::Result;
+use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::geometry::{Symmetry, unit_upper};
+use crate::lanes::{Columns, UnitDirections};
 use crate::sampler::Settings;
 use crate::sampler::knots::split_unit;
 
@@ -26,17 +33,24 @@ pub struct ByAzimuth {
     tables: Vec<HalfVectorTable>,
 }
 
-/// A table and how far `wo` is turned from its azimuth.
-type Turned<'a> = (&'a HalfVectorTable, Turn);
+/// A table about one azimuth, mixed for one polar angle of `wo`, and how far `wo` is turned from that azimuth.
+#[derive(Clone, Copy)]
+struct ShiftedTable<'a> {
+    table: &'a HalfVectorTable,
+    blend: Blend<'a>,
+    turn: Turn,
+}
 
-/// What serves one `wo`: two tables and the share of the second.
-struct Pair<'a> {
+/// What serves one `wo`: the tables of the two azimuths about it.
+#[derive(Clone, Copy)]
+struct AzimuthPair<'a> {
     /// About `wo` among the azimuths that have tables.
     square: Square,
-    /// By which it came there, and `wi` with it.
+    /// The mirror signs that bring `wo` there; the same bring `wi`.
     signs: Vec3,
-    tables: [Turned<'a>; 2],
-    share: f64,
+    tables: [ShiftedTable<'a>; 2],
+    /// Weight of the second table.
+    weight: f64,
 }
 
 impl ByAzimuth {
@@ -61,8 +75,8 @@ impl ByAzimuth {
         let tables = (0..count)
             .into_par_iter()
             .map(|k| {
-                let view = View::new(brdf, Symmetry::START + step * k as f64);
-                HalfVectorTable::build(&view, table)
+                let turned = TurnedBrdf::new(brdf, Symmetry::START + step * k as f64);
+                HalfVectorTable::build(&turned, table)
             })
             .collect::<Result<_>>()?;
         Ok(Self::from_parts(settings, symmetry, tables))
@@ -90,26 +104,38 @@ impl ByAzimuth {
         &self.settings
     }
 
-    fn pair(&self, wo: Vec3) -> Pair<'_> {
+    /// What serves `wo`, above the horizon and of unit length.
+    fn pair(&self, wo: Vec3) -> AzimuthPair<'_> {
+        // Mirror wo among the azimuths that have tables.
         let signs = self.symmetry.signs(wo);
         let folded = with_azimuth(wo * signs);
+        let square = Square::about(folded);
+        // Its azimuth in steps between tables: the table below it, and the weight of the one above.
         let (count, step) = (self.tables.len(), step(self.symmetry, self.tables.len()));
         let azimuth = f64::from(folded.y).atan2(f64::from(folded.x)) - Symmetry::START;
-        let at = (azimuth / step).max(0.0);
+        let steps = (azimuth / step).max(0.0);
         // Rounding may pass the last azimuth; where they go round, behind it comes the first.
-        let first = (at as usize).min(if self.symmetry == Symmetry::Quarter {
+        let last = if self.symmetry == Symmetry::Quarter {
             count - 2
         } else {
             count - 1
-        });
-        let share = (at - first as f64).min(1.0);
-        let turned = |k: usize, turns: f64| (&self.tables[k % count], Turn::by(turns * step));
-        let tables = [turned(first, share), turned(first + 1, share - 1.0)];
-        Pair {
-            square: Square::about(folded),
+        };
+        let first = (steps as usize).min(last);
+        let weight = (steps - first as f64).min(1.0);
+        // Either table is used about wo as far from its own azimuth as wo is.
+        let shifted = |k: usize, steps: f64| {
+            let table = &self.tables[k % count];
+            ShiftedTable {
+                table,
+                blend: table.blend_at(&square),
+                turn: Turn::by(steps * step),
+            }
+        };
+        AzimuthPair {
+            square,
             signs,
-            tables,
-            share,
+            tables: [shifted(first, weight), shifted(first + 1, weight - 1.0)],
+            weight,
         }
     }
 }
@@ -134,22 +160,65 @@ fn with_azimuth(wo: Vec3) -> Vec3 {
     }
 }
 
-impl Pair<'_> {
+impl<'a> ShiftedTable<'a> {
+    /// The table about `wo`, azimuths being those of the table.
+    #[inline(always)]
+    fn about(&self, square: Square) -> About<'a, Blend<'a>> {
+        self.table.with(square, self.blend)
+    }
+
+    /// The drawn direction, among the azimuths that have tables.
+    #[inline(always)]
+    fn direction(&self, square: Square, choice: Choice) -> Vec3 {
+        let (cap, b) = self.about(square).point(choice);
+        let b = self.turn.to_surface(b, square.widest_at(cap));
+        raise(square.direction(cap, b))
+    }
+
+    /// A place moved to the azimuths of the table, and how much the table is stretched there; `widest` is the unit of `b`.
+    #[inline(always)]
+    fn place(&self, place: &Place, widest: f32) -> (Place, f32) {
+        let (b, stretch) = self.turn.to_table(place.b, widest);
+        (Place { b, ..*place }, stretch)
+    }
+
+    /// The density at a place of the table.
+    #[inline(always)]
+    fn density(&self, square: Square, place: &Place, stretch: f32, found: Found) -> f32 {
+        (self.about(square).density(place, found) * stretch).min(f32::MAX)
+    }
+}
+
+impl AzimuthPair<'_> {
+    /// The table that a point of the unit square chooses, and the point that is left to draw from it.
+    #[inline(always)]
+    fn choose_table(&self, u: Vec2) -> (usize, Vec2) {
+        let (second, rest) = split_unit(f64::from(u.x), self.weight);
+        let x = (rest as f32).min(1f32.next_down());
+        (usize::from(second), Vec2::new(x, u.y))
+    }
+
+    /// The density of the mixture from those of both tables.
+    #[inline(always)]
+    fn mix(&self, [first, second]: [f32; 2]) -> f32 {
+        (f64::from(first) * (1.0 - self.weight) + f64::from(second) * self.weight) as f32
+    }
+
+    /// The density of a direction among the azimuths that have tables.
     fn pdf(&self, wi: Vec3) -> f32 {
         let place = self.square.place(wi);
         let widest = self.square.widest_at(place.cap);
-        let pdf = |(table, turn): Turned<'_>| {
-            f64::from(table.pdf_turned(&self.square, &place, widest, turn))
-        };
-        let [first, second] = self.tables.map(pdf);
-        (first * (1.0 - self.share) + second * self.share) as f32
+        self.mix(self.tables.map(|t| {
+            let (place, stretch) = t.place(&place, widest);
+            let found = t.about(self.square).find(&place);
+            t.density(self.square, &place, stretch, found)
+        }))
     }
 
     fn sample(&self, u: Vec2) -> DirectionSample {
-        let (second, rest) = split_unit(f64::from(u.x), self.share);
-        let (table, turn) = self.tables[usize::from(second)];
-        let u = Vec2::new((rest as f32).min(1f32.next_down()), u.y);
-        let wi = table.draw_turned(&self.square, u, turn);
+        let (chosen, u) = self.choose_table(u);
+        let table = &self.tables[chosen];
+        let wi = table.direction(self.square, table.about(self.square).choose(u));
         DirectionSample {
             wi: wi * self.signs,
             pdf: self.pdf(wi),
@@ -174,24 +243,230 @@ impl DirectionSampler for ByAzimuth {
         self.tables.iter().map(DirectionSampler::bytes).sum()
     }
 
-    fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        let pair = unit_upper(wo).map(|wo| self.pair(wo));
-        points
-            .iter()
-            .map(|&u| pair.as_ref().map(|pair| pair.sample(u)))
-            .collect()
+    #[track_caller]
+    fn sample_batch(&self, wo: Wo<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
+        wo.assert_lanes(u.len(), out.len());
+        match wo {
+            Wo::One(wo) => match unit_upper(wo) {
+                Some(wo) => sample_one(&self.pair(wo), u, out),
+                None => out.fill(None),
+            },
+            Wo::Each(wo) => sample_each(self, wo, u, out),
+        }
     }
+
+    #[track_caller]
+    fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
+        wo.assert_lanes(wi.len(), out.len());
+        match wo {
+            Wo::One(wo) => match unit_upper(wo) {
+                Some(wo) => pdf_one(&self.pair(wo), wi, out),
+                None => out.fill(0.0),
+            },
+            Wo::Each(wo) => pdf_each(self, wo, wi, out),
+        }
+    }
+}
+
+// Batches: the functions of single calls, each over a block of lanes, so the same bits.
+
+fn sample_one(pair: &AzimuthPair<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
+    for (u, out) in u.chunks(LANES).zip(out.chunks_mut(LANES)) {
+        let draws = AzimuthDraws::new(|_| *pair, u);
+        for (lane, out) in out.iter_mut().enumerate().take(LANES) {
+            *out = Some(draws.get(lane, pair.signs));
+        }
+    }
+}
+
+fn sample_each(sampler: &ByAzimuth, wo: &[Vec3], u: &[Vec2], out: &mut [Option<DirectionSample>]) {
+    for ((wo, u), out) in wo
+        .chunks(LANES)
+        .zip(u.chunks(LANES))
+        .zip(out.chunks_mut(LANES))
+    {
+        let wo = UnitDirections::load(wo);
+        let pairs = PairLanes::new(sampler, &wo, u.len());
+        let draws = AzimuthDraws::new(|lane| pairs.get(lane), u);
+        for (lane, out) in out.iter_mut().enumerate().take(LANES) {
+            let upper = wo.is_upper(lane);
+            *out = upper.then(|| draws.get(lane, pairs.get(lane).signs));
+        }
+    }
+}
+
+fn pdf_one(pair: &AzimuthPair<'_>, wi: &[Vec3], out: &mut [f32]) {
+    for (wi, out) in wi.chunks(LANES).zip(out.chunks_mut(LANES)) {
+        let wi = UnitDirections::<LANES>::load(wi);
+        let pdfs = densities(|_| *pair, |lane| wi.get(lane) * pair.signs, out.len());
+        for (lane, out) in out.iter_mut().enumerate().take(LANES) {
+            *out = if wi.is_upper(lane) { pdfs[lane] } else { 0.0 };
+        }
+    }
+}
+
+fn pdf_each(sampler: &ByAzimuth, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
+    for ((wo, wi), out) in wo
+        .chunks(LANES)
+        .zip(wi.chunks(LANES))
+        .zip(out.chunks_mut(LANES))
+    {
+        let wo = UnitDirections::load(wo);
+        let wi = UnitDirections::<LANES>::load(wi);
+        let pairs = PairLanes::new(sampler, &wo, out.len());
+        let folded = |lane: usize| wi.get(lane) * pairs.get(lane).signs;
+        let pdfs = densities(|lane| pairs.get(lane), folded, out.len());
+        for (lane, out) in out.iter_mut().enumerate().take(LANES) {
+            let upper = wo.is_upper(lane) & wi.is_upper(lane);
+            *out = if upper { pdfs[lane] } else { 0.0 };
+        }
+    }
+}
+
+/// What serves the `wo` of each lane.
+struct PairLanes<'a> {
+    squares: Columns<f32, 8, LANES>,
+    signs: Columns<f32, 3, LANES>,
+    tables: [[ShiftedTable<'a>; LANES]; 2],
+    weight: [f64; LANES],
+}
+
+impl<'a> PairLanes<'a> {
+    /// For the first `count` lanes, at least one.
+    fn new(sampler: &'a ByAzimuth, wo: &UnitDirections<LANES>, count: usize) -> Self {
+        let first = sampler.pair(wo.get(0));
+        let mut pairs = Self {
+            squares: Columns::splat(first.square.to_array()),
+            signs: Columns::splat(first.signs.to_array()),
+            tables: first.tables.map(|table| [table; LANES]),
+            weight: [first.weight; LANES],
+        };
+        for lane in 1..count.min(LANES) {
+            let pair = sampler.pair(wo.get(lane));
+            pairs.squares.set(lane, pair.square.to_array());
+            pairs.signs.set(lane, pair.signs.to_array());
+            pairs.tables[0][lane] = pair.tables[0];
+            pairs.tables[1][lane] = pair.tables[1];
+            pairs.weight[lane] = pair.weight;
+        }
+        pairs
+    }
+
+    #[inline(always)]
+    fn get(&self, lane: usize) -> AzimuthPair<'a> {
+        AzimuthPair {
+            square: Square::from_array(self.squares.get(lane)),
+            signs: self.signs.get(lane).into(),
+            tables: [self.tables[0][lane], self.tables[1][lane]],
+            weight: self.weight[lane],
+        }
+    }
+}
+
+/// Directions drawn, among the azimuths that have tables, and their densities.
+struct AzimuthDraws {
+    wi: Columns<f32, 3, LANES>,
+    pdf: [f32; LANES],
+}
+
+impl AzimuthDraws {
+    #[inline(always)]
+    fn new<'a>(pair: impl Fn(usize) -> AzimuthPair<'a>, u: &[Vec2]) -> Self {
+        let count = u.len().min(LANES);
+        // Choose a table, and in it a row: a search waits for each of its steps, but alone in a loop many searches overlap.
+        let mut chosen = [0; LANES];
+        let mut rows = [(0, 0.0); LANES];
+        for lane in 0..count {
+            let pair = pair(lane);
+            let (table, left) = pair.choose_table(u[lane]);
+            let (row, share) = pair.tables[table].blend.find_row(left.x);
+            chosen[lane] = table;
+            rows[lane] = (row.index, share);
+        }
+        // Look up what the row and the azimuth within it hold.
+        let mut choices = Columns::<f32, 9, LANES>::splat([0.0; 9]);
+        for lane in 0..count {
+            let pair = pair(lane);
+            let about = pair.tables[chosen[lane]].about(pair.square);
+            let (row, share) = rows[lane];
+            choices.set(lane, about.choose_in(row, share, u[lane].y).to_array());
+        }
+        // Arithmetic from there to a direction.
+        let mut wi = Columns::splat([0.0; 3]);
+        for lane in 0..count {
+            let pair = pair(lane);
+            let choice = Choice::from_array(choices.get(lane));
+            let direction = pair.tables[chosen[lane]].direction(pair.square, choice);
+            wi.set(lane, direction.to_array());
+        }
+        let pdf = densities(pair, |lane| wi.get(lane).into(), count);
+        Self { wi, pdf }
+    }
+
+    /// The draw of a lane on the surface.
+    #[inline(always)]
+    fn get(&self, lane: usize, signs: Vec3) -> DirectionSample {
+        DirectionSample {
+            wi: Vec3::from(self.wi.get(lane)) * signs,
+            pdf: self.pdf[lane],
+        }
+    }
+}
+
+/// Densities of the first `count` of `wi`, among the azimuths that have tables.
+#[inline(always)]
+fn densities<'a>(
+    pair: impl Fn(usize) -> AzimuthPair<'a>,
+    wi: impl Fn(usize) -> Vec3,
+    count: usize,
+) -> [f32; LANES] {
+    let count = count.min(LANES);
+    // Arithmetic from a direction to its place in the square.
+    let mut places = Columns::<f32, 4, LANES>::splat([0.0; 4]);
+    let mut tan2 = [0.0; LANES];
+    for lane in 0..count {
+        let square = pair(lane).square;
+        let place = square.place(wi(lane));
+        let widest = square.widest_at(place.cap);
+        places.set(lane, [place.cap, place.b, place.jacobian, widest]);
+        tan2[lane] = place.tan2;
+    }
+    // The density of either table there.
+    let mut both = Columns::<f32, 2, LANES>::splat([0.0; 2]);
+    for lane in 0..count {
+        let pair = pair(lane);
+        let [cap, b, jacobian, widest] = places.get(lane);
+        let place = Place {
+            cap,
+            tan2: tan2[lane],
+            b,
+            jacobian,
+        };
+        both.set(
+            lane,
+            pair.tables.map(|t| {
+                let (place, stretch) = t.place(&place, widest);
+                let found = t.about(pair.square).find(&place);
+                t.density(pair.square, &place, stretch, found)
+            }),
+        );
+    }
+    let mut pdf = [0.0; LANES];
+    for (lane, pdf) in pdf[..count].iter_mut().enumerate() {
+        *pdf = pair(lane).mix(both.get(lane));
+    }
+    pdf
 }
 
 /// A BRDF turned so that an azimuth of the surface becomes 0. A table asks it for `wo` of azimuth 0 alone, where it can't be
 /// told from an isotropic one.
-struct View<'a> {
+struct TurnedBrdf<'a> {
     brdf: &'a dyn Brdf,
     cos: f32,
     sin: f32,
 }
 
-impl<'a> View<'a> {
+impl<'a> TurnedBrdf<'a> {
     fn new(brdf: &'a dyn Brdf, azimuth: f64) -> Self {
         Self {
             brdf,
@@ -209,7 +484,7 @@ impl<'a> View<'a> {
     }
 }
 
-impl Brdf for View<'_> {
+impl Brdf for TurnedBrdf<'_> {
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.brdf.eval(self.on_surface(wo), self.on_surface(wi))
     }

@@ -4,23 +4,58 @@
 
 use glam::{Vec2, Vec3};
 
-use super::lanes::{Columns, LANES, Units};
 use super::mixed::Mixed;
 use super::mixture::Mixture;
 use super::square::{Place, Square};
 use super::tables::Blend;
 use super::{About, Choice, Found, HalfVectorTable};
+use crate::batch::Wo;
 use crate::direction_sampler::DirectionSample;
+use crate::geometry::unit_upper;
+use crate::lanes::{Columns, UnitDirections};
+
+/// Draws that go through the stages together: their arrays fit the fastest cache.
+pub(in crate::sampler) const LANES: usize = 64;
 
 /// Draws about one `wo` that pay for mixing the tables beforehand.
 const MANY: usize = 256;
 
-/// A draw about one `wo` from each of `points`.
-pub(super) fn sample(about: &About<Blend>, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-    if points.len() < MANY {
-        return sample_about(*about, points);
+/// A draw from each of `u`; the slices are of one length.
+pub(super) fn sample(
+    table: &HalfVectorTable,
+    wo: Wo<'_>,
+    u: &[Vec2],
+    out: &mut [Option<DirectionSample>],
+) {
+    match wo {
+        Wo::One(wo) => match unit_upper(wo) {
+            Some(wo) => sample_one(&table.about(Square::about(wo)), u, out),
+            None => out.fill(None),
+        },
+        Wo::Each(wo) => sample_each(table, wo, u, out),
     }
-    let mixed = Mixed::new(&about.blend);
+}
+
+/// A draw from each of `u` about one `wo`, from mixed tables if they are many and the tables of an ordinary size.
+fn sample_one(about: &About<Blend>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
+    if u.len() < MANY {
+        return sample_about(*about, u, out);
+    }
+    match about.blend.node_count() {
+        0..=1024 => sample_mixed::<1024>(about, u, out),
+        1025..=4096 => sample_mixed::<4096>(about, u, out),
+        _ => sample_about(*about, u, out),
+    }
+}
+
+/// Never inlined, so that other draws don't clear the arrays of mixed tables.
+#[inline(never)]
+fn sample_mixed<const NODES: usize>(
+    about: &About<Blend>,
+    u: &[Vec2],
+    out: &mut [Option<DirectionSample>],
+) {
+    let mixed = Mixed::<NODES>::new(&about.blend);
     let About {
         table,
         square,
@@ -28,66 +63,82 @@ pub(super) fn sample(about: &About<Blend>, points: &[Vec2]) -> Vec<Option<Direct
         unit,
         ..
     } = *about;
-    sample_about(
-        About {
-            table,
-            square,
-            blend: &mixed,
-            per_segment,
-            unit,
-        },
-        points,
-    )
+    let about = About {
+        table,
+        square,
+        blend: &mixed,
+        per_segment,
+        unit,
+    };
+    sample_about(about, u, out);
 }
 
 fn sample_about<M: Mixture + Copy>(
     about: About<M>,
-    points: &[Vec2],
-) -> Vec<Option<DirectionSample>> {
-    let mut samples = Vec::with_capacity(points.len());
-    for points in points.chunks(LANES) {
-        let draws = Draws::of(|_| about, points);
-        samples.extend((0..points.len()).map(|k| Some(draws.sample(k))));
-    }
-    samples
-}
-
-/// A draw from each of `points` about the `wo` of the same place; the slices are of one length.
-pub(super) fn sample_pairs(
-    table: &HalfVectorTable,
-    wo: &[Vec3],
-    points: &[Vec2],
+    u: &[Vec2],
     out: &mut [Option<DirectionSample>],
 ) {
-    for ((wo, points), out) in wo
-        .chunks(LANES)
-        .zip(points.chunks(LANES))
-        .zip(out.chunks_mut(LANES))
-    {
-        let views = Views::about(table, &Units::of(wo), out.len());
-        let draws = Draws::of(|k| views.at(k), points);
-        for (k, out) in out.iter_mut().enumerate().take(LANES) {
-            *out = views.upper[k].then(|| draws.sample(k));
+    for (u, out) in u.chunks(LANES).zip(out.chunks_mut(LANES)) {
+        let draws = Draws::of(|_| about, u);
+        for (k, out) in out.iter_mut().enumerate() {
+            *out = Some(draws.sample(k));
         }
     }
 }
 
-/// The density of each of `wi` about the `wo` of the same place; the slices are of one length.
-pub(super) fn pdf_pairs(table: &HalfVectorTable, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
+fn sample_each(
+    table: &HalfVectorTable,
+    wo: &[Vec3],
+    u: &[Vec2],
+    out: &mut [Option<DirectionSample>],
+) {
+    for ((wo, u), out) in wo
+        .chunks(LANES)
+        .zip(u.chunks(LANES))
+        .zip(out.chunks_mut(LANES))
+    {
+        let wo = UnitDirections::load(wo);
+        let views = Views::about(table, &wo, out.len());
+        let draws = Draws::of(|k| views.at(k), u);
+        for (k, out) in out.iter_mut().enumerate().take(LANES) {
+            *out = wo.is_upper(k).then(|| draws.sample(k));
+        }
+    }
+}
+
+/// The density of each of `wi`; the slices are of one length.
+pub(super) fn pdf(table: &HalfVectorTable, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
+    match wo {
+        Wo::One(wo) => match unit_upper(wo) {
+            Some(wo) => pdf_one(&table.about(Square::about(wo)), wi, out),
+            None => out.fill(0.0),
+        },
+        Wo::Each(wo) => pdf_each(table, wo, wi, out),
+    }
+}
+
+fn pdf_one(about: &About<Blend>, wi: &[Vec3], out: &mut [f32]) {
+    for (wi, out) in wi.chunks(LANES).zip(out.chunks_mut(LANES)) {
+        let wi = UnitDirections::load(wi);
+        let pdfs = densities(|_| *about, wi.columns(), out.len());
+        for (k, out) in out.iter_mut().enumerate().take(LANES) {
+            *out = if wi.is_upper(k) { pdfs[k] } else { 0.0 };
+        }
+    }
+}
+
+fn pdf_each(table: &HalfVectorTable, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
     for ((wo, wi), out) in wo
         .chunks(LANES)
         .zip(wi.chunks(LANES))
         .zip(out.chunks_mut(LANES))
     {
-        let views = Views::about(table, &Units::of(wo), out.len());
-        let wi = Units::of(wi);
-        let pdfs = densities(|k| views.at(k), &wi.directions, out.len());
+        let (wo, wi) = (UnitDirections::load(wo), UnitDirections::load(wi));
+        let views = Views::about(table, &wo, out.len());
+        let pdfs = densities(|k| views.at(k), wi.columns(), out.len());
         for (k, out) in out.iter_mut().enumerate().take(LANES) {
-            *out = if views.upper[k] & wi.upper[k] {
-                pdfs[k]
-            } else {
-                0.0
-            };
+            let upper = wo.is_upper(k) & wi.is_upper(k);
+            *out = if upper { pdfs[k] } else { 0.0 };
         }
     }
 }
@@ -95,17 +146,15 @@ pub(super) fn pdf_pairs(table: &HalfVectorTable, wo: &[Vec3], wi: &[Vec3], out: 
 /// What depends on the `wo` of each lane alone.
 struct Views<'a> {
     table: &'a HalfVectorTable,
-    squares: Columns<8>,
+    squares: Columns<f32, 8, LANES>,
     blends: [Blend<'a>; LANES],
-    /// Lanes that have a `wo`.
-    upper: [bool; LANES],
 }
 
 impl<'a> Views<'a> {
-    fn about(table: &'a HalfVectorTable, wo: &Units, count: usize) -> Self {
-        let mut squares = Columns::ZERO;
+    fn about(table: &'a HalfVectorTable, wo: &UnitDirections<LANES>, count: usize) -> Self {
+        let mut squares = Columns::splat([0.0; 8]);
         for k in 0..count.min(LANES) {
-            squares.set(k, Square::about(wo.directions.get(k).into()).to_array());
+            squares.set(k, Square::about(wo.get(k)).to_array());
         }
         let blend = |k| table.tables.at(Square::from_array(squares.get(k)).cos_o());
         let mut blends = [blend(0); LANES];
@@ -116,7 +165,6 @@ impl<'a> Views<'a> {
             table,
             squares,
             blends,
-            upper: wo.upper,
         }
     }
 
@@ -129,7 +177,7 @@ impl<'a> Views<'a> {
 
 /// Directions drawn and their densities.
 struct Draws {
-    wi: Columns<3>,
+    wi: Columns<f32, 3, LANES>,
     pdf: [f32; LANES],
 }
 
@@ -143,11 +191,11 @@ impl Draws {
             let (found, share) = about(k).blend.find_row(u.x);
             *row = (found.index, share);
         }
-        let mut choices = Columns::ZERO;
+        let mut choices = Columns::<f32, 9, LANES>::splat([0.0; 9]);
         for ((k, &(row, share)), u) in rows.iter().enumerate().zip(points) {
             choices.set(k, about(k).choose_in(row, share, u.y).to_array());
         }
-        let mut wi = Columns::ZERO;
+        let mut wi = Columns::splat([0.0; 3]);
         for k in 0..points.len().min(LANES) {
             wi.set(
                 k,
@@ -173,11 +221,11 @@ impl Draws {
 #[inline(always)]
 fn densities<'a, M: Mixture + 'a>(
     about: impl Fn(usize) -> About<'a, M>,
-    wi: &Columns<3>,
+    wi: &Columns<f32, 3, LANES>,
     count: usize,
 ) -> [f32; LANES] {
     let count = count.min(LANES);
-    let (mut places, mut tan2) = (Columns::ZERO, [0.0; LANES]);
+    let (mut places, mut tan2) = (Columns::<f32, 3, LANES>::splat([0.0; 3]), [0.0; LANES]);
     for (k, tan2) in tan2[..count].iter_mut().enumerate() {
         let place = about(k).square.place(wi.get(k).into());
         places.set(k, [place.cap, place.b, place.jacobian]);
@@ -192,7 +240,7 @@ fn densities<'a, M: Mixture + 'a>(
             jacobian,
         }
     };
-    let mut found = Columns::ZERO;
+    let mut found = Columns::<f32, 8, LANES>::splat([0.0; 8]);
     for k in 0..count {
         found.set(k, about(k).find(&place(k)).to_array());
     }

@@ -8,6 +8,7 @@ use super::rows;
 use super::square::{Edge, PARTS, Square};
 use super::tables::{SLOPE_UNIT, STEEPEST, Stored};
 use super::{HalfVectorSettings, knot_cosines};
+use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::geometry::spherical;
@@ -89,7 +90,7 @@ fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tab
             });
         }
         values.resize(wi.len(), Rgb::ZERO);
-        brdf.eval_many(wo, &wi, &mut values);
+        brdf.eval_batch(Wo::One(wo), &wi, &mut values);
         for (x, place) in cap_points().zip(0..) {
             let points = wi.len() / CAP_POINTS;
             for k in place * points..(place + 1) * points {

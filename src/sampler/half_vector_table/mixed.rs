@@ -1,68 +1,80 @@
 //! Both tables of a blend mixed beforehand: for many draws about one `wo`.
 
 use super::mixture::{Mixture, Row, Segment};
+use super::square::PARTS;
 use super::tables::Blend;
 
-/// A blend mixed beforehand: for many draws about one `wo`.
+/// A blend mixed beforehand: for many draws about one `wo`. `NODES` is the most nodes that it has room for: it lives on the
+/// stack, as batches allocate nothing.
 #[derive(Clone, Debug)]
-pub struct Mixed {
+pub struct Mixed<const NODES: usize> {
+    row_count: usize,
     segments: usize,
     /// The first row that the guide's cell can mean.
     guide: [u8; GUIDE],
-    rows: Vec<Row>,
-    slopes: Vec<f32>,
+    rows: [Row; PARTS],
+    slopes: [f32; PARTS],
     /// `[row, node]`.
-    nodes: Vec<f32>,
+    nodes: [f32; NODES],
     /// `[row, segment]`: sums up to and with each.
-    sums: Vec<u32>,
+    sums: [u32; NODES],
 }
 
 /// Cells of the guide; a power of two.
 const GUIDE: usize = 256;
 const GUIDE_SHIFT: u32 = u32::BITS - GUIDE.trailing_zeros();
 
-impl Mixed {
-    /// Mixes all of a blend.
+impl<const NODES: usize> Mixed<NODES> {
+    /// Mixes all of a blend that has at most `NODES` nodes.
     pub fn new(blend: &Blend) -> Self {
-        let (n, segments) = (blend.tables.row_count(), blend.segments());
-        let rows: Vec<Row> = (0..n).map(|i| blend.row(i)).collect();
-        let (mut nodes, mut sums) = (
-            Vec::with_capacity(n * (segments + 1)),
-            Vec::with_capacity(n * segments),
-        );
-        for row in 0..n {
-            let (first, second) = blend.nodes(row);
-            let (mut sum, mut last) = (0, None);
-            for (&a, &b) in first.iter().zip(second) {
-                let node = blend.mix(a, b);
-                nodes.push(node as f32);
-                if let Some(last) = last.replace(node) {
-                    sum += last + node;
-                    sums.push(sum);
-                }
-            }
+        let mut mixed = Self {
+            row_count: blend.tables.row_count(),
+            segments: blend.segments(),
+            guide: [0; GUIDE],
+            rows: [Row::default(); PARTS],
+            slopes: [0.0; PARTS],
+            nodes: [0.0; NODES],
+            sums: [0; NODES],
+        };
+        for row in 0..mixed.row_count {
+            mixed.rows[row] = blend.row(row);
+            mixed.slopes[row] = blend.slope(row);
+            mixed.mix_row(blend, row);
         }
-        let mut guide = [0; GUIDE];
+        mixed.fill_guide();
+        mixed
+    }
+
+    /// Nodes and sums of a row.
+    fn mix_row(&mut self, blend: &Blend, row: usize) {
+        let (first, second) = blend.nodes(row);
+        let nodes = &mut self.nodes[row * (self.segments + 1)..][..self.segments + 1];
+        let sums = &mut self.sums[row * self.segments..][..self.segments];
+        let mut last = blend.mix(first[0], second[0]);
+        nodes[0] = last as f32;
+        let mut sum = 0;
+        for segment in 0..self.segments {
+            let node = blend.mix(first[segment + 1], second[segment + 1]);
+            nodes[segment + 1] = node as f32;
+            sum += last + node;
+            sums[segment] = sum;
+            last = node;
+        }
+    }
+
+    fn fill_guide(&mut self) {
         let mut row = 0;
-        for (cell, first) in guide.iter_mut().enumerate() {
+        for (cell, first) in self.guide.iter_mut().enumerate() {
             let target = (cell as u32) << GUIDE_SHIFT;
-            while row + 1 < n && rows[row].end() <= target {
+            while row + 1 < self.row_count && self.rows[row].end() <= target {
                 row += 1;
             }
             *first = row as u8;
         }
-        Self {
-            segments,
-            guide,
-            slopes: (0..n).map(|i| blend.slope(i)).collect(),
-            rows,
-            nodes,
-            sums,
-        }
     }
 }
 
-impl Mixture for &Mixed {
+impl<const NODES: usize> Mixture for &Mixed<NODES> {
     #[inline(always)]
     fn segments(&self) -> usize {
         self.segments
@@ -71,7 +83,7 @@ impl Mixture for &Mixed {
     #[inline(always)]
     fn index_of(&self, target: u32) -> usize {
         let mut row = usize::from(self.guide[(target >> GUIDE_SHIFT) as usize]);
-        while row + 1 < self.rows.len() && self.rows[row].end() <= target {
+        while row + 1 < self.row_count && self.rows[row].end() <= target {
             row += 1;
         }
         row

@@ -10,7 +10,7 @@ pub const NODE_TOTAL: f64 = NODE_SUM as f64 * SHARES as f64;
 pub const NODE_UNIT: f32 = (1.0 / NODE_TOTAL) as f32;
 
 /// A row of a blend.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     /// Which.
     pub index: usize,

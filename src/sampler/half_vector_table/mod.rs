@@ -12,7 +12,6 @@ mod azimuths;
 mod batch;
 mod build;
 mod codec;
-mod lanes;
 mod mixed;
 mod mixture;
 mod quantise;
@@ -27,13 +26,13 @@ use std::f64::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::{DirectionSample, DirectionSampler, Settings};
+use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::geometry::unit_upper;
 use crate::{Error, Result};
 use mixture::{Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
 use square::{Place, Square};
 use tables::{Blend, Tables};
-use turn::Turn;
 
 pub use azimuths::ByAzimuth;
 pub(crate) use mixture::{NODE_UNIT, ROW_UNIT};
@@ -117,35 +116,20 @@ impl HalfVectorTable {
         Some(Vec2::new(u as f32, v as f32))
     }
 
-    /// A draw about a `wo` that is turned against the azimuth of the table; the density is that of [`Self::pdf_turned`].
-    pub(super) fn draw_turned(&self, square: &Square, u: Vec2, turn: Turn) -> Vec3 {
-        let about = self.about(*square);
-        let (cap, b) = about.point(about.choose(u));
-        raise(square.direction(cap, turn.to_surface(b, square.widest_at(cap))))
-    }
-
-    /// The density of such draws at a `place` of the square; `widest` is the unit of its `b`.
-    pub(super) fn pdf_turned(
-        &self,
-        square: &Square,
-        place: &Place,
-        widest: f32,
-        turn: Turn,
-    ) -> f32 {
-        let about = self.about(*square);
-        let (b, slope) = turn.to_table(place.b, widest);
-        let found = about.find(&Place { b, ..*place });
-        (about.density(place, found) * slope).min(f32::MAX)
-    }
-
     /// What depends on `wo` alone.
     #[inline]
     fn about(&self, square: Square) -> About<'_, Blend<'_>> {
-        self.with(square, self.tables.at(square.cos_o()))
+        self.with(square, self.blend_at(&square))
+    }
+
+    /// The tables of the two angles about that of a square's `wo`.
+    #[inline]
+    pub(super) fn blend_at(&self, square: &Square) -> Blend<'_> {
+        self.tables.at(square.cos_o())
     }
 
     #[inline(always)]
-    fn with<'a>(&'a self, square: Square, blend: Blend<'a>) -> About<'a, Blend<'a>> {
+    pub(super) fn with<'a>(&'a self, square: Square, blend: Blend<'a>) -> About<'a, Blend<'a>> {
         let (segments, unit) = blend.scale();
         // The azimuth's share runs over [−1, 1]: half the density on [0, 1].
         About {
@@ -161,7 +145,7 @@ impl HalfVectorTable {
 /// The table about one `wo`. Mixing its tables beforehand halves the time of a draw and takes as long as some hundred (`cargo
 /// bench --bench sample`): for large batches.
 #[derive(Clone, Copy)]
-struct About<'a, M> {
+pub(super) struct About<'a, M> {
     table: &'a HalfVectorTable,
     square: Square,
     blend: M,
@@ -172,7 +156,7 @@ struct About<'a, M> {
 
 /// What a point of the unit square chooses, before arithmetic: the part of a draw that looks things up.
 #[derive(Clone, Copy)]
-struct Choice {
+pub(super) struct Choice {
     /// Cap where the row begins, and its width.
     low: f32,
     width: f32,
@@ -187,7 +171,7 @@ struct Choice {
 
 /// What the density at a place depends on: the part that looks things up.
 #[derive(Clone, Copy)]
-struct Found {
+pub(super) struct Found {
     low: f32,
     width: f32,
     slope: f32,
@@ -199,7 +183,7 @@ struct Found {
 
 impl Choice {
     #[inline(always)]
-    fn to_array(self) -> [f32; 9] {
+    pub(super) fn to_array(self) -> [f32; 9] {
         let Self {
             low,
             width,
@@ -223,7 +207,9 @@ impl Choice {
     }
 
     #[inline(always)]
-    fn from_array([low, width, slope, share, index, first, second, rest, side]: [f32; 9]) -> Self {
+    pub(super) fn from_array(
+        [low, width, slope, share, index, first, second, rest, side]: [f32; 9],
+    ) -> Self {
         let segment = Segment {
             index,
             low: first,
@@ -243,7 +229,7 @@ impl Choice {
 
 impl Found {
     #[inline(always)]
-    fn to_array(self) -> [f32; 8] {
+    pub(super) fn to_array(self) -> [f32; 8] {
         let Self {
             low,
             width,
@@ -265,7 +251,9 @@ impl Found {
     }
 
     #[inline(always)]
-    fn from_array([low, width, slope, mass, index, first, second, share]: [f32; 8]) -> Self {
+    pub(super) fn from_array(
+        [low, width, slope, mass, index, first, second, share]: [f32; 8],
+    ) -> Self {
         let segment = Segment {
             index,
             low: first,
@@ -299,14 +287,14 @@ impl<M: Mixture> About<'_, M> {
     }
 
     #[inline(always)]
-    fn choose(&self, u: Vec2) -> Choice {
+    pub(super) fn choose(&self, u: Vec2) -> Choice {
         let (row, share) = self.blend.find_row(u.x);
         self.choose_in(row.index, share, u.y)
     }
 
     /// What `u` chooses in a row that is chosen at a share of its probability.
     #[inline(always)]
-    fn choose_in(&self, row: usize, share: f32, u: f32) -> Choice {
+    pub(super) fn choose_in(&self, row: usize, share: f32, u: f32) -> Choice {
         let (low, width) = self.span(row);
         let (v, side) = unfold(u, self.table.settings.fold);
         let (segment, rest) = self.blend.find_segment(row, v);
@@ -323,7 +311,7 @@ impl<M: Mixture> About<'_, M> {
 
     /// The point of the square that was chosen: cap and azimuth.
     #[inline(always)]
-    fn point(&self, choice: Choice) -> (f32, f32) {
+    pub(super) fn point(&self, choice: Choice) -> (f32, f32) {
         let cap = choice.low + choice.width * find_on_slope(choice.slope, choice.share);
         let y = (choice.segment.index + find_in(choice.segment, choice.rest)) * self.per_segment;
         let b = if self.table.settings.fold {
@@ -341,7 +329,7 @@ impl<M: Mixture> About<'_, M> {
     }
 
     #[inline(always)]
-    fn find(&self, place: &Place) -> Found {
+    pub(super) fn find(&self, place: &Place) -> Found {
         let row = self.row(place);
         let (low, width) = self.span(row.index);
         let y = unit_azimuth(place.b, self.table.settings.fold);
@@ -357,7 +345,7 @@ impl<M: Mixture> About<'_, M> {
     }
 
     #[inline(always)]
-    fn density(&self, place: &Place, found: Found) -> f32 {
+    pub(super) fn density(&self, place: &Place, found: Found) -> f32 {
         let x = position(place.cap, found.low, found.width);
         let along = found.mass * (1.0 + found.slope * (2.0 * x - 1.0));
         let across = found.segment.low + (found.segment.high - found.segment.low) * found.share;
@@ -389,7 +377,7 @@ fn position(cap: f32, low: f32, width: f32) -> f32 {
 /// Directions at the very end of the square lie on the horizon; rounding may put them below it, by less than f32 tells the
 /// length of a direction. They are moved to the nearest one above it.
 #[inline(always)]
-fn raise(wi: Vec3) -> Vec3 {
+pub(super) fn raise(wi: Vec3) -> Vec3 {
     Vec3::new(wi.x, wi.y, wi.z.max(LOWEST))
 }
 
@@ -440,21 +428,15 @@ impl DirectionSampler for HalfVectorTable {
         self.tables.bytes()
     }
 
-    fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        let square = unit_upper(wo).map(Square::about);
-        square.map_or_else(
-            || vec![None; points.len()],
-            |square| batch::sample(&self.about(square), points),
-        )
+    #[track_caller]
+    fn sample_batch(&self, wo: Wo<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
+        wo.assert_lanes(u.len(), out.len());
+        batch::sample(self, wo, u, out);
     }
 
-    fn sample_pairs(&self, wo: &[Vec3], points: &[Vec2], out: &mut [Option<DirectionSample>]) {
-        let count = wo.len().min(points.len()).min(out.len());
-        batch::sample_pairs(self, &wo[..count], &points[..count], &mut out[..count]);
-    }
-
-    fn pdf_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
-        let count = wo.len().min(wi.len()).min(out.len());
-        batch::pdf_pairs(self, &wo[..count], &wi[..count], &mut out[..count]);
+    #[track_caller]
+    fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
+        wo.assert_lanes(wi.len(), out.len());
+        batch::pdf(self, wo, wi, out);
     }
 }

@@ -119,7 +119,7 @@ impl Square {
 
     /// Its numbers, for arrays of many squares.
     #[inline(always)]
-    pub(super) fn to_array(self) -> [f32; 8] {
+    pub fn to_array(self) -> [f32; 8] {
         let Self {
             wo,
             sin_o,
@@ -132,7 +132,7 @@ impl Square {
 
     /// The inverse of [`Self::to_array`].
     #[inline(always)]
-    pub(super) fn from_array([x, y, z, sin_o, cos_o, c, s, top]: [f32; 8]) -> Self {
+    pub fn from_array([x, y, z, sin_o, cos_o, c, s, top]: [f32; 8]) -> Self {
         Self {
             wo: Vec3::new(x, y, z),
             sin_o,

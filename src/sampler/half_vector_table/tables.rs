@@ -213,6 +213,12 @@ impl Blend<'_> {
         (block, below)
     }
 
+    /// Nodes of all rows.
+    #[inline]
+    pub fn node_count(&self) -> usize {
+        self.tables.row_count() * self.tables.stored.width
+    }
+
     /// Segments a row, and the unit that makes densities at nodes 1 on average over [0, 1].
     #[inline]
     pub fn scale(&self) -> (f32, f32) {
@@ -367,7 +373,7 @@ mod tests {
         let tables = example();
         for cos_o in [1.0, 0.77, 0.3, 0.01] {
             let blend = tables.at(cos_o);
-            let mixed = &Mixed::new(&blend);
+            let mixed = &Mixed::<1024>::new(&blend);
             for i in 0..2000 {
                 let u = if i == 1999 {
                     1f32.next_down()

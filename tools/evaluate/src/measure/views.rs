@@ -10,11 +10,11 @@ use glam::{DVec2, Vec3};
 use super::{albedo_by_degree, directional_albedo};
 use merlkit::brdf::Brdf;
 use merlkit::color;
-use merlkit::direction_sampler::DirectionSampler;
+use merlkit::direction_sampler::{DirectionSampler, draw_stratified};
 use merlkit::geometry::spherical;
 use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
 use merlkit::material::{LookupRule, MerlBrdf, MerlTable};
-use merlkit::sampler::AdaptiveDisc;
+use merlkit::sampler::{AdaptiveDisc, Cosine, Sampler};
 
 /// A curve over the angle in the plane of incidence: (degrees, value).
 pub type Curve = Vec<(f64, f64)>;
@@ -113,15 +113,19 @@ fn disc_wo(theta_o: f64) -> Vec3 {
     spherical(-theta_o.to_radians(), 0.0).as_vec3()
 }
 
-/// The first `count` draws of a seed for `wo` at `theta_o` degrees: their feet on the unit disc, `wo` at x < 0, and how many
-/// of the draws failed.
+/// `count` draws of a seed, spread together as well as the sampler can, by the cosine if there is none, for `wo` at `theta_o`
+/// degrees: their feet on the unit disc, `wo` at x < 0, and how many of the draws failed.
 pub fn sampled_directions(
-    sampler: &dyn DirectionSampler,
+    sampler: Option<&Sampler>,
     theta_o: f64,
     count: usize,
     seed: u64,
 ) -> (Vec<DVec2>, usize) {
-    let draws = sampler.sample_many(disc_wo(theta_o), count, seed);
+    let wo = disc_wo(theta_o);
+    let draws = match sampler {
+        Some(sampler) => sampler.draw_stratified(wo, count, seed),
+        None => draw_stratified(&Cosine, wo, count, seed),
+    };
     let feet: Vec<DVec2> = draws
         .iter()
         .flatten()

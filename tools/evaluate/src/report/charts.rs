@@ -9,14 +9,12 @@ use crate::plot::{
     Axis, Caption, Disc, DiscMark, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale, Series,
 };
 use merlkit::brdf::Brdf;
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::Symmetry;
 use merlkit::image::Image;
 use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
 use merlkit::material::{Loaded, LookupRule};
 use merlkit::sampler::{
-    AdaptiveDisc, CascadeCdf, CascadeCdfSettings, Cosine, CosineSettings, Sampler, SamplerSpec,
-    ShownCdf,
+    AdaptiveDisc, CascadeCdf, CascadeCdfSettings, CosineSettings, Sampler, SamplerSpec, ShownCdf,
 };
 use merlkit::{Error, Result};
 
@@ -249,13 +247,9 @@ impl ChartSubject {
     /// adaptive disc, the leaves as well.
     pub fn disc(&self, samples: usize, seed: u64) -> String {
         let theta = self.thetas.first().copied().unwrap_or(0.0);
-        let cosine = SamplerSpec::new(CosineSettings::default());
-        let (sampler, spec) = match &self.sampler {
-            Some(sampler) => (sampler.as_dyn(), sampler.spec()),
-            None => (&Cosine as &dyn DirectionSampler, &cosine),
-        };
+        let sampler = self.sampler.as_ref();
         let (points, failed) = views::sampled_directions(sampler, theta, samples, seed);
-        let disc: Option<&AdaptiveDisc> = self.sampler.as_ref().and_then(Sampler::downcast);
+        let disc: Option<&AdaptiveDisc> = sampler.and_then(Sampler::downcast);
         let (cells, tree) = match disc {
             Some(disc) => views::leaf_outlines(disc, theta),
             None => (Vec::new(), theta),
@@ -276,6 +270,8 @@ impl ChartSubject {
         } else {
             format!("{} directions drawn{lost}", points.len())
         };
+        let cosine = SamplerSpec::new(CosineSettings::default());
+        let spec = sampler.map_or(&cosine, Sampler::spec);
         let caption = Caption::new(
             format!("{}: {} at θ = {theta}°", self.name(), spec.name()),
             format!(
