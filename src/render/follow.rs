@@ -4,13 +4,14 @@
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use super::numbers::Numbers;
-use super::path::Tracer;
+use super::path_numbers::{PathId, PathRandoms};
 use super::plan::ROULETTE_FROM;
 use super::scene::Hit;
-use super::{Ray, Surface};
+use super::shape::Ray;
+use super::tracer::Tracer;
+use super::vertex::{ActivePath, CameraRay, ScatteredRay, Vertex};
 use crate::color::Rgb;
-use crate::geometry::{Frame, is_upper};
+use crate::geometry::is_upper;
 use crate::light::Light;
 
 /// Paths that are followed together: their arrays fit the fastest cache.
@@ -19,43 +20,9 @@ pub(super) const BUNDLE: usize = 64;
 /// Radiance whose square, summed over any number of samples, is still an f64: what standard errors are made of.
 const BRIGHTEST: f64 = 1e140;
 
-/// How a path begins.
-pub(super) struct Start {
-    pub(super) ray: Ray,
-    pub(super) numbers: Numbers,
-}
-
-/// A path that goes on.
-struct Path {
-    /// Its place in the bundle.
-    lane: usize,
-    ray: Ray,
-    hit: Option<Hit>,
-    throughput: DVec3,
-}
-
-/// A point of a path, with its local frame.
-pub(super) struct Vertex<'a> {
-    /// Place of its path in the bundle.
-    pub(super) lane: usize,
-    throughput: DVec3,
-    pub(super) hit: Hit,
-    frame: Frame,
-    wo: Vec3,
-    surface: &'a Surface,
-}
-
-/// A direction drawn from a vertex, and f_r·cos/pdf.
-#[derive(Clone, Copy)]
-pub(super) struct Step {
-    pub(super) ray: Ray,
-    pdf: f64,
-    pub(super) weight: DVec3,
-}
-
 /// Light that is about to be reflected at a vertex.
-struct Lit {
-    /// Of the vertex in its run.
+struct IncidentLight {
+    /// Position of the vertex in its run.
     index: usize,
     towards: DVec3,
     distance: f64,
@@ -64,18 +31,48 @@ struct Lit {
 }
 
 impl<'a> Tracer<'a> {
+    /// Estimates of the radiance that arrives along `paths`, given to `each` in their order.
+    pub(super) fn trace(
+        &self,
+        mut paths: impl Iterator<Item = PathId>,
+        mut each: impl FnMut(PathId, DVec3),
+    ) {
+        let mut ids = Vec::with_capacity(BUNDLE);
+        let mut starts = Vec::with_capacity(BUNDLE);
+        loop {
+            ids.clear();
+            ids.extend(paths.by_ref().take(BUNDLE));
+            if ids.is_empty() {
+                break;
+            }
+            starts.clear();
+            starts.extend(ids.iter().map(|&id| self.start(id)));
+            for (id, radiance) in ids.iter().zip(self.follow(&starts)) {
+                each(*id, radiance);
+            }
+        }
+    }
+
+    fn start(&self, path: PathId) -> CameraRay {
+        let randoms = PathRandoms::new(self.scene, self.settings.points, path);
+        CameraRay {
+            ray: self.ray(path.pixel, randoms.pixel()),
+            randoms,
+        }
+    }
+
     /// Estimates of the radiance that arrives at the origins of rays.
-    pub(super) fn follow(&self, starts: &[Start]) -> Vec<DVec3> {
-        let begin = |(lane, start): (usize, &Start)| {
+    pub(super) fn follow(&self, starts: &[CameraRay]) -> Vec<DVec3> {
+        let begin = |(lane, start): (usize, &CameraRay)| {
             let hit = self.scene.hit(&start.ray, None);
-            Path {
+            ActivePath {
                 lane,
                 ray: start.ray,
                 hit,
                 throughput: DVec3::ONE,
             }
         };
-        let mut paths: Vec<Path> = starts.iter().enumerate().map(begin).collect();
+        let mut paths: Vec<ActivePath> = starts.iter().enumerate().map(begin).collect();
         let mut sums = self.emitted(paths.iter().map(|p| (&p.ray, p.hit)), |_, _| 1.0);
         for bounce in 0..self.scene.depth {
             let vertices: Vec<Vertex<'a>> =
@@ -102,12 +99,12 @@ impl<'a> Tracer<'a> {
         sums.into_iter().map(kept).collect()
     }
 
-    fn vertex(&self, path: &Path) -> Option<Vertex<'a>> {
+    fn vertex(&self, path: &ActivePath) -> Option<Vertex<'a>> {
         let hit = path.hit?;
         let surface = self.scene.surface(hit.object)?;
         let frame = surface.frame(hit.normal.as_vec3());
         let wo = frame.to_local(-path.ray.direction.as_vec3());
-        let &Path {
+        let &ActivePath {
             lane, throughput, ..
         } = path;
         is_upper(wo).then_some(Vertex {
@@ -125,9 +122,9 @@ impl<'a> Tracer<'a> {
         &self,
         run: &[Vertex<'a>],
         bounce: u32,
-        starts: &[Start],
+        starts: &[CameraRay],
         sums: &mut [DVec3],
-        paths: &mut Vec<Path>,
+        paths: &mut Vec<ActivePath>,
     ) {
         let follows = self.interreflection && bounce + 1 < self.scene.depth;
         if !(self.directions && (self.hits_count || follows)) {
@@ -135,7 +132,7 @@ impl<'a> Tracer<'a> {
         }
         let points: Vec<Vec2> = run
             .iter()
-            .map(|v| starts[v.lane].numbers.direction(bounce))
+            .map(|v| starts[v.lane].randoms.direction(bounce))
             .collect();
         let (mut found, mut next) = (Vec::with_capacity(run.len()), Vec::with_capacity(run.len()));
         for (vertex, step) in run.iter().zip(self.steps(run, &points)) {
@@ -146,7 +143,7 @@ impl<'a> Tracer<'a> {
             if throughput != DVec3::ZERO && throughput.is_finite() {
                 let hit = self.next_hit(&step.ray, vertex.hit.object);
                 found.push((step, hit));
-                next.push(Path {
+                next.push(ActivePath {
                     lane: vertex.lane,
                     ray: step.ray,
                     hit,
@@ -161,7 +158,7 @@ impl<'a> Tracer<'a> {
         }
         if follows {
             let kept = next.into_iter().filter_map(|mut path| {
-                self.survives(&mut path.throughput, bounce, &starts[path.lane].numbers)
+                self.survives(&mut path.throughput, bounce, &starts[path.lane].randoms)
                     .then_some(path)
             });
             paths.extend(kept);
@@ -169,7 +166,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Radiance of lights with an extent that drawn directions find up to what they hit, each as far as it counts.
-    pub(super) fn found(&self, steps: &[(Step, Option<Hit>)]) -> Vec<DVec3> {
+    pub(super) fn found(&self, steps: &[(ScatteredRay, Option<Hit>)]) -> Vec<DVec3> {
         let weight = |i: usize, pdf| {
             if self.mis {
                 self.heuristic.weight(steps[i].0.pdf, pdf)
@@ -206,11 +203,11 @@ impl<'a> Tracer<'a> {
             reach.push(hit.map_or(f64::INFINITY, |h| h.distance));
         }
         let mut sums = vec![DVec3::ZERO; count];
-        let mut seen = vec![None; count];
+        let mut emissions = vec![None; count];
         for light in &self.scene.lights {
-            light.seen_many(&from, &along, &reach, &mut seen);
-            for (i, (sum, seen)) in sums.iter_mut().zip(&seen).enumerate() {
-                if let Some(s) = seen {
+            light.emitted_batch(&from, &along, &reach, &mut emissions);
+            for (i, (sum, emission)) in sums.iter_mut().zip(&emissions).enumerate() {
+                if let Some(s) = emission {
                     *sum += s.radiance.as_dvec3() * weight(i, s.pdf);
                 }
             }
@@ -219,7 +216,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Radiance that vertices of a surface reflect from light that is evaluated, sampled or resampled.
-    fn lit(&self, run: &[Vertex<'_>], bounce: u32, starts: &[Start]) -> Vec<DVec3> {
+    fn lit(&self, run: &[Vertex<'_>], bounce: u32, starts: &[CameraRay]) -> Vec<DVec3> {
         let mut sums = if self.resampling {
             self.resampled(run, bounce, starts)
         } else {
@@ -236,7 +233,7 @@ impl<'a> Tracer<'a> {
             } else if self.light_sampling {
                 let points: Vec<DVec2> = run
                     .iter()
-                    .map(|v| starts[v.lane].numbers.light(bounce, i))
+                    .map(|v| starts[v.lane].randoms.light(bounce, i))
                     .collect();
                 self.lit_by(run, light.as_ref(), &points, &mut sums);
             }
@@ -251,7 +248,7 @@ impl<'a> Tracer<'a> {
         };
         let from: Vec<DVec3> = run.iter().map(|v| v.hit.at).collect();
         let mut samples = vec![None; run.len()];
-        light.sample_many(&from, points, &mut samples);
+        light.sample_batch(&from, points, &mut samples);
         let (mut lit, mut wo, mut wi) = (
             Vec::with_capacity(run.len()),
             Vec::with_capacity(run.len()),
@@ -262,7 +259,7 @@ impl<'a> Tracer<'a> {
             let local = vertex.frame.to_local(s.wi.as_vec3());
             // What comes from below is not reflected.
             if is_upper(local) {
-                lit.push(Lit {
+                lit.push(IncidentLight {
                     index,
                     towards: s.wi,
                     distance: s.distance,
@@ -293,7 +290,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    fn is_hidden(&self, vertex: &Vertex<'_>, lit: &Lit) -> bool {
+    fn is_hidden(&self, vertex: &Vertex<'_>, lit: &IncidentLight) -> bool {
         let ray = Ray {
             origin: vertex.hit.at,
             direction: lit.towards,
@@ -302,7 +299,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// A direction from each vertex of a surface; `None` for a failed draw.
-    pub(super) fn steps(&self, run: &[Vertex<'_>], points: &[Vec2]) -> Vec<Option<Step>> {
+    pub(super) fn steps(&self, run: &[Vertex<'_>], points: &[Vec2]) -> Vec<Option<ScatteredRay>> {
         let surface = run.first().map(|vertex| vertex.surface);
         let Some((surface, sampler)) = surface.and_then(|s| Some((s, s.sampler.as_ref()?))) else {
             return vec![None; run.len()];
@@ -328,7 +325,7 @@ impl<'a> Tracer<'a> {
                 origin: vertex.hit.at,
                 direction,
             };
-            Some(Step {
+            Some(ScatteredRay {
                 ray,
                 pdf,
                 weight: reflected.as_dvec3() / pdf,
@@ -338,12 +335,12 @@ impl<'a> Tracer<'a> {
     }
 
     /// Ends a path at random in proportion to what it can't carry any more, and makes up for it in the survivors.
-    fn survives(&self, throughput: &mut DVec3, bounce: u32, numbers: &Numbers) -> bool {
+    fn survives(&self, throughput: &mut DVec3, bounce: u32, randoms: &PathRandoms) -> bool {
         if !self.roulette || bounce + 1 < ROULETTE_FROM {
             return true;
         }
         let chance = throughput.max_element().min(1.0);
         *throughput /= chance;
-        f64::from(numbers.chances(bounce).x) < chance
+        f64::from(randoms.chances(bounce).x) < chance
     }
 }

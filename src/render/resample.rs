@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec2};
 
-use super::follow::{Start, Step, Vertex};
-use super::path::Tracer;
+use super::tracer::Tracer;
+use super::vertex::{CameraRay, ScatteredRay, Vertex};
 use crate::distribution::Reservoir;
 
 impl Tracer<'_> {
@@ -17,15 +17,15 @@ impl Tracer<'_> {
         &self,
         run: &[Vertex<'_>],
         bounce: u32,
-        starts: &[Start],
+        starts: &[CameraRay],
     ) -> Vec<DVec3> {
-        let numbers = |v: &Vertex<'_>| &starts[v.lane].numbers;
-        let open = |v| Reservoir::new(f64::from(numbers(v).chances(bounce).y));
-        let mut reservoirs: Vec<Reservoir<Step>> = run.iter().map(open).collect();
+        let randoms = |v: &Vertex<'_>| &starts[v.lane].randoms;
+        let open = |v| Reservoir::new(f64::from(randoms(v).chances(bounce).y));
+        let mut reservoirs: Vec<Reservoir<ScatteredRay>> = run.iter().map(open).collect();
         for candidate in 0..self.scene.strategy.candidates() {
             let points: Vec<Vec2> = run
                 .iter()
-                .map(|v| numbers(v).candidate(bounce, candidate))
+                .map(|v| randoms(v).candidate(bounce, candidate))
                 .collect();
             let steps = self.steps(run, &points);
             for (reservoir, offer) in reservoirs.iter_mut().zip(self.targets(&steps)) {
@@ -51,17 +51,17 @@ impl Tracer<'_> {
     }
 
     /// Steps with the mean channel of f·cos·L/p with nothing in the way.
-    fn targets(&self, steps: &[Option<Step>]) -> Vec<Option<(Step, f64)>> {
+    fn targets(&self, steps: &[Option<ScatteredRay>]) -> Vec<Option<(ScatteredRay, f64)>> {
         let drawn: Vec<_> = steps.iter().flatten().map(|step| (*step, None)).collect();
         let mut found = self.found(&drawn).into_iter();
-        let target = |step: &Step, found: DVec3| {
+        let target = |step: &ScatteredRay, found: DVec3| {
             if step.weight == DVec3::ZERO {
                 0.0
             } else {
                 (step.weight * found).element_sum() / 3.0
             }
         };
-        let offer = |step: &Option<Step>| {
+        let offer = |step: &Option<ScatteredRay>| {
             step.as_ref()
                 .zip(found.next())
                 .map(|(s, f)| (*s, target(s, f)))

@@ -10,11 +10,11 @@ use crate::measure::cost::{Seconds, time};
 use merlkit::color::luminance;
 use merlkit::distribution::Heuristic;
 use merlkit::image::{Image, encode_png, encode_srgb};
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::merl::MerlBrdf;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
-    render,
+    Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Strategy, Surface, render,
 };
 use merlkit::sampler::{HalfVectorSettings, Sampler, SamplerSpec};
 use merlkit::{Error, Result};
@@ -42,21 +42,21 @@ impl SceneKind {
         }
     }
 
-    fn spec(self, materials: &[String], strategy: Strategy) -> SceneSpec {
+    fn spec(self, materials: &[String], strategy: Strategy) -> Result<SceneSpec> {
         let mut spec = SceneSpec::row(materials, 1.0);
         spec.strategy = strategy;
         spec.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
         match self {
             Self::Environment => spec.depth = 1,
             Self::Glossy => {
-                let area = spec.row_area();
+                let area = spec.light("area")?;
                 spec.lights.push(area);
                 spec.floor = Some(GROUND);
                 spec.depth = 2;
             }
             Self::Three => spec.depth = 3,
         }
-        spec
+        Ok(spec)
     }
 }
 
@@ -100,13 +100,13 @@ impl PicturePlan {
         }
     }
 
-    fn settings(&self, samples: u64, seed: u64, points: PointSet) -> Settings {
-        Settings {
+    fn settings(&self, samples: u64, seed: u64, points: PointSet) -> RenderSettings {
+        RenderSettings {
             width: self.side,
             height: self.side,
-            samples,
             seed,
             points,
+            budget: Budget::Even(samples),
         }
     }
 }
@@ -246,11 +246,10 @@ fn render_with(
     materials: &[Named],
     samplers: &[Arc<Sampler>],
     technique: Technique,
-    settings: &Settings,
+    settings: &RenderSettings,
 ) -> Result<(Film, Seconds)> {
     let names: Vec<String> = materials.iter().map(|m| m.0.clone()).collect();
-    let spec = scene.spec(&names, strategy(technique));
-    let plan = EffectPlan::of(&spec);
+    let spec = scene.spec(&names, strategy(technique))?;
     let surface = |i: usize, directions: bool| {
         let missing = || {
             Error::argument(
@@ -268,9 +267,9 @@ fn render_with(
             sampler,
         })
     };
-    let scene = Scene::build(&spec, &plan, surface)?;
-    let (film, seconds) = time(|| render(&scene, &plan, settings, &|_| {}));
-    Ok((film?, seconds))
+    let scene = Scene::build(&spec, PlanRequest::AsNeeded, surface)?;
+    let (rendered, seconds) = time(|| render(&scene, settings, &|_| {}));
+    Ok((rendered?.film, seconds))
 }
 
 /// The renderer's strategy for a technique of the lit point.
