@@ -11,7 +11,9 @@
 //! [`crate::direction_sampler::DirectionSampler`]; reading their files is their caller's business.
 
 mod budget;
+mod bundle;
 mod camera;
+mod direct;
 mod film;
 mod follow;
 mod path_numbers;
@@ -22,7 +24,6 @@ mod settings;
 mod shape;
 mod spec;
 mod tracer;
-mod vertex;
 
 pub use budget::{Refinement, Rendered, Tile, render};
 pub use camera::Camera;

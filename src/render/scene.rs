@@ -271,3 +271,97 @@ fn check(spec: &SceneSpec) -> Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::points::PointSet;
+    use crate::render::{Budget, Film, Intersection, ObjectSpec, RenderSettings, Sphere, render};
+
+    /// Two spheres as one object: not convex, whatever it says.
+    #[derive(Debug)]
+    struct Pair {
+        spheres: [Sphere; 2],
+        claims_convexity: bool,
+    }
+
+    impl Shape for Pair {
+        fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
+            let first = self.spheres[0].intersect(ray, near, far);
+            let far = first.map_or(far, |hit| hit.distance);
+            self.spheres[1].intersect(ray, near, far).or(first)
+        }
+
+        fn is_convex(&self) -> bool {
+            self.claims_convexity
+        }
+    }
+
+    /// Two spheres under a lamp and a sky.
+    fn separate() -> SceneSpec {
+        let names = ["grey".to_owned(), "grey".to_owned()];
+        let row = SceneSpec::row(&names, 1.5);
+        SceneSpec {
+            lights: vec![
+                row.light("area").unwrap(),
+                row.light("uniform:0.3").unwrap(),
+            ],
+            depth: 4,
+            ..row
+        }
+    }
+
+    /// The same two spheres as one object.
+    fn joined(claims_convexity: bool) -> SceneSpec {
+        let row = separate();
+        let pair = Pair {
+            spheres: [row.spheres[0].shape, row.spheres[1].shape],
+            claims_convexity,
+        };
+        SceneSpec {
+            spheres: Vec::new(),
+            objects: vec![ObjectSpec {
+                shape: Arc::new(pair),
+                material: 0,
+            }],
+            ..row
+        }
+    }
+
+    fn picture(spec: &SceneSpec) -> Film {
+        let scene = Scene::build(spec, PlanRequest::AsNeeded, |_, _| Ok(floor(0.8))).unwrap();
+        let settings = RenderSettings {
+            width: 30,
+            height: 20,
+            seed: 3,
+            points: PointSet::Sobol,
+            budget: Budget::Even(8),
+        };
+        render(&scene, &settings, &|_| {}).unwrap().film
+    }
+
+    #[test]
+    fn an_object_that_is_not_convex_shades_and_lights_itself() {
+        let plan = EffectPlan::for_scene(&joined(false), PlanRequest::AsNeeded);
+        assert!(plan.is_on(Effect::Shadows) && plan.is_on(Effect::Interreflection));
+        let why = plan.effect(Effect::Shadows).why;
+        assert_eq!(why, "an object that is not convex hides light from itself");
+        assert_eq!(picture(&joined(false)), picture(&separate()));
+    }
+
+    #[test]
+    fn the_plan_believes_what_the_shape_says() {
+        let plan = EffectPlan::for_scene(&joined(true), PlanRequest::AsNeeded);
+        assert!(!plan.is_on(Effect::Shadows) && !plan.is_on(Effect::Interreflection));
+        // That this is wrong here is seen: the comparison above can fail.
+        assert_ne!(picture(&joined(true)), picture(&separate()));
+    }
+
+    #[test]
+    fn objects_without_a_material_are_refused() {
+        let mut spec = joined(false);
+        spec.objects[0].material = 1;
+        let built = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| Ok(floor(0.8)));
+        assert!(built.is_err());
+    }
+}

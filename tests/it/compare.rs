@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use merlkit::distribution::Heuristic;
-use merlkit::light::{Environment, SkySampling, lamps};
+use merlkit::light::{Environment, SkySampling, broad_lamps};
 use merlkit::material::merl::{HardCase, decode_embedded};
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
@@ -21,7 +21,7 @@ fn measured(name: &str) -> Arc<MerlBrdf> {
 }
 
 fn sky() -> Environment {
-    lamps(SkySampling::Importance).unwrap()
+    broad_lamps(SkySampling::Importance)
 }
 
 fn plan(samples: &[usize], seeds: u64) -> PointPlan {

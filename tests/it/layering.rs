@@ -40,7 +40,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ("export", &["brdf", "error", "files", "material", "sampler"]),
     (
         "light",
-        &["geometry", "color", "distribution", "error", "points"],
+        &["geometry", "color", "distribution", "error", "image"],
     ),
     ("image", &["color", "error", "files"]),
     (

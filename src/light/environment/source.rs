@@ -97,8 +97,7 @@ fn read_radiance(text: &str) -> Result<Rgb> {
 
 impl LightSource for EnvironmentSource {
     const WORDS: &'static [&'static str] = &[
-        "environment (the built-in studio)",
-        "studio",
+        "studio (or environment)",
         "lamps",
         "uniform[:RADIANCE]",
         "FILE.exr",
@@ -177,6 +176,8 @@ mod tests {
             assert!(error.contains(expected), "{word}: {error}");
         }
         let error = EnvironmentSource::from_name("x").unwrap_err().to_string();
-        assert!(error.contains("studio, lamps, uniform[:RADIANCE] or FILE.exr"));
+        assert!(
+            error.contains("give studio (or environment), lamps, uniform[:RADIANCE] or FILE.exr")
+        );
     }
 }
