@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::spec::LightSource;
-use super::{Emission, Light, LightSample, Placement, SkySampling};
+use super::light_source::{LightSource, Placement};
+use super::{Emission, Light, LightSample, SkySampling};
 use crate::Result;
 use crate::color::Rgb;
 

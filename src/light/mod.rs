@@ -9,14 +9,16 @@
 mod area;
 mod directional;
 mod environment;
+mod light_source;
 mod point;
 mod spec;
 
 pub use area::Area;
 pub use directional::Directional;
 pub use environment::{Environment, EnvironmentSource, SkySampling, broad_lamps, studio};
+pub use light_source::Placement;
 pub use point::Point;
-pub use spec::{LightSpec, Placement};
+pub use spec::LightSpec;
 
 use glam::{DVec2, DVec3};
 

@@ -480,11 +480,12 @@ fn plans_hold_what_the_scene_calls_for() {
     assert!(Effect::ALL.into_iter().all(|e| all.is_on(e)) && all.materials()[0].on);
 }
 
+type Render = fn(&Scene, &RenderSettings, &(dyn Fn(usize) + Sync)) -> merlkit::Result<Rendered>;
+
 #[test]
 fn a_scene_is_rendered_by_the_plan_it_was_built_by() {
     // No function takes a plan beside a scene.
-    let _: fn(&Scene, &RenderSettings, &(dyn Fn(usize) + Sync)) -> merlkit::Result<Rendered> =
-        render;
+    let _: Render = render;
     let spec = row(2, vec![uniform(1.0)], MIS);
     let brdfs = [lambert(0.5), lambert(0.7)];
     for request in [

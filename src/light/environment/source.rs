@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use super::{Environment, SkySampling, broad_lamps, studio};
 use crate::color::Rgb;
 use crate::image::read_exr;
-use crate::light::spec::{LightSource, join_words};
-use crate::light::{Light, Placement};
+use crate::light::Light;
+use crate::light::light_source::{LightSource, Placement, join_words};
 use crate::{Error, Result};
 
 /// Where an environment's radiance comes from.
