@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use merlkit::distribution::Heuristic;
 use merlkit::geometry::Symmetry;
-use merlkit::light::{Environment, SkySampling, lamps};
+use merlkit::light::{Environment, SkySampling, broad_lamps};
 use merlkit::material::merl::{HardCase, decode_embedded};
 use merlkit::material::{Loaded, LookupRule, MaterialFacts, MerlBrdf};
 use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
@@ -28,7 +28,7 @@ const TABLE: MaterialFacts = MaterialFacts {
 };
 
 fn sky() -> Environment {
-    lamps(SkySampling::Importance).unwrap()
+    broad_lamps(SkySampling::Importance)
 }
 
 fn plan(samples: &[usize], seeds: u64) -> PointPlan {

@@ -12,13 +12,12 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::distribution::Piecewise2d;
 use merlkit::geometry::spherical;
 use merlkit::image::Image;
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::Material;
 use merlkit::material::merl::HardCase;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
-use merlkit::render::{
-    EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render,
-};
+use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render};
 use merlkit::sampler::store::{SamplerFile, encode};
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, Sampler, SamplerSpec,
@@ -91,8 +90,8 @@ fn draws(sampler: &Sampler) -> u64 {
 fn picture(brdf: &Arc<MerlBrdf>, sampler: &Arc<Sampler>) -> Image {
     let row = SceneSpec::row(&["left".into(), "right".into()], 1.5);
     let lights = vec![
-        row.row_area(),
-        row.row_point(),
+        row.light("area").unwrap(),
+        row.light("point").unwrap(),
         LightSpec::Environment(EnvironmentSource::Studio),
     ];
     let spec = SceneSpec {
@@ -100,21 +99,21 @@ fn picture(brdf: &Arc<MerlBrdf>, sampler: &Arc<Sampler>) -> Image {
         floor: Some(0.4),
         ..row
     };
-    let plan = EffectPlan::of(&spec);
     let surface = Surface {
         brdf: brdf.clone(),
         sampler: Some(sampler.clone()),
     };
-    let scene = Scene::build(&spec, &plan, |_, _| Ok(surface.clone())).unwrap();
-    let settings = Settings {
+    let scene = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| Ok(surface.clone())).unwrap();
+    let settings = RenderSettings {
         width: 30,
         height: 20,
-        samples: 4,
         seed: 11,
         points: PointSet::Sobol,
+        budget: Budget::Even(4),
     };
-    render(&scene, &plan, &settings, &|_| {})
+    render(&scene, &settings, &|_| {})
         .unwrap()
+        .film
         .to_image()
         .unwrap()
 }

@@ -6,11 +6,12 @@ use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable};
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::material::merl::write;
 use merlkit::points::PointSet;
-use merlkit::render::{EffectPlan, EnvironmentSource, LightSpec, SceneSpec, Settings};
+use merlkit::render::{Budget, PlanRequest, RenderSettings, SceneSpec};
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
 use merlkit_evaluate::report::{SamplerReport, thesis_legend};
@@ -18,7 +19,7 @@ use merlkit_evaluate::report::{SamplerReport, thesis_legend};
 use super::render::GREY;
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::picture::{Files, Picture, Spending};
+use crate::picture::{Files, Picture};
 use crate::progress::Progress;
 use crate::table;
 
@@ -140,28 +141,26 @@ fn pictures(
     samplers: &[(SamplerSpec, Files)],
     overwrite: Overwrite,
 ) -> Result<(), Failure> {
-    let settings = Settings {
+    let settings = RenderSettings {
         width: 600,
         height: 240,
-        samples: args.spp,
         seed: args.seed,
         points: PointSet::Lattice,
+        budget: Budget::Even(args.spp),
     };
     let names: Vec<String> = NAMES.map(String::from).to_vec();
     let mut scene = SceneSpec::row(&names, settings.width as f64 / settings.height as f64);
     scene.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
     scene.floor = Some(GREY);
-    let plan = EffectPlan::of(&scene);
     for (sampler, files) in samplers {
         let started = Instant::now();
         let picture = Picture {
             scene: &scene,
-            plan: &plan,
+            effects: PlanRequest::AsNeeded,
             materials,
             lookup: LOOKUP,
             sampler,
             settings,
-            spending: Spending::Even,
             exposure: 0.0,
         };
         picture.render(files, overwrite)?;

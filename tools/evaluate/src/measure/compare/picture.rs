@@ -8,11 +8,11 @@ use crate::measure::cost::{Seconds, time};
 use merlkit::color::luminance;
 use merlkit::distribution::Heuristic;
 use merlkit::image::{Image, encode_png, encode_srgb};
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::Loaded;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
-    render,
+    Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Strategy, Surface, render,
 };
 use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit::{Error, Result};
@@ -40,21 +40,21 @@ impl SceneKind {
         }
     }
 
-    fn spec(self, materials: &[String], strategy: Strategy) -> SceneSpec {
+    fn spec(self, materials: &[String], strategy: Strategy) -> Result<SceneSpec> {
         let mut spec = SceneSpec::row(materials, 1.0);
         spec.strategy = strategy;
         spec.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
         match self {
             Self::Environment => spec.depth = 1,
             Self::Glossy => {
-                let area = spec.row_area();
+                let area = spec.light("area")?;
                 spec.lights.push(area);
                 spec.floor = Some(GROUND);
                 spec.depth = 2;
             }
             Self::Three => spec.depth = 3,
         }
-        spec
+        Ok(spec)
     }
 }
 
@@ -98,13 +98,13 @@ impl PicturePlan {
         }
     }
 
-    fn settings(&self, samples: u64, seed: u64, points: PointSet) -> Settings {
-        Settings {
+    fn settings(&self, samples: u64, seed: u64, points: PointSet) -> RenderSettings {
+        RenderSettings {
             width: self.side,
             height: self.side,
-            samples,
             seed,
             points,
+            budget: Budget::Even(samples),
         }
     }
 }
@@ -235,11 +235,10 @@ fn render_with(
     materials: &[Loaded],
     samplers: &[Sampler],
     technique: Technique,
-    settings: &Settings,
+    settings: &RenderSettings,
 ) -> Result<(Film, Seconds)> {
     let names: Vec<String> = materials.iter().map(|m| m.name().to_owned()).collect();
-    let spec = scene.spec(&names, strategy(technique));
-    let plan = EffectPlan::of(&spec);
+    let spec = scene.spec(&names, strategy(technique))?;
     let surface = |i: usize, directions: bool| {
         let missing = || {
             Error::argument(
@@ -254,9 +253,9 @@ fn render_with(
             sampler,
         })
     };
-    let scene = Scene::build(&spec, &plan, surface)?;
-    let (film, seconds) = time(|| render(&scene, &plan, settings, &|_| {}));
-    Ok((film?, seconds))
+    let scene = Scene::build(&spec, PlanRequest::AsNeeded, surface)?;
+    let (rendered, seconds) = time(|| render(&scene, settings, &|_| {}));
+    Ok((rendered?.film, seconds))
 }
 
 /// The renderer's strategy for a technique of the lit point.

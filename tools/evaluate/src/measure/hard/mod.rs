@@ -168,7 +168,7 @@ struct Subject<'a> {
 impl Subject<'_> {
     fn cross(&self, hard: &HardSampler) -> Result<Vec<HardOutcome>> {
         let sampler = hard.spec.build(&Loaded::from_table(self.brdf.clone()))?;
-        let mut out = pointwise::draws(self, hard, &*sampler);
+        let mut out = pointwise::draws(self, hard, &sampler);
         out.extend(integrals::integrals(self, hard, &*sampler));
         let bytes = sampler.bytes() as f64;
         let bound = Some(BYTES_A_TABLE * samplers::count_tables(&hard.spec) as f64);

@@ -9,7 +9,7 @@ use crate::measure::probe::AGREEMENT;
 use merlkit::Wo;
 use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
-use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
+use merlkit::direction_sampler::DirectionSample;
 use merlkit::geometry::is_upper;
 use merlkit::sampler::Sampler;
 
