@@ -27,26 +27,26 @@ const ANGLES: [f64; 4] = [0.76, 29.75, 60.25, 84.7];
 
 fn specs() -> [(&'static str, SamplerSpec); 9] {
     let disc = |choice| {
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             choice,
             ..Default::default()
         })
     };
     let cascade = |choice| {
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             choice,
             ..Default::default()
         })
     };
     [
-        ("cosine", SamplerSpec::Cosine),
+        ("cosine", SamplerSpec::new(CosineSettings {})),
         (
             "half-vector 2KB",
-            SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1),
+            SamplerSpec::new(HalfVectorSettings::PRESETS[0].1),
         ),
         (
             "half-vector 64KB",
-            SamplerSpec::HalfVector(HalfVectorSettings::default()),
+            SamplerSpec::new(HalfVectorSettings::default()),
         ),
         ("disc mixture", disc(TableChoice::Mixture)),
         ("disc nearest", disc(TableChoice::Nearest)),
@@ -55,13 +55,13 @@ fn specs() -> [(&'static str, SamplerSpec); 9] {
         ("cdf nearest", cascade(TableChoice::Nearest)),
         (
             "cdf whole",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings::uniform()),
+            SamplerSpec::new(CascadeCdfSettings::uniform()),
         ),
     ]
 }
 
 fn rejection_free() -> SamplerSpec {
-    SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+    SamplerSpec::new(AdaptiveDiscSettings {
         leaves: LeafChoice::Warp,
         ..Default::default()
     })

@@ -19,7 +19,7 @@ use merlkit::material::rgl::{Colour, RglBrdf, Tensor};
 use merlkit::points::Stream;
 use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{
-    ByAzimuth, ByAzimuthSettings, CascadeCdfSettings, Cosine, HalfVectorSettings, SamplerSpec,
+    ByAzimuth, HalfVectorSettings, CascadeCdfSettings, Cosine, HalfVectorSettings, SamplerSpec,
 };
 use merlkit::{Error, Wo};
 use merlkit_evaluate::measure::accuracy::weight_spread;
@@ -44,14 +44,14 @@ fn file(symmetry: Symmetry) -> RglBrdf {
     RglBrdf::new(bsdf_of(&metal(symmetry), symmetry, Resolution::COARSE))
 }
 
-fn settings(azimuths: usize, size: &str) -> ByAzimuthSettings {
+fn settings(azimuths: usize, size: &str) -> HalfVectorSettings {
     let preset = HalfVectorSettings::PRESETS
         .iter()
         .find(|p| p.0 == size)
         .unwrap();
-    ByAzimuthSettings {
+    HalfVectorSettings {
         azimuths,
-        ..ByAzimuthSettings::of(preset.1)
+        ..HalfVectorSettings::of(preset.1)
     }
 }
 
@@ -140,7 +140,7 @@ fn tables_follow_a_brushed_metal() {
         Symmetry::Half,
         Resolution::FINE,
     ));
-    let sampler = ByAzimuth::build(&rgl, ByAzimuthSettings::default()).unwrap();
+    let sampler = ByAzimuth::build(&rgl, HalfVectorSettings::default()).unwrap();
     let azimuths = [-3.0, -1.4, 0.4];
     let of = |s: &dyn DirectionSampler| spreads(s, &rgl, &azimuths);
     let (cosine, own, tables) = (of(&Cosine), of(&rgl), of(&sampler));
@@ -324,8 +324,8 @@ fn tables_come_back_from_a_file() {
         .unwrap();
     let material = Material::resolve(bsdf.to_str().unwrap()).unwrap();
     let brdf = material.load(LookupRule::Floor).unwrap();
-    let sampler = SamplerSpec::ByAzimuth(settings(3, "2KB"))
-        .build_for(&brdf)
+    let sampler = SamplerSpec::new(settings(3, "2KB"))
+        .build(&brdf)
         .unwrap();
     save(
         &sampler,
@@ -357,7 +357,7 @@ fn tables_come_back_from_a_file() {
         let text = loaded.unwrap_err().to_string();
         assert!(text.contains(says), "{says}: {text}");
     }
-    let own = SamplerSpec::File.build_for(&brdf).unwrap();
+    let own = SamplerSpec::new(OwnSamplerSettings {}).build(&brdf).unwrap();
     assert!(
         save(
             &own,
@@ -414,11 +414,11 @@ fn what_does_not_fit_is_refused() {
         ..HalfVectorSettings::default()
     };
     assert!(refused(
-        ByAzimuth::build(&rgl, ByAzimuthSettings::of(no_rows)).unwrap_err()
+        ByAzimuth::build(&rgl, HalfVectorSettings::of(no_rows)).unwrap_err()
     ));
     let brdf = Loaded::from_rgl(Arc::new(rgl));
-    let message = SamplerSpec::CascadeCdf(CascadeCdfSettings::default())
-        .build_for(&brdf)
+    let message = SamplerSpec::new(CascadeCdfSettings::default())
+        .build(&brdf)
         .unwrap_err()
         .to_string();
     assert!(
@@ -426,6 +426,6 @@ fn what_does_not_fit_is_refused() {
         "{message}"
     );
     let (_, preset) = HalfVectorSettings::PRESETS[0];
-    let built = SamplerSpec::HalfVector(preset).build_for(&brdf).unwrap();
+    let built = SamplerSpec::new(preset).build(&brdf).unwrap();
     assert_eq!(built.spec().label(), "half-vector 2KB at 8 azimuths");
 }

@@ -17,7 +17,7 @@ use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::RglBrdf;
 use merlkit::points::{PointSet, Stream};
 use merlkit::sampler::{
-    ByAzimuth, ByAzimuthSettings, Cosine, FactoredSettings, HalfVectorSettings, HalfVectorTable,
+    ByAzimuth, HalfVectorSettings, Cosine, FactoredSettings, HalfVectorSettings, HalfVectorTable,
     LobeKind, LobeSettings, SamplerSpec,
 };
 use merlkit_evaluate::measure::hard::hard_samplers;
@@ -179,7 +179,7 @@ fn isotropic_samplers() -> Vec<(String, SamplerSpec)> {
     let half_vector = HalfVectorSettings::PRESETS.iter().map(|&(size, settings)| {
         (
             format!("half-vector {size}"),
-            SamplerSpec::HalfVector(settings),
+            SamplerSpec::new(settings),
         )
     });
     let hard = hard_samplers()
@@ -188,11 +188,11 @@ fn isotropic_samplers() -> Vec<(String, SamplerSpec)> {
     let fitted = [
         (
             "lobe".to_owned(),
-            SamplerSpec::Lobe(LobeSettings::fitted(LobeKind::Ggx)),
+            SamplerSpec::new(LobeSettings::fitted(LobeKind::Ggx)),
         ),
         (
             "factored".to_owned(),
-            SamplerSpec::Factored(FactoredSettings::default()),
+            SamplerSpec::new(FactoredSettings::default()),
         ),
     ];
     half_vector.chain(hard).chain(fitted).collect()
@@ -233,7 +233,7 @@ fn the_largest_tables_give_the_bits_of_single_calls() {
 fn every_anisotropic_sampler_gives_the_bits_of_single_calls() {
     for symmetry in [Symmetry::Quarter, Symmetry::Half, Symmetry::Whole] {
         let file = anisotropic_file(symmetry);
-        let settings = ByAzimuthSettings::of(HalfVectorSettings::PRESETS[0].1);
+        let settings = HalfVectorSettings::of(HalfVectorSettings::PRESETS[0].1);
         let name = format!("by azimuth, {symmetry:?}");
         assert_same_draws(&name, &ByAzimuth::build(&file, settings).unwrap());
         if symmetry == Symmetry::Quarter {
@@ -299,10 +299,10 @@ fn slices_of_unequal_lengths_are_refused() {
     let table = Arc::new(decode_embedded("nickel").unwrap());
     let merl = Arc::new(MerlBrdf::new(table, LookupRule::Floor));
     let file = anisotropic_file(Symmetry::Quarter);
-    let half_vector = SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1)
+    let half_vector = SamplerSpec::new(HalfVectorSettings::PRESETS[0].1)
         .build(&merl)
         .unwrap();
-    let settings = ByAzimuthSettings::of(HalfVectorSettings::PRESETS[0].1);
+    let settings = HalfVectorSettings::of(HalfVectorSettings::PRESETS[0].1);
     let by_azimuth = ByAzimuth::build(&file, settings).unwrap();
     let samplers: [&dyn DirectionSampler; 4] = [&half_vector, &by_azimuth, &Cosine, &file];
     let brdfs: [&dyn Brdf; 2] = [&*merl, &file];
@@ -365,7 +365,7 @@ fn batches_allocate_nothing() {
     for (name, spec) in isotropic_samplers() {
         samplers.push((name, Box::new(spec.build(&merl).unwrap())));
     }
-    let settings = ByAzimuthSettings::of(HalfVectorSettings::PRESETS[0].1);
+    let settings = HalfVectorSettings::of(HalfVectorSettings::PRESETS[0].1);
     let by_azimuth = ByAzimuth::build(&file, settings).unwrap();
     samplers.push(("by azimuth".to_owned(), Box::new(by_azimuth)));
     samplers.push(("file".to_owned(), Box::new(file)));

@@ -40,7 +40,7 @@ fn plan(samples: &[usize], seeds: u64) -> PointPlan {
     }
 }
 
-const HALF_VECTOR: fn() -> SamplerSpec = || SamplerSpec::HalfVector(HalfVectorSettings::default());
+const HALF_VECTOR: fn() -> SamplerSpec = || SamplerSpec::new(HalfVectorSettings::default());
 
 /// A diffuse table under an even sky: cosine sampling has no error but the floor lookup's rounding, and its reference is π
 /// times the albedo over π.
@@ -59,7 +59,7 @@ fn a_weight_without_spread_has_no_error() {
             "{r:?}"
         );
     }
-    let competitor = Competitor::brdf(SamplerSpec::Cosine);
+    let competitor = Competitor::brdf(SamplerSpec::new(CosineSettings {}));
     let sampler = competitor.spec.build(&brdf).unwrap();
     let curve = curve(
         competitor,
@@ -121,7 +121,7 @@ fn the_table_beats_cosine_on_metal_and_the_verdict_says_so() {
     let (brdf, sky) = (measured("nickel"), sky());
     let plan = plan(&[4, 16, 64, 256, 1024], 24);
     let references = references(&*brdf, &sky, &plan);
-    let curves: Vec<_> = [SamplerSpec::Cosine, HALF_VECTOR()]
+    let curves: Vec<_> = [SamplerSpec::new(CosineSettings {}), HALF_VECTOR()]
         .map(|spec| {
             let sampler = spec.build(&brdf).unwrap();
             curve(
@@ -169,7 +169,7 @@ fn all_competitors_converge_to_the_reference() {
     let references = references(&*brdf, &sky, &plan);
     for competitor in competitors(true, &[TABLE])
         .into_iter()
-        .filter(|c| !matches!(c.spec, SamplerSpec::Factored(_)))
+        .filter(|c| !matches!(c.spec, SamplerSpec::new(_)))
     {
         let sampler = competitor.spec.build(&brdf).unwrap();
         let errors = curve(
@@ -281,7 +281,7 @@ fn pictures_are_nearer_their_reference_with_more_samples_and_better_samplers() {
         assert!(results[0].png.is_empty() && results[1].png.starts_with(b"\x89PNG"));
         [results[0].errors, results[1].errors]
     };
-    let cosine = errors(Competitor::brdf(SamplerSpec::Cosine));
+    let cosine = errors(Competitor::brdf(SamplerSpec::new(CosineSettings {})));
     let mis = errors(Competitor {
         spec: HALF_VECTOR(),
         technique: Technique::Mis(Heuristic::Power),

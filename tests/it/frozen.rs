@@ -68,60 +68,8 @@ mod library {
         }
     }
 
-    /// A text such as `half-vector:64KB,folded` as the library has it today.
-    ///
-    /// A later interface that reads such texts itself replaces the body of this one function.
     fn sampler_spec(text: &str) -> SamplerSpec {
-        let (name, settings) = text.split_once(':').unwrap_or((text, ""));
-        let settings: Vec<&str> = settings.split(',').filter(|s| !s.is_empty()).collect();
-        match (name, &settings[..]) {
-            ("cosine", []) => SamplerSpec::Cosine,
-            ("file", []) => SamplerSpec::File,
-            ("factored", []) => SamplerSpec::Factored(FactoredSettings::default()),
-            ("half-vector", [size, rest @ ..]) => {
-                let preset = HalfVectorSettings::PRESETS.iter().find(|p| p.0 == *size);
-                let preset = preset.expect("a size of tables").1;
-                SamplerSpec::HalfVector(match rest {
-                    [] => preset,
-                    ["folded"] => HalfVectorSettings {
-                        fold: true,
-                        ..preset
-                    },
-                    ["luminance"] => HalfVectorSettings {
-                        importance: Importance::Luminance,
-                        ..preset
-                    },
-                    _ => panic!("no sampler {text}"),
-                })
-            }
-            ("adaptive-disc", _) => SamplerSpec::AdaptiveDisc(match settings[..] {
-                [] => AdaptiveDiscSettings::default(),
-                ["published"] => AdaptiveDiscSettings::as_published(),
-                ["rejection"] => AdaptiveDiscSettings::rejection(),
-                ["rejection-free"] => AdaptiveDiscSettings {
-                    construction: Construction::Refined,
-                    leaves: LeafChoice::Warp,
-                    ..AdaptiveDiscSettings::default()
-                },
-                _ => panic!("no sampler {text}"),
-            }),
-            ("cascade-cdf", _) => SamplerSpec::CascadeCdf(match settings[..] {
-                [] => CascadeCdfSettings::default(),
-                ["uniform"] => CascadeCdfSettings::uniform(),
-                ["published"] => CascadeCdfSettings::as_published(true),
-                _ => panic!("no sampler {text}"),
-            }),
-            ("lobe", [kind]) => SamplerSpec::Lobe(LobeSettings::fitted(match *kind {
-                "cosine" => LobeKind::CosineLobe,
-                "cosine-sphere" => LobeKind::CosineLobeSphere,
-                "blinn" => LobeKind::Blinn,
-                "ward" => LobeKind::Ward,
-                "ashikhmin-shirley" => LobeKind::AshikhminShirley,
-                "ggx" => LobeKind::Ggx,
-                _ => panic!("no sampler {text}"),
-            })),
-            _ => panic!("no sampler {text}"),
-        }
+        text.parse().unwrap()
     }
 
     /// A material with its lookup rule.
@@ -215,7 +163,7 @@ mod library {
 
         /// Builds the sampler that `text` names.
         pub fn sampler(&self, text: &str) -> Sampler {
-            Arc::new(sampler_spec(text).build_for(&self.brdf).unwrap())
+            sampler_spec(text).build(&self.brdf).unwrap().shared()
         }
     }
 

@@ -22,27 +22,27 @@ use sha2::{Digest, Sha256};
 
 fn specs() -> [SamplerSpec; 9] {
     [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             tables: 7,
             ..Default::default()
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             tables: 5,
             ..Default::default()
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             tables: 3,
             ..CascadeCdfSettings::uniform()
         }),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             tables: 4,
             leaves: LeafChoice::Warp,
             ..Default::default()
         }),
-        SamplerSpec::HalfVector(HalfVectorSettings::default()),
-        SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1),
-        SamplerSpec::Lobe(LobeSettings::fitted(LobeKind::Ggx)),
-        SamplerSpec::Lobe(LobeSettings::fitted(LobeKind::AshikhminShirley)),
+        SamplerSpec::new(HalfVectorSettings::default()),
+        SamplerSpec::new(HalfVectorSettings::PRESETS[0].1),
+        SamplerSpec::new(LobeSettings::fitted(LobeKind::Ggx)),
+        SamplerSpec::new(LobeSettings::fitted(LobeKind::AshikhminShirley)),
         factored(),
     ]
 }
@@ -56,7 +56,7 @@ fn factored() -> SamplerSpec {
         half: true,
         floor: 0.01,
     };
-    SamplerSpec::Factored(FactoredSettings {
+    SamplerSpec::new(FactoredSettings {
         tables: 5,
         factors: Some(factors),
         ..Default::default()
@@ -749,7 +749,7 @@ fn forged_half_vector_tables_are_refused() {
     ];
     forgeries.extend(COMMON.into_iter().filter(|f| f.0 != "a floor above 1"));
     assert_each_is_refused(
-        SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1),
+        SamplerSpec::new(HalfVectorSettings::PRESETS[0].1),
         &forgeries,
     );
 }

@@ -42,7 +42,7 @@ fn direction(degrees: f64) -> Vec3 {
 }
 
 fn disc(choice: TableChoice) -> SamplerSpec {
-    SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+    SamplerSpec::new(AdaptiveDiscSettings {
         choice,
         ..Default::default()
     })
@@ -50,7 +50,7 @@ fn disc(choice: TableChoice) -> SamplerSpec {
 
 fn rejection_free(choice: TableChoice) -> SamplerSpec {
     let leaves = LeafChoice::Warp;
-    SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+    SamplerSpec::new(AdaptiveDiscSettings {
         choice,
         leaves,
         ..Default::default()
@@ -65,25 +65,25 @@ fn kept(choice: TableChoice) -> SamplerSpec {
         tables: 60,
         ..Default::default()
     };
-    SamplerSpec::AdaptiveDisc(settings)
+    SamplerSpec::new(settings)
 }
 
 fn cascade(choice: TableChoice) -> SamplerSpec {
-    SamplerSpec::CascadeCdf(CascadeCdfSettings {
+    SamplerSpec::new(CascadeCdfSettings {
         choice,
         ..Default::default()
     })
 }
 
 fn whole(choice: TableChoice) -> SamplerSpec {
-    SamplerSpec::CascadeCdf(CascadeCdfSettings {
+    SamplerSpec::new(CascadeCdfSettings {
         choice,
         ..CascadeCdfSettings::uniform()
     })
 }
 
 fn coarse(choice: TableChoice) -> SamplerSpec {
-    SamplerSpec::CascadeCdf(CascadeCdfSettings {
+    SamplerSpec::new(CascadeCdfSettings {
         choice,
         tolerance: Some(1e-2),
         ..Default::default()
@@ -167,7 +167,7 @@ fn cosine_passes_on_dull_materials() {
         .enumerate()
     {
         assert_passes(
-            SamplerSpec::Cosine,
+            SamplerSpec::new(CosineSettings {}),
             &measured(name, LookupRule::Floor),
             &settings(2000 + seed as u64),
         );
@@ -179,11 +179,11 @@ fn luminance_passes() {
     let brdf = measured("blue-metallic-paint", LookupRule::Floor);
     let importance = Importance::Luminance;
     let specs = [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             importance,
             ..Default::default()
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             importance,
             ..Default::default()
         }),
@@ -265,11 +265,11 @@ fn the_density_of_the_neighbouring_tree_is_rejected() {
 fn a_density_without_the_floor_is_rejected() {
     let brdf = measured("chrome", LookupRule::Floor);
     let without = [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             floor: 0.0,
             ..Default::default()
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             floor: 0.0,
             ..Default::default()
         }),
@@ -410,7 +410,7 @@ fn spreads(spec: SamplerSpec, brdf: &Arc<MerlBrdf>) -> Vec<WeightSpread> {
 #[test]
 fn the_published_cascade_has_holes() {
     let brdf = measured("teflon", LookupRule::Floor);
-    let sampler = SamplerSpec::CascadeCdf(CascadeCdfSettings::as_published(true))
+    let sampler = SamplerSpec::new(CascadeCdfSettings::as_published(true))
         .build(&brdf)
         .unwrap();
     let report = check_sampler(
@@ -428,11 +428,11 @@ fn the_published_cascade_has_holes() {
 fn the_published_cascade_is_heavy_tailed_and_ours_is_not() {
     let brdf = measured("red-plastic", LookupRule::Floor);
     let published = spreads(
-        SamplerSpec::CascadeCdf(CascadeCdfSettings::as_published(true)),
+        SamplerSpec::new(CascadeCdfSettings::as_published(true)),
         &brdf,
     );
     let ours = spreads(
-        SamplerSpec::CascadeCdf(CascadeCdfSettings::default()),
+        SamplerSpec::new(CascadeCdfSettings::default()),
         &brdf,
     );
     assert!(published.iter().any(|s| s.relstd > 1.0), "{published:#?}");
@@ -445,7 +445,7 @@ fn the_published_cascade_is_heavy_tailed_and_ours_is_not() {
 #[test]
 fn the_published_disc_has_a_density_that_is_off() {
     let brdf = measured("chrome", LookupRule::Floor);
-    let sampler = SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::as_published())
+    let sampler = SamplerSpec::new(AdaptiveDiscSettings::as_published())
         .build(&brdf)
         .unwrap();
     let report = check_sampler(
@@ -608,16 +608,16 @@ fn builds_do_not_depend_on_threads() {
     let material = Material::resolve("alum-bronze").unwrap();
     let brdf = measured("alum-bronze", LookupRule::Floor);
     let specs = [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             tables: 20,
             ..Default::default()
         }),
         rejection_free(TableChoice::Mixture),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             tables: 7,
             ..Default::default()
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             tables: 7,
             ..CascadeCdfSettings::uniform()
         }),
@@ -644,7 +644,7 @@ fn shallow_trees_lose_no_draws() {
         depth: 1,
         ..Default::default()
     };
-    let disc = SamplerSpec::AdaptiveDisc(settings)
+    let disc = SamplerSpec::new(settings)
         .build(&measured("nickel", LookupRule::Floor))
         .unwrap();
     for i in 0..200 {

@@ -74,7 +74,7 @@ fn a_sampler_file_and_a_picture_that_shrink_are_errors() {
         .table()
         .unwrap()
         .clone();
-    let sampler = SamplerSpec::HalfVector(HalfVectorSettings::default())
+    let sampler = SamplerSpec::new(HalfVectorSettings::default())
         .build(&brdf)
         .unwrap();
     save(

@@ -51,19 +51,19 @@ fn specs() -> [SamplerSpec; 5] {
         ..Default::default()
     };
     [
-        SamplerSpec::Cosine,
-        SamplerSpec::AdaptiveDisc(disc),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(CosineSettings {}),
+        SamplerSpec::new(disc),
+        SamplerSpec::new(AdaptiveDiscSettings {
             leaves: LeafChoice::Warp,
             ..disc
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             tables: 4,
             theta_h: 128,
             phi_h: 64,
             ..Default::default()
         }),
-        SamplerSpec::HalfVector(HalfVectorSettings::default()),
+        SamplerSpec::new(HalfVectorSettings::default()),
     ]
 }
 
