@@ -1,13 +1,12 @@
 //! From a `.bsdf` file to a table.
 
-use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
-use super::{Header, MerlTable, THETA_D_BINS, THETA_H_BINS};
-use crate::geometry::{reflect_about, spherical};
+use super::{Header, MerlTable, THETA_D_BINS};
+use crate::geometry::{merl_axes, reflect_about, spherical};
 use crate::material::rgl::{BsdfFile, RglBrdf};
 use crate::{Error, Result};
 
@@ -88,8 +87,8 @@ fn bin(rgl: &RglBrdf, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
 
 /// The value at coordinates in bins; `None` below the horizon.
 fn value(rgl: &RglBrdf, [h, d, p]: [f64; 3]) -> Option<DVec3> {
-    let theta_h = (h / THETA_H_BINS as f64).powi(2) * FRAC_PI_2;
-    let theta_d = d / THETA_D_BINS as f64 * FRAC_PI_2;
+    let theta_h = merl_axes::theta_h(h);
+    let theta_d = merl_axes::theta_d(d);
     let wi = DQuat::from_rotation_y(theta_h) * spherical(theta_d, p.to_radians());
     let wo = reflect_about(wi, spherical(theta_h, 0.0));
     let (wo, wi) = (wo.as_vec3(), wi.as_vec3());

@@ -10,11 +10,12 @@ mod lookup;
 mod table;
 mod write;
 
+pub use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 pub use brdf::{LookupRule, MerlBrdf};
 pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
-pub use header::{Header, THETA_D_BINS, THETA_H_BINS};
+pub use header::Header;
 
 pub use import::{BinPoint, import_bsdf};
 pub use lookup::BinIndex;
