@@ -53,10 +53,7 @@ fn specs() -> [(&'static str, SamplerSpec); 9] {
         ("disc rejection-free", rejection_free()),
         ("cdf mixture", cascade(TableChoice::Mixture)),
         ("cdf nearest", cascade(TableChoice::Nearest)),
-        (
-            "cdf whole",
-            SamplerSpec::new(CascadeCdfSettings::uniform()),
-        ),
+        ("cdf whole", SamplerSpec::new(CascadeCdfSettings::uniform())),
     ]
 }
 

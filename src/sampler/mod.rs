@@ -23,7 +23,7 @@ pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ShownCdf, ThetaSpacing};
 pub use cosine::{Cosine, CosineSettings};
 pub use factored::{Factored, FactoredSettings, Factors};
 pub use half_vector_table::{ByAzimuth, HalfVector, HalfVectorSettings, HalfVectorTable};
-pub(crate) use half_vector_table::{Edge, NODE_UNIT, ROW_UNIT, Stored};
+pub(crate) use half_vector_table::{NODE_UNIT, ROW_UNIT, Stored};
 pub use knots::TableChoice;
 pub use lobe::{LEAST_DIFFUSE, Lobe, LobeKind, LobeParameters, LobeSettings};
 pub use method::{Method, Needs};

@@ -18,9 +18,7 @@ use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{Colour, RglBrdf, Tensor};
 use merlkit::points::Stream;
 use merlkit::sampler::store::{SamplerFile, save};
-use merlkit::sampler::{
-    ByAzimuth, HalfVectorSettings, CascadeCdfSettings, Cosine, HalfVectorSettings, SamplerSpec,
-};
+use merlkit::sampler::{ByAzimuth, CascadeCdfSettings, Cosine, HalfVectorSettings, SamplerSpec};
 use merlkit::{Error, Wo};
 use merlkit_evaluate::measure::accuracy::weight_spread;
 use merlkit_evaluate::measure::check::{Check, CheckSettings, check_sampler};
@@ -324,9 +322,7 @@ fn tables_come_back_from_a_file() {
         .unwrap();
     let material = Material::resolve(bsdf.to_str().unwrap()).unwrap();
     let brdf = material.load(LookupRule::Floor).unwrap();
-    let sampler = SamplerSpec::new(settings(3, "2KB"))
-        .build(&brdf)
-        .unwrap();
+    let sampler = SamplerSpec::new(settings(3, "2KB")).build(&brdf).unwrap();
     save(
         &sampler,
         &material,
@@ -357,7 +353,9 @@ fn tables_come_back_from_a_file() {
         let text = loaded.unwrap_err().to_string();
         assert!(text.contains(says), "{says}: {text}");
     }
-    let own = SamplerSpec::new(OwnSamplerSettings {}).build(&brdf).unwrap();
+    let own = SamplerSpec::new(OwnSamplerSettings {})
+        .build(&brdf)
+        .unwrap();
     assert!(
         save(
             &own,

@@ -17,8 +17,8 @@ use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::RglBrdf;
 use merlkit::points::{PointSet, Stream};
 use merlkit::sampler::{
-    ByAzimuth, HalfVectorSettings, Cosine, FactoredSettings, HalfVectorSettings, HalfVectorTable,
-    LobeKind, LobeSettings, SamplerSpec,
+    ByAzimuth, Cosine, FactoredSettings, HalfVectorSettings, HalfVectorTable, LobeKind,
+    LobeSettings, SamplerSpec,
 };
 use merlkit_evaluate::measure::hard::hard_samplers;
 
@@ -176,12 +176,9 @@ fn assert_same_draws(name: &str, sampler: &dyn DirectionSampler) {
 }
 
 fn isotropic_samplers() -> Vec<(String, SamplerSpec)> {
-    let half_vector = HalfVectorSettings::PRESETS.iter().map(|&(size, settings)| {
-        (
-            format!("half-vector {size}"),
-            SamplerSpec::new(settings),
-        )
-    });
+    let half_vector = HalfVectorSettings::PRESETS
+        .iter()
+        .map(|&(size, settings)| (format!("half-vector {size}"), SamplerSpec::new(settings)));
     let hard = hard_samplers()
         .into_iter()
         .map(|hard| (hard.name.to_owned(), hard.spec));

@@ -26,6 +26,7 @@ mod library {
     use std::sync::{Arc, LazyLock};
 
     use glam::{DVec3, Vec2, Vec3};
+    use merlkit::Wo;
     use merlkit::brdf::{Brdf, Importance};
     use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
     use merlkit::distribution::Heuristic;
@@ -54,7 +55,7 @@ mod library {
     pub use crate::support::pairs;
 
     /// A sampler of any kind.
-    pub type Sampler = Arc<dyn DirectionSampler>;
+    pub type Sampler = Arc<merlkit::sampler::Sampler>;
 
     /// The lookup rules by name.
     pub const LOOKUPS: [&str; 3] = ["floor", "linear", "centred"];
@@ -132,7 +133,7 @@ mod library {
 
         pub fn eval(&self, wo: &[Vec3], wi: &[Vec3]) -> Evaluations {
             let mut pairs = vec![Vec3::ZERO; wo.len()];
-            self.as_dyn().eval_pairs(wo, wi, &mut pairs);
+            self.as_dyn().eval_batch(Wo::Each(wo), wi, &mut pairs);
             let single = wo
                 .iter()
                 .zip(wi)
@@ -143,7 +144,7 @@ mod library {
 
         pub fn eval_cos(&self, wo: &[Vec3], wi: &[Vec3]) -> Evaluations {
             let mut pairs = vec![Vec3::ZERO; wo.len()];
-            self.as_dyn().eval_cos_pairs(wo, wi, &mut pairs);
+            self.as_dyn().eval_cos_batch(Wo::Each(wo), wi, &mut pairs);
             let brdf = self.as_dyn();
             let single = wo
                 .iter()
@@ -156,7 +157,7 @@ mod library {
         /// For one `wo`.
         pub fn eval_many(&self, wo: Vec3, wi: &[Vec3]) -> Evaluations {
             let mut pairs = vec![Vec3::ZERO; wi.len()];
-            self.as_dyn().eval_many(wo, wi, &mut pairs);
+            self.as_dyn().eval_batch(Wo::One(wo), wi, &mut pairs);
             let single = wi.iter().map(|&wi| self.as_dyn().eval(wo, wi)).collect();
             Evaluations { single, pairs }
         }
@@ -179,22 +180,20 @@ mod library {
     }
 
     pub fn sample_batch(sampler: &Sampler, wo: Vec3, points: &[Vec2]) -> Vec<Draw> {
-        sampler
-            .sample_batch(wo, points)
-            .into_iter()
-            .map(draw)
-            .collect()
+        let mut out = vec![None; points.len()];
+        sampler.sample_batch(Wo::One(wo), points, &mut out);
+        out.into_iter().map(draw).collect()
     }
 
     pub fn sample_pairs(sampler: &Sampler, wo: &[Vec3], points: &[Vec2]) -> Vec<Draw> {
         let mut out = vec![None; wo.len()];
-        sampler.sample_pairs(wo, points, &mut out);
+        sampler.sample_batch(Wo::Each(wo), points, &mut out);
         out.into_iter().map(draw).collect()
     }
 
     pub fn sample_many(sampler: &Sampler, wo: Vec3, count: usize, seed: u64) -> Vec<Draw> {
         sampler
-            .sample_many(wo, count, seed)
+            .draw_stratified(wo, count, seed)
             .into_iter()
             .map(draw)
             .collect()
@@ -206,7 +205,7 @@ mod library {
 
     pub fn pdf_pairs(sampler: &Sampler, wo: &[Vec3], wi: &[Vec3]) -> Vec<f32> {
         let mut out = vec![0.0; wo.len()];
-        sampler.pdf_pairs(wo, wi, &mut out);
+        sampler.pdf_batch(Wo::Each(wo), wi, &mut out);
         out
     }
 

@@ -43,7 +43,10 @@ const TABLE: &[(&str, &[&str])] = &[
             "material",
         ],
     ),
-    ("export", &["brdf", "error", "files", "material", "sampler"]),
+    (
+        "export",
+        &["geometry", "brdf", "error", "files", "material", "sampler"],
+    ),
     (
         "light",
         &["geometry", "color", "distribution", "error", "image"],
@@ -56,7 +59,6 @@ const TABLE: &[(&str, &[&str])] = &[
             "color",
             "distribution",
             "batch",
-            "lanes",
             "brdf",
             "direction_sampler",
             "error",

@@ -56,7 +56,12 @@ fn material(name: &str, ns: f64) -> MaterialComparison {
         technique: Technique::Mis(Heuristic::Power),
     };
     let curves = vec![
-        curve(Competitor::brdf(SamplerSpec::new(CosineSettings {})), "cosine", 100.0, 3.0),
+        curve(
+            Competitor::brdf(SamplerSpec::new(CosineSettings {})),
+            "cosine",
+            100.0,
+            3.0,
+        ),
         curve(Competitor::brdf(HALF_VECTOR()), "half-vector 64KB", ns, 1.0),
         curve(
             Competitor::brdf(SamplerSpec::new(CascadeCdfSettings::default())),
@@ -115,10 +120,7 @@ fn picture(scene: SceneKind, material: &str) -> PictureComparison {
     let specs = [
         (SamplerSpec::new(CosineSettings {}), 3.0),
         (HALF_VECTOR(), 0.5),
-        (
-            SamplerSpec::new(AdaptiveDiscSettings::default()),
-            0.75,
-        ),
+        (SamplerSpec::new(AdaptiveDiscSettings::default()), 0.75),
         (SamplerSpec::new(FactoredSettings::default()), 1.0),
     ];
     let results = [PICTURE_SAMPLES, 100]

@@ -431,10 +431,7 @@ fn the_published_cascade_is_heavy_tailed_and_ours_is_not() {
         SamplerSpec::new(CascadeCdfSettings::as_published(true)),
         &brdf,
     );
-    let ours = spreads(
-        SamplerSpec::new(CascadeCdfSettings::default()),
-        &brdf,
-    );
+    let ours = spreads(SamplerSpec::new(CascadeCdfSettings::default()), &brdf);
     assert!(published.iter().any(|s| s.relstd > 1.0), "{published:#?}");
     assert!(
         ours.iter().all(|s| s.relstd < 0.3 && s.holes == 0.0),

@@ -1,25 +1,23 @@
 //! Half-vector tables for anisotropic materials: one for each of a few azimuths of `wo`.
 //!
 //! A `wo` between two azimuths is served by both, in proportion to nearness; the density is that of the mixture. Half vectors
-//! keep their azimuth on the surface as far as the horizon allows ([`Turn`]). What the material's symmetry repeats is held once.
+//! keep their azimuth on the surface as far as the horizon allows ([`AzimuthShift`]). What the material's symmetry repeats is held once.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::batch::LANES;
-use super::mixture::Mixture;
+use super::azimuth_shift::AzimuthShift;
+use super::batch::{LANES, PointLanes};
+use super::lookup::InterpolatedTable;
+use super::sample::{DrawTerms, TableView, raise_above_horizon};
 use super::settings::azimuths_of_isotropic;
-use super::square::{Place, Square};
-use super::tables::{Blend, Stored};
-use super::turn::Turn;
-use super::{
-    About, Choice, DirectionSample, DirectionSampler, Found, HalfVectorSettings, HalfVectorTable,
-    raise,
-};
+use super::tables::{Stored, TablePair};
+use super::{DirectionSample, DirectionSampler, HalfVectorSettings, HalfVectorTable};
 use crate::Result;
 use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
+use crate::geometry::half_vector_chart::{ChartPoint, HalfVectorChart};
 use crate::geometry::{Symmetry, unit_upper};
 use crate::lanes::{Columns, UnitDirections};
 use crate::sampler::Settings;
@@ -37,15 +35,15 @@ pub struct ByAzimuth {
 #[derive(Clone, Copy)]
 struct ShiftedTable<'a> {
     table: &'a HalfVectorTable,
-    blend: Blend<'a>,
-    turn: Turn,
+    pair: TablePair<'a>,
+    shift: AzimuthShift,
 }
 
 /// What serves one `wo`: the tables of the two azimuths about it.
 #[derive(Clone, Copy)]
 struct AzimuthPair<'a> {
     /// About `wo` among the azimuths that have tables.
-    square: Square,
+    chart: HalfVectorChart,
     /// The mirror signs that bring `wo` there; the same bring `wi`.
     signs: Vec3,
     tables: [ShiftedTable<'a>; 2],
@@ -109,7 +107,7 @@ impl ByAzimuth {
         // Mirror wo among the azimuths that have tables.
         let signs = self.symmetry.signs(wo);
         let folded = with_azimuth(wo * signs);
-        let square = Square::about(folded);
+        let chart = HalfVectorChart::new(folded);
         // Its azimuth in steps between tables: the table below it, and the weight of the one above.
         let (count, step) = (self.tables.len(), step(self.symmetry, self.tables.len()));
         let azimuth = f64::from(folded.y).atan2(f64::from(folded.x)) - Symmetry::START;
@@ -127,12 +125,12 @@ impl ByAzimuth {
             let table = &self.tables[k % count];
             ShiftedTable {
                 table,
-                blend: table.blend_at(&square),
-                turn: Turn::by(steps * step),
+                pair: table.interpolate(&chart),
+                shift: AzimuthShift::new(steps * step),
             }
         };
         AzimuthPair {
-            square,
+            chart,
             signs,
             tables: [shifted(first, weight), shifted(first + 1, weight - 1.0)],
             weight,
@@ -163,29 +161,32 @@ fn with_azimuth(wo: Vec3) -> Vec3 {
 impl<'a> ShiftedTable<'a> {
     /// The table about `wo`, azimuths being those of the table.
     #[inline(always)]
-    fn about(&self, square: Square) -> About<'a, Blend<'a>> {
-        self.table.with(square, self.blend)
+    fn view(&self, chart: HalfVectorChart) -> TableView<'a, TablePair<'a>> {
+        TableView::new(self.table, chart, self.pair)
     }
 
     /// The drawn direction, among the azimuths that have tables.
     #[inline(always)]
-    fn direction(&self, square: Square, choice: Choice) -> Vec3 {
-        let (cap, b) = self.about(square).point(choice);
-        let b = self.turn.to_surface(b, square.widest_at(cap));
-        raise(square.direction(cap, b))
+    fn direction(&self, chart: HalfVectorChart, terms: DrawTerms) -> Vec3 {
+        let (cap, fraction) = self.view(chart).chart_coordinates(terms);
+        let fraction = self
+            .shift
+            .to_surface(fraction, chart.max_quarter_tan_of_cap(cap));
+        raise_above_horizon(chart.direction(cap, fraction))
     }
 
-    /// A place moved to the azimuths of the table, and how much the table is stretched there; `widest` is the unit of `b`.
+    /// The density at a point of the chart, of which `max_quarter_tan` is the unit of the azimuth fraction.
     #[inline(always)]
-    fn place(&self, place: &Place, widest: f32) -> (Place, f32) {
-        let (b, stretch) = self.turn.to_table(place.b, widest);
-        (Place { b, ..*place }, stretch)
-    }
-
-    /// The density at a place of the table.
-    #[inline(always)]
-    fn density(&self, square: Square, place: &Place, stretch: f32, found: Found) -> f32 {
-        (self.about(square).density(place, found) * stretch).min(f32::MAX)
+    fn density(&self, chart: HalfVectorChart, point: &ChartPoint, max_quarter_tan: f32) -> f32 {
+        let view = self.view(chart);
+        let (azimuth_fraction, slope) =
+            self.shift.to_table(point.azimuth_fraction, max_quarter_tan);
+        let shifted = ChartPoint {
+            azimuth_fraction,
+            ..*point
+        };
+        let terms = view.look_up_density(&shifted);
+        (view.density(&shifted, terms) * slope).min(f32::MAX)
     }
 }
 
@@ -206,19 +207,18 @@ impl AzimuthPair<'_> {
 
     /// The density of a direction among the azimuths that have tables.
     fn pdf(&self, wi: Vec3) -> f32 {
-        let place = self.square.place(wi);
-        let widest = self.square.widest_at(place.cap);
-        self.mix(self.tables.map(|t| {
-            let (place, stretch) = t.place(&place, widest);
-            let found = t.about(self.square).find(&place);
-            t.density(self.square, &place, stretch, found)
-        }))
+        let point = self.chart.locate(wi);
+        let max_quarter_tan = self.chart.max_quarter_tan_of_cap(point.cap);
+        self.mix(
+            self.tables
+                .map(|table| table.density(self.chart, &point, max_quarter_tan)),
+        )
     }
 
     fn sample(&self, u: Vec2) -> DirectionSample {
         let (chosen, u) = self.choose_table(u);
         let table = &self.tables[chosen];
-        let wi = table.direction(self.square, table.about(self.square).choose(u));
+        let wi = table.direction(self.chart, table.view(self.chart).look_up_draw(u));
         DirectionSample {
             wi: wi * self.signs,
             pdf: self.pdf(wi),
@@ -325,7 +325,7 @@ fn pdf_each(sampler: &ByAzimuth, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
 
 /// What serves the `wo` of each lane.
 struct PairLanes<'a> {
-    squares: Columns<f32, 8, LANES>,
+    charts: Columns<f32, 8, LANES>,
     signs: Columns<f32, 3, LANES>,
     tables: [[ShiftedTable<'a>; LANES]; 2],
     weight: [f64; LANES],
@@ -336,14 +336,14 @@ impl<'a> PairLanes<'a> {
     fn new(sampler: &'a ByAzimuth, wo: &UnitDirections<LANES>, count: usize) -> Self {
         let first = sampler.pair(wo.get(0));
         let mut pairs = Self {
-            squares: Columns::splat(first.square.to_array()),
+            charts: Columns::splat(first.chart.to_array()),
             signs: Columns::splat(first.signs.to_array()),
             tables: first.tables.map(|table| [table; LANES]),
             weight: [first.weight; LANES],
         };
         for lane in 1..count.min(LANES) {
             let pair = sampler.pair(wo.get(lane));
-            pairs.squares.set(lane, pair.square.to_array());
+            pairs.charts.set(lane, pair.chart.to_array());
             pairs.signs.set(lane, pair.signs.to_array());
             pairs.tables[0][lane] = pair.tables[0];
             pairs.tables[1][lane] = pair.tables[1];
@@ -355,7 +355,7 @@ impl<'a> PairLanes<'a> {
     #[inline(always)]
     fn get(&self, lane: usize) -> AzimuthPair<'a> {
         AzimuthPair {
-            square: Square::from_array(self.squares.get(lane)),
+            chart: HalfVectorChart::from_array(self.charts.get(lane)),
             signs: self.signs.get(lane).into(),
             tables: [self.tables[0][lane], self.tables[1][lane]],
             weight: self.weight[lane],
@@ -379,24 +379,25 @@ impl AzimuthDraws {
         for lane in 0..count {
             let pair = pair(lane);
             let (table, left) = pair.choose_table(u[lane]);
-            let (row, share) = pair.tables[table].blend.find_row(left.x);
+            let (row, fraction) = pair.tables[table].pair.find_row(left.x);
             chosen[lane] = table;
-            rows[lane] = (row.index, share);
+            rows[lane] = (row.index, fraction);
         }
         // Look up what the row and the azimuth within it hold.
-        let mut choices = Columns::<f32, 9, LANES>::splat([0.0; 9]);
+        let mut terms = Columns::<f32, 9, LANES>::splat([0.0; 9]);
         for lane in 0..count {
             let pair = pair(lane);
-            let about = pair.tables[chosen[lane]].about(pair.square);
-            let (row, share) = rows[lane];
-            choices.set(lane, about.choose_in(row, share, u[lane].y).to_array());
+            let view = pair.tables[chosen[lane]].view(pair.chart);
+            let (row, fraction) = rows[lane];
+            let found = view.look_up_draw_in_row(row, fraction, u[lane].y);
+            terms.set(lane, found.to_array());
         }
         // Arithmetic from there to a direction.
         let mut wi = Columns::splat([0.0; 3]);
         for lane in 0..count {
             let pair = pair(lane);
-            let choice = Choice::from_array(choices.get(lane));
-            let direction = pair.tables[chosen[lane]].direction(pair.square, choice);
+            let terms = DrawTerms::from_array(terms.get(lane));
+            let direction = pair.tables[chosen[lane]].direction(pair.chart, terms);
             wi.set(lane, direction.to_array());
         }
         let pdf = densities(pair, |lane| wi.get(lane).into(), count);
@@ -421,39 +422,27 @@ fn densities<'a>(
     count: usize,
 ) -> [f32; LANES] {
     let count = count.min(LANES);
-    // Arithmetic from a direction to its place in the square.
-    let mut places = Columns::<f32, 4, LANES>::splat([0.0; 4]);
-    let mut tan2 = [0.0; LANES];
+    // Arithmetic from a direction to its point in the chart.
+    let mut points = PointLanes::new();
+    let mut max_quarter_tans = [0.0; LANES];
     for lane in 0..count {
-        let square = pair(lane).square;
-        let place = square.place(wi(lane));
-        let widest = square.widest_at(place.cap);
-        places.set(lane, [place.cap, place.b, place.jacobian, widest]);
-        tan2[lane] = place.tan2;
+        let chart = pair(lane).chart;
+        let point = chart.locate(wi(lane));
+        max_quarter_tans[lane] = chart.max_quarter_tan_of_cap(point.cap);
+        points.set(lane, point);
     }
     // The density of either table there.
-    let mut both = Columns::<f32, 2, LANES>::splat([0.0; 2]);
+    let mut both = [[0.0; 2]; LANES];
     for lane in 0..count {
         let pair = pair(lane);
-        let [cap, b, jacobian, widest] = places.get(lane);
-        let place = Place {
-            cap,
-            tan2: tan2[lane],
-            b,
-            jacobian,
-        };
-        both.set(
-            lane,
-            pair.tables.map(|t| {
-                let (place, stretch) = t.place(&place, widest);
-                let found = t.about(pair.square).find(&place);
-                t.density(pair.square, &place, stretch, found)
-            }),
-        );
+        let point = points.get(lane);
+        for (density, table) in both[lane].iter_mut().zip(&pair.tables) {
+            *density = table.density(pair.chart, &point, max_quarter_tans[lane]);
+        }
     }
     let mut pdf = [0.0; LANES];
     for (lane, pdf) in pdf[..count].iter_mut().enumerate() {
-        *pdf = pair(lane).mix(both.get(lane));
+        *pdf = pair(lane).mix(both[lane]);
     }
     pdf
 }

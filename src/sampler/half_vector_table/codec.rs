@@ -1,10 +1,10 @@
 //! Half-vector tables in a file: their tensors, and what drawing relies on.
 
-use super::square::{MERL_PARTS, PARTS};
 use super::tables::{NODE_SUM, ONE, STEEPEST, Stored};
 use super::{ByAzimuth, HalfVectorSettings, HalfVectorTable};
 use crate::Result;
 use crate::geometry::Symmetry;
+use crate::geometry::half_vector_chart::{MERL_PARTS, PARTS};
 use crate::sampler::store::{TensorWriter, Tensors};
 
 /// One half-vector table, or several one after the other.

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::square::PARTS;
 use super::{ByAzimuth, HalfVectorTable, codec, tables};
 use crate::brdf::Importance;
 use crate::direction_sampler::DirectionSampler;
 use crate::geometry::Symmetry;
+use crate::geometry::half_vector_chart::PARTS;
 use crate::material::{Loaded, MaterialFacts};
 use crate::sampler::settings::importance;
 use crate::sampler::store::{TensorWriter, Tensors};

@@ -5,12 +5,13 @@
 
 use glam::Vec3;
 
-use super::bins::BinTables;
+use super::bins::find_bins;
 use super::coordinates::CoordinateTables;
 use super::half_diff_tan2::Tangents;
 use super::trilinear::Neighbours;
 use crate::batch::Wo;
 use crate::color::Rgb;
+use crate::geometry::merl_axes::AxisBins;
 use crate::lanes::{Columns, UnitDirections};
 use crate::material::merl::LookupRule;
 use crate::material::merl::MerlTable;
@@ -89,13 +90,13 @@ impl Block {
 
     /// The value of the bin that holds each pair.
     fn floor(&self, table: &MerlTable, out: &mut [Rgb]) {
-        let tables = BinTables::get();
+        let axes = AxisBins::get();
         let bins = table.phi_d_bins();
         // Past the end of the table for a pair that has no bin.
         let mut cells = [usize::MAX; LANES];
         let count = out.len().min(LANES);
         for (lane, cell) in cells[..count].iter_mut().enumerate() {
-            if let Some(b) = tables.bins(self.tangents(lane), self.wi.get(lane), bins) {
+            if let Some(b) = find_bins(axes, self.tangents(lane), self.wi.get(lane), bins) {
                 *cell = table.index(b.theta_h, b.theta_d, b.phi_d);
             }
         }

@@ -11,6 +11,7 @@ use super::{albedo_by_degree, directional_albedo};
 use merlkit::brdf::Brdf;
 use merlkit::color;
 use merlkit::direction_sampler::{DirectionSampler, draw_stratified};
+use merlkit::geometry::merl_axes::theta_h_degrees;
 use merlkit::geometry::spherical;
 use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
 use merlkit::material::{LookupRule, MerlBrdf, MerlTable};
@@ -58,8 +59,9 @@ fn over_plane(theta_o: f64, value: impl Fn(Vec3, Vec3) -> f32) -> Curve {
 /// Every half degree, and, where MERL's bins of θh are finer, three angles in each of them around the mirror direction.
 fn angles(theta_o: f64) -> Vec<f64> {
     let even = (-179..=179).map(|i| f64::from(i) * 0.5);
+    // wi turns by twice as much as the half vector.
     let steps =
-        (0..=3 * 40).map(|i| 2.0 * 90.0 * (f64::from(i) / (3.0 * THETA_H_BINS as f64)).powi(2));
+        (0..=3 * 40).map(|i| 2.0 * theta_h_degrees(f64::from(i) / (3.0 * THETA_H_BINS as f64)));
     let near = steps.flat_map(|step| [theta_o - step, theta_o + step]);
     let mut all: Vec<f64> = even.chain(near).filter(|a| a.abs() < 90.0).collect();
     all.sort_by(f64::total_cmp);
