@@ -9,7 +9,7 @@ use merlkit::files::Overwrite;
 use merlkit::geometry::{Symmetry, spherical};
 use merlkit::image::read_exr;
 use merlkit::material::rgl::RglBrdf;
-use merlkit::sampler::{HalfVectorSettings};
+use merlkit::sampler::HalfVectorSettings;
 use tempfile::TempDir;
 
 use crate::brushed::{Brushed, Resolution, bsdf_of};

@@ -18,7 +18,9 @@ use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{Colour, RglBrdf, Tensor};
 use merlkit::points::Stream;
 use merlkit::sampler::store::{SamplerFile, save};
-use merlkit::sampler::{ByAzimuth, CascadeCdfSettings, Cosine, HalfVectorSettings, SamplerSpec};
+use merlkit::sampler::{
+    ByAzimuth, CascadeCdfSettings, Cosine, HalfVectorSettings, OwnSamplerSettings, SamplerSpec,
+};
 use merlkit::{Error, Wo};
 use merlkit_evaluate::measure::accuracy::weight_spread;
 use merlkit_evaluate::measure::check::{Check, CheckSettings, check_sampler};
@@ -48,8 +50,8 @@ fn settings(azimuths: usize, size: &str) -> HalfVectorSettings {
         .find(|p| p.0 == size)
         .unwrap();
     HalfVectorSettings {
-        azimuths,
-        ..HalfVectorSettings::of(preset.1)
+        azimuths: Some(azimuths),
+        ..preset.1
     }
 }
 
@@ -323,14 +325,7 @@ fn tables_come_back_from_a_file() {
     let material = Material::resolve(bsdf.to_str().unwrap()).unwrap();
     let brdf = material.load(LookupRule::Floor).unwrap();
     let sampler = SamplerSpec::new(settings(3, "2KB")).build(&brdf).unwrap();
-    save(
-        &sampler,
-        &material,
-        LookupRule::Floor,
-        &path,
-        Overwrite::Refuse,
-    )
-    .unwrap();
+    save(&sampler, &material, &path, Overwrite::Refuse).unwrap();
     let (loaded, _) = SamplerFile::open(&path).unwrap().load(None).unwrap();
     assert_eq!(loaded.spec(), sampler.spec());
     for (i, wo) in directions().into_iter().enumerate() {
@@ -356,16 +351,7 @@ fn tables_come_back_from_a_file() {
     let own = SamplerSpec::new(OwnSamplerSettings {})
         .build(&brdf)
         .unwrap();
-    assert!(
-        save(
-            &own,
-            &material,
-            LookupRule::Floor,
-            &path,
-            Overwrite::Replace
-        )
-        .is_err()
-    );
+    assert!(save(&own, &material, &path, Overwrite::Replace).is_err());
     let table = Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded("nickel").unwrap()),
         LookupRule::Floor,
@@ -373,7 +359,7 @@ fn tables_come_back_from_a_file() {
     assert!(
         SamplerFile::open(&path)
             .unwrap()
-            .into_sampler(&table)
+            .into_sampler(&Loaded::from_table(table))
             .is_err()
     );
 }
@@ -381,7 +367,7 @@ fn tables_come_back_from_a_file() {
 #[test]
 fn bytes_are_those_of_all_tables() {
     let sampler = ByAzimuth::build(&file(Symmetry::Half), settings(3, "8KB")).unwrap();
-    assert_eq!(sampler.bytes(), 3 * sampler.settings().table.bytes());
+    assert_eq!(sampler.bytes(), 3 * sampler.settings().bytes());
     let rgl = file(Symmetry::Half);
     assert!(DirectionSampler::bytes(&rgl) < rgl.table_bytes());
 }
@@ -411,9 +397,7 @@ fn what_does_not_fit_is_refused() {
         rows: 0,
         ..HalfVectorSettings::default()
     };
-    assert!(refused(
-        ByAzimuth::build(&rgl, HalfVectorSettings::of(no_rows)).unwrap_err()
-    ));
+    assert!(refused(ByAzimuth::build(&rgl, no_rows).unwrap_err()));
     let brdf = Loaded::from_rgl(Arc::new(rgl));
     let message = SamplerSpec::new(CascadeCdfSettings::default())
         .build(&brdf)
@@ -425,5 +409,22 @@ fn what_does_not_fit_is_refused() {
     );
     let (_, preset) = HalfVectorSettings::PRESETS[0];
     let built = SamplerSpec::new(preset).build(&brdf).unwrap();
-    assert_eq!(built.spec().label(), "half-vector 2KB at 8 azimuths");
+    assert_eq!(built.spec().to_string(), "half-vector:2KB");
+    let fitted = built.fitted();
+    assert_eq!(
+        fitted.settings(),
+        Some(&HalfVectorSettings {
+            tables: 3,
+            rows: 18,
+            segments: 9,
+            fold: false,
+            azimuths: Some(8),
+            ..preset
+        })
+    );
+    // What was fitted builds the same again.
+    let again = fitted.build(&brdf).unwrap();
+    assert_eq!(again.fitted(), fitted);
+    let (wo, u) = (spherical(0.7, 0.3).as_vec3(), Vec2::new(0.2, 0.6));
+    assert_eq!(again.sample(wo, u), built.sample(wo, u));
 }

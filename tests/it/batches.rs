@@ -3,6 +3,7 @@
 
 use crate::allocations::allocations;
 use crate::support;
+use crate::support::loaded;
 use std::sync::Arc;
 
 use crate::support::anisotropic::{Brushed, Resolution, bsdf_of};
@@ -180,6 +181,7 @@ fn isotropic_samplers() -> Vec<(String, SamplerSpec)> {
         .iter()
         .map(|&(size, settings)| (format!("half-vector {size}"), SamplerSpec::new(settings)));
     let hard = hard_samplers()
+        .unwrap()
         .into_iter()
         .map(|hard| (hard.name.to_owned(), hard.spec));
     let fitted = [
@@ -204,7 +206,7 @@ fn every_isotropic_sampler_gives_the_bits_of_single_calls() {
     let table = decode_embedded("nickel").unwrap();
     let brdf = Arc::new(MerlBrdf::new(Arc::new(table), LookupRule::Floor));
     for (name, spec) in isotropic_samplers() {
-        assert_same_draws(&name, &spec.build(&brdf).unwrap());
+        assert_same_draws(&name, &*spec.build(&loaded(&brdf)).unwrap());
     }
 }
 
@@ -230,7 +232,7 @@ fn the_largest_tables_give_the_bits_of_single_calls() {
 fn every_anisotropic_sampler_gives_the_bits_of_single_calls() {
     for symmetry in [Symmetry::Quarter, Symmetry::Half, Symmetry::Whole] {
         let file = anisotropic_file(symmetry);
-        let settings = HalfVectorSettings::of(HalfVectorSettings::PRESETS[0].1);
+        let settings = HalfVectorSettings::PRESETS[0].1;
         let name = format!("by azimuth, {symmetry:?}");
         assert_same_draws(&name, &ByAzimuth::build(&file, settings).unwrap());
         if symmetry == Symmetry::Quarter {
@@ -297,11 +299,11 @@ fn slices_of_unequal_lengths_are_refused() {
     let merl = Arc::new(MerlBrdf::new(table, LookupRule::Floor));
     let file = anisotropic_file(Symmetry::Quarter);
     let half_vector = SamplerSpec::new(HalfVectorSettings::PRESETS[0].1)
-        .build(&merl)
+        .build(&loaded(&merl))
         .unwrap();
-    let settings = HalfVectorSettings::of(HalfVectorSettings::PRESETS[0].1);
+    let settings = HalfVectorSettings::PRESETS[0].1;
     let by_azimuth = ByAzimuth::build(&file, settings).unwrap();
-    let samplers: [&dyn DirectionSampler; 4] = [&half_vector, &by_azimuth, &Cosine, &file];
+    let samplers: [&dyn DirectionSampler; 4] = [&*half_vector, &by_azimuth, &Cosine, &file];
     let brdfs: [&dyn Brdf; 2] = [&*merl, &file];
     let each = [Vec3::Z; 130];
     let points = [Vec2::splat(0.5); 130];
@@ -358,14 +360,14 @@ fn batches_allocate_nothing() {
     let lambert = Lambert {
         reflectance: Vec3::splat(0.5),
     };
-    let mut samplers: Vec<(String, Box<dyn DirectionSampler>)> = Vec::new();
+    let mut samplers: Vec<(String, Arc<dyn DirectionSampler>)> = Vec::new();
     for (name, spec) in isotropic_samplers() {
-        samplers.push((name, Box::new(spec.build(&merl).unwrap())));
+        samplers.push((name, spec.build(&loaded(&merl)).unwrap().shared()));
     }
-    let settings = HalfVectorSettings::of(HalfVectorSettings::PRESETS[0].1);
+    let settings = HalfVectorSettings::PRESETS[0].1;
     let by_azimuth = ByAzimuth::build(&file, settings).unwrap();
-    samplers.push(("by azimuth".to_owned(), Box::new(by_azimuth)));
-    samplers.push(("file".to_owned(), Box::new(file)));
+    samplers.push(("by azimuth".to_owned(), Arc::new(by_azimuth)));
+    samplers.push(("file".to_owned(), Arc::new(file)));
     let file = anisotropic_file(Symmetry::Quarter);
     let brdfs: [&dyn Brdf; 3] = [&*merl, &file, &lambert];
 

@@ -1,5 +1,6 @@
 //! Errors against time: what is measured is what it says, and choices hold on fresh seeds.
 
+use crate::support::loaded;
 use std::sync::Arc;
 
 use merlkit::distribution::Heuristic;
@@ -7,7 +8,7 @@ use merlkit::geometry::Symmetry;
 use merlkit::light::{Environment, SkySampling, broad_lamps};
 use merlkit::material::merl::{HardCase, decode_embedded};
 use merlkit::material::{Loaded, LookupRule, MaterialFacts, MerlBrdf};
-use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
+use merlkit::sampler::{CosineSettings, HalfVectorSettings, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
     Competitor, ErrorPoint, PicturePlan, PointPlan, SceneKind, Tuning, Wish, competitors, curve,
     knobs, picture_reference, pictures, reach, references, setting, tunable, tune, verdict,
@@ -60,10 +61,10 @@ fn a_weight_without_spread_has_no_error() {
         );
     }
     let competitor = Competitor::brdf(SamplerSpec::new(CosineSettings {}));
-    let sampler = competitor.spec.build(&brdf).unwrap();
+    let sampler = competitor.spec.build(&loaded(&brdf)).unwrap();
     let curve = curve(
         competitor,
-        &sampler,
+        &*sampler,
         0.0,
         &*brdf,
         &even,
@@ -79,7 +80,7 @@ fn a_weight_without_spread_has_no_error() {
 fn intervals_hold_and_random_errors_fall_as_the_root() {
     let (brdf, sky) = (measured("red-plastic"), sky());
     let competitor = Competitor::brdf(HALF_VECTOR());
-    let sampler = competitor.spec.build(&brdf).unwrap();
+    let sampler = competitor.spec.build(&loaded(&brdf)).unwrap();
     let plan = plan(&[16, 64, 256], 100);
     let references = references(&*brdf, &sky, &plan);
     let at = |first_seed: u64| {
@@ -88,8 +89,8 @@ fn intervals_hold_and_random_errors_fall_as_the_root() {
             ..plan.clone()
         };
         curve(
-            competitor,
-            &sampler,
+            competitor.clone(),
+            &*sampler,
             0.0,
             &*brdf,
             &sky,
@@ -123,10 +124,10 @@ fn the_table_beats_cosine_on_metal_and_the_verdict_says_so() {
     let references = references(&*brdf, &sky, &plan);
     let curves: Vec<_> = [SamplerSpec::new(CosineSettings {}), HALF_VECTOR()]
         .map(|spec| {
-            let sampler = spec.build(&brdf).unwrap();
+            let sampler = spec.build(&loaded(&brdf)).unwrap();
             curve(
                 Competitor::brdf(spec),
-                &sampler,
+                &*sampler,
                 0.03,
                 &*brdf,
                 &sky,
@@ -168,13 +169,14 @@ fn all_competitors_converge_to_the_reference() {
     let plan = plan(&[16, 1024], 16);
     let references = references(&*brdf, &sky, &plan);
     for competitor in competitors(true, &[TABLE])
+        .unwrap()
         .into_iter()
-        .filter(|c| !matches!(c.spec, SamplerSpec::new(_)))
+        .filter(|c| c.spec.name() != "factored")
     {
-        let sampler = competitor.spec.build(&brdf).unwrap();
+        let sampler = competitor.spec.build(&loaded(&brdf)).unwrap();
         let errors = curve(
-            competitor,
-            &sampler,
+            competitor.clone(),
+            &*sampler,
             0.0,
             &*brdf,
             &sky,
@@ -190,6 +192,7 @@ fn all_competitors_converge_to_the_reference() {
 
 fn tuned(name: &str, wish: Wish) -> Tuning {
     let specs: Vec<SamplerSpec> = tunable(&TABLE, false)
+        .unwrap()
         .into_iter()
         .filter(|s| matches!(s.name(), "half-vector" | "cosine"))
         .collect();

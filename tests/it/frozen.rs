@@ -27,24 +27,21 @@ mod library {
 
     use glam::{DVec3, Vec2, Vec3};
     use merlkit::Wo;
-    use merlkit::brdf::{Brdf, Importance};
-    use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
+    use merlkit::brdf::Brdf;
+    use merlkit::direction_sampler::DirectionSample;
     use merlkit::distribution::Heuristic;
     use merlkit::files::Overwrite;
     use merlkit::geometry::{Symmetry, spherical};
+    use merlkit::light::{EnvironmentSource, LightSpec};
     use merlkit::material::Loaded;
     use merlkit::material::merl::{HardCase, MerlTable, decode_embedded};
     use merlkit::material::merl::{LookupRule, MerlBrdf};
     use merlkit::material::rgl::{BsdfFile, RglBrdf};
     use merlkit::points::{PointSet, Stream};
     use merlkit::render::{
-        EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy,
-        Surface, render, render_allocated, render_to_error,
+        Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Strategy, Surface, render,
     };
-    use merlkit::sampler::{
-        AdaptiveDiscSettings, CascadeCdfSettings, Construction, FactoredSettings,
-        HalfVectorSettings, LeafChoice, LobeKind, LobeSettings, SamplerSpec,
-    };
+    use merlkit::sampler::SamplerSpec;
     use merlkit_evaluate::measure::facts;
     use merlkit_evaluate::measure::profile::{
         AngleFigures, ProfileSettings, SamplerFigures, profile,
@@ -55,7 +52,7 @@ mod library {
     pub use crate::support::pairs;
 
     /// A sampler of any kind.
-    pub type Sampler = Arc<merlkit::sampler::Sampler>;
+    pub type Sampler = merlkit::sampler::Sampler;
 
     /// The lookup rules by name.
     pub const LOOKUPS: [&str; 3] = ["floor", "linear", "centred"];
@@ -164,7 +161,7 @@ mod library {
 
         /// Builds the sampler that `text` names.
         pub fn sampler(&self, text: &str) -> Sampler {
-            sampler_spec(text).build(&self.brdf).unwrap().shared()
+            sampler_spec(text).build(&self.brdf).unwrap()
         }
     }
 
@@ -272,9 +269,7 @@ mod library {
             let row = SceneSpec::row(&spheres, 1.5);
             let environment = LightSpec::Environment;
             let light = match self.light {
-                "point" => row.row_point(),
-                "directional" => row.row_directional(),
-                "area" => row.row_area(),
+                name @ ("point" | "directional" | "area") => row.light(name).unwrap(),
                 "environment" => environment(EnvironmentSource::Studio),
                 "uniform" => environment(EnvironmentSource::Uniform(Vec3::new(0.5, 0.7, 0.9))),
                 _ => panic!("no light {}", self.light),
@@ -301,39 +296,41 @@ mod library {
         /// Renders it; means and standard errors of the pixels, and other numbers that the way of rendering gives.
         pub fn render(&self, material: &Material, sampler: &Sampler) -> Pixels {
             let spec = self.scene();
-            let plan = match self.mode {
-                "everything" => EffectPlan::everything(&spec),
-                _ => EffectPlan::of(&spec),
+            let request = match self.mode {
+                "everything" => PlanRequest::Everything,
+                _ => PlanRequest::AsNeeded,
             };
             let brdf = material.brdf.brdf().clone();
             let surface = |_, _| {
                 Ok(Surface {
                     brdf: brdf.clone(),
-                    sampler: Some(sampler.clone()),
+                    sampler: Some(sampler.shared()),
                 })
             };
-            let scene = Scene::build(&spec, &plan, surface).unwrap();
-            let settings = Settings {
+            let scene = Scene::build(&spec, request, surface).unwrap();
+            let budget = match self.mode {
+                "adaptive" => Budget::Adaptive(self.samples),
+                "error" => Budget::ToError {
+                    error: 0.1,
+                    most: self.samples,
+                },
+                _ => Budget::Even(self.samples),
+            };
+            let settings = RenderSettings {
                 width: 48,
                 height: 32,
-                samples: self.samples,
                 seed: 7,
                 points: point_set(self.points),
+                budget,
             };
-            match self.mode {
-                "adaptive" => {
-                    let film = render_allocated(&scene, &plan, &settings, &|_| {}).unwrap();
-                    Pixels::of(&film, vec![])
-                }
-                "error" => {
-                    let refined = render_to_error(&scene, &plan, &settings, 0.1, &|_| {}).unwrap();
-                    let mut others = vec![refined.paths as f64, refined.traced as f64];
-                    others.push(refined.error());
-                    others.extend(refined.tiles.iter().map(|t| t.error));
-                    Pixels::of(&refined.film, others)
-                }
-                _ => Pixels::of(&render(&scene, &plan, &settings, &|_| {}).unwrap(), vec![]),
+            let rendered = render(&scene, &settings, &|_| {}).unwrap();
+            let mut others = Vec::new();
+            if let Some(refined) = &rendered.refinement {
+                others.extend([refined.paths as f64, refined.traced as f64]);
+                others.push(refined.error());
+                others.extend(refined.tiles.iter().map(|t| t.error));
             }
+            Pixels::of(&rendered.film, others)
         }
     }
 
@@ -413,8 +410,8 @@ mod library {
 
     /// The figures of `info --json`.
     pub fn info(material: &Material) -> Figures {
-        let brdf = material.brdf.table().expect("a table");
-        let f = facts(brdf);
+        let f = facts(&material.brdf);
+        let (table, asymmetry) = (f.table.expect("a table"), f.asymmetry.expect("a table"));
         let wide = |channels: [f32; 3]| channels.map(f64::from);
         let albedo = f
             .albedo
@@ -423,7 +420,7 @@ mod library {
         let above = &f.albedo_above_one;
         let ranges = above.ranges_degrees.iter().flatten().map(|&d| d as f64);
         let greatest = [f64::from(above.greatest), above.greatest_at_degrees as f64];
-        let at = f.asymmetry.greatest_at.map(|i| i as f64);
+        let at = asymmetry.greatest_at.map(|i| i as f64);
         vec![
             ("albedo", albedo.collect()),
             (
@@ -432,12 +429,12 @@ mod library {
             ),
             (
                 "asymmetry",
-                [&[f.asymmetry.mean, f.asymmetry.greatest], &at[..]].concat(),
+                [&[asymmetry.mean, asymmetry.greatest], &at[..]].concat(),
             ),
-            ("range", [wide(f.table.min), wide(f.table.max)].concat()),
+            ("range", [wide(table.min), wide(table.max)].concat()),
             (
                 "invalid above horizon",
-                vec![f.table.invalid_above_horizon as f64],
+                vec![table.invalid_above_horizon as f64],
             ),
         ]
     }

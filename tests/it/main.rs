@@ -20,6 +20,7 @@ mod plot;
 mod render;
 mod sampler_checks;
 mod sampler_files;
+mod sampler_settings;
 mod samplers;
 mod shrinking;
 mod strategies;

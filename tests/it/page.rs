@@ -7,7 +7,8 @@ use merlkit::distribution::Heuristic;
 use merlkit::image::encode_png;
 use merlkit::material::merl::LookupRule;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, FactoredSettings, HalfVectorSettings, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, CosineSettings, FactoredSettings, HalfVectorSettings,
+    SamplerSpec,
 };
 use merlkit_evaluate::measure::compare::{
     Comparison, ComparisonPlan, Competitor, Curve, ErrorPoint, Knob, MaterialCharts,
@@ -94,8 +95,8 @@ fn material(name: &str, ns: f64) -> MaterialComparison {
 fn picture(scene: SceneKind, material: &str) -> PictureComparison {
     let png = |grey: u8| encode_png(2, 2, &[grey; 12]).unwrap();
     let result = |(spec, error): (SamplerSpec, f64), samples: u64| PictureResult {
+        label: spec.to_string(),
         competitor: Competitor::brdf(spec),
-        label: spec.label(),
         samples,
         seconds: Seconds {
             wall: 0.5,
@@ -125,7 +126,7 @@ fn picture(scene: SceneKind, material: &str) -> PictureComparison {
     ];
     let results = [PICTURE_SAMPLES, 100]
         .iter()
-        .flat_map(|&n| specs.map(|s| result(s, n)))
+        .flat_map(|&n| specs.clone().map(|s| result(s, n)))
         .collect();
     let reference = PictureReference {
         label: "many".into(),
@@ -172,6 +173,7 @@ fn empty() -> Comparison {
     let plan = ComparisonPlan {
         schema: SCHEMA,
         quick: true,
+        samplers: Vec::new(),
         lookup: LookupRule::default(),
         sky: "lamps".into(),
         point: PointPlan::quick(1),
