@@ -17,14 +17,13 @@ use merlkit::color::{Rgb, luminance};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::Overwrite;
 use merlkit::image::{Image, write_exr};
-use merlkit::light::{SkySampling, studio};
+use merlkit::light::{EnvironmentSource, LightSpec, SkySampling, studio};
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{BsdfSize, tabulate};
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Camera, EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Sphere, Surface,
-    render, render_allocated,
+    Budget, Camera, PlanRequest, RenderSettings, Scene, SceneSpec, Sphere, Surface, render,
 };
 use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
 use serde_json::{Value, json};
@@ -161,7 +160,7 @@ fn cells(brdf: &MerlBrdf) -> Vec<u8> {
 
 /// The studio by pixels: the middle of the map is −z, its right half +x.
 fn sky_map() -> Image {
-    let sky = studio(SkySampling::Uniform).expect("a sky");
+    let sky = studio(SkySampling::Uniform);
     let [width, height] = SKY;
     let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
     Image::from_fn(width, height, |x, y| {
@@ -206,7 +205,6 @@ fn mask(sky: &Path) -> Vec<bool> {
 
 /// This library, with what it has loaded.
 struct Ours {
-    plan: EffectPlan,
     scene: Scene,
 }
 
@@ -214,7 +212,6 @@ impl Ours {
     /// From the embedded network to a scene, the sampler included.
     fn load(sky: &Path) -> Self {
         let spec = spec(sky);
-        let plan = EffectPlan::of(&spec);
         let surface = |_, _| {
             let brdf = Arc::new(brdf());
             let sampler = HalfVectorTable::build(&*brdf, HalfVectorSettings::default())?;
@@ -223,26 +220,27 @@ impl Ours {
                 sampler: Some(Arc::new(sampler) as Arc<dyn DirectionSampler>),
             })
         };
-        let scene = Scene::build(&spec, &plan, surface).expect("a scene");
-        Self { plan, scene }
+        let scene = Scene::build(&spec, PlanRequest::AsNeeded, surface).expect("a scene");
+        Self { scene }
     }
 
     /// The picture and seconds.
     fn render(&self, shared: bool, samples: u64, seed: u64) -> (Picture, f64) {
-        let settings = Settings {
+        let budget = if shared {
+            Budget::Adaptive(samples)
+        } else {
+            Budget::Even(samples)
+        };
+        let settings = RenderSettings {
             width: SIDE,
             height: SIDE,
-            samples,
             seed,
             points: PointSet::Lattice,
+            budget,
         };
         let start = Instant::now();
-        let film = match shared {
-            true => render_allocated(&self.scene, &self.plan, &settings, &|_| {}),
-            false => render(&self.scene, &self.plan, &settings, &|_| {}),
-        };
-        let picture = film
-            .and_then(|film| film.to_image())
+        let picture = render(&self.scene, &settings, &|_| {})
+            .and_then(|rendered| rendered.film.to_image())
             .expect("a picture")
             .into_pixels();
         (picture, start.elapsed().as_secs_f64())

@@ -28,38 +28,38 @@ fn benches(c: &mut Criterion) {
     for (name, spec) in [
         (
             "half-vector 2KB",
-            SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1),
+            SamplerSpec::new(HalfVectorSettings::PRESETS[0].1),
         ),
         (
             "half-vector 64KB",
-            SamplerSpec::HalfVector(HalfVectorSettings::default()),
+            SamplerSpec::new(HalfVectorSettings::default()),
         ),
         (
             "half-vector 1MB",
-            SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[7].1),
+            SamplerSpec::new(HalfVectorSettings::PRESETS[7].1),
         ),
         (
             "adaptive disc",
-            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()),
+            SamplerSpec::new(AdaptiveDiscSettings::default()),
         ),
         (
             "adaptive disc, rejection-free",
-            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            SamplerSpec::new(AdaptiveDiscSettings {
                 leaves: LeafChoice::Warp,
                 ..Default::default()
             }),
         ),
         (
             "adaptive disc as published",
-            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::as_published()),
+            SamplerSpec::new(AdaptiveDiscSettings::as_published()),
         ),
         (
             "cascade CDF 1024x512 compressed",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings::default()),
+            SamplerSpec::new(CascadeCdfSettings::default()),
         ),
         (
             "cascade CDF 256x32 whole",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings::uniform()),
+            SamplerSpec::new(CascadeCdfSettings::uniform()),
         ),
     ] {
         let sampler = spec.build(&brdf).unwrap();

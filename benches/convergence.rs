@@ -34,18 +34,18 @@ fn samplers() -> [(&'static str, SamplerSpec); 5] {
     [
         (
             "half-vector 64KB",
-            SamplerSpec::HalfVector(HalfVectorSettings::default()),
+            SamplerSpec::new(HalfVectorSettings::default()),
         ),
         (
             "cascade-cdf",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings::default()),
+            SamplerSpec::new(CascadeCdfSettings::default()),
         ),
-        ("disc, rejection-free", SamplerSpec::AdaptiveDisc(warp)),
+        ("disc, rejection-free", SamplerSpec::new(warp)),
         (
             "adaptive-disc",
-            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()),
+            SamplerSpec::new(AdaptiveDiscSettings::default()),
         ),
-        ("cosine", SamplerSpec::Cosine),
+        ("cosine", SamplerSpec::new(CosineSettings {})),
     ]
 }
 

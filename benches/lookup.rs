@@ -10,6 +10,7 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
 };
 use glam::{Vec2, Vec3};
+use merlkit::Wo;
 use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
 use merlkit::direction_sampler::DirectionSampler;
@@ -115,7 +116,7 @@ fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &MerlBrdf, pairs: &Pairs) {
         b.iter(|| black_box(pairs).iter().fold(0.0, next))
     });
 
-    brdf.eval_pairs(&pairs.wo, &pairs.wi, &mut out);
+    brdf.eval_batch(Wo::Each(&pairs.wo), &pairs.wi, &mut out);
     assert!(
         pairs
             .iter()
@@ -123,7 +124,7 @@ fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &MerlBrdf, pairs: &Pairs) {
             .all(|((wo, wi), &f)| f == brdf.eval(wo, wi))
     );
     group.bench_function(id("pairs"), |b| {
-        b.iter(|| brdf.eval_pairs(black_box(&pairs.wo), &pairs.wi, &mut out))
+        b.iter(|| brdf.eval_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut out))
     });
     for count in [16, 32, 64] {
         group.bench_function(id(&format!("pairs of {count}")), |b| {
@@ -133,13 +134,14 @@ fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &MerlBrdf, pairs: &Pairs) {
                     .chunks(count)
                     .zip(pairs.wi.chunks(count))
                     .zip(out.chunks_mut(count));
-                batches.for_each(|((wo, wi), out)| brdf.eval_pairs(black_box(wo), wi, out));
+                batches
+                    .for_each(|((wo, wi), out)| brdf.eval_batch(Wo::Each(black_box(wo)), wi, out));
             })
         });
     }
 
     let wo = pairs.wo[7];
-    brdf.eval_many(wo, &pairs.wi, &mut out);
+    brdf.eval_batch(Wo::One(wo), &pairs.wi, &mut out);
     assert!(
         pairs
             .wi
@@ -148,7 +150,7 @@ fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &MerlBrdf, pairs: &Pairs) {
             .all(|(&wi, &f)| f == brdf.eval(wo, wi))
     );
     group.bench_function(id("many wi"), |b| {
-        b.iter(|| brdf.eval_many(black_box(wo), &pairs.wi, &mut out))
+        b.iter(|| brdf.eval_batch(Wo::One(black_box(wo)), &pairs.wi, &mut out))
     });
 }
 

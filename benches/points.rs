@@ -5,12 +5,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use merlkit::direction_sampler::DirectionSampler;
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Surface, render,
-    render_allocated,
+    Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render,
 };
 use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
 
@@ -59,7 +59,6 @@ const SPREADS: [Spread; 4] = [
 ];
 
 struct Picture {
-    plan: EffectPlan,
     scene: Scene,
 }
 
@@ -70,7 +69,6 @@ impl Picture {
             lights,
             ..SceneSpec::row(&[material.to_owned()], 1.0)
         };
-        let plan = EffectPlan::of(&spec);
         let surface = |_, _| {
             let table = Arc::new(decode_embedded(material).expect("an embedded material"));
             let brdf = Arc::new(MerlBrdf::new(table, LookupRule::Linear));
@@ -80,23 +78,25 @@ impl Picture {
                 sampler: Some(Arc::new(sampler) as Arc<dyn DirectionSampler>),
             })
         };
-        let scene = Scene::build(&spec, &plan, surface).expect("a scene");
-        Self { plan, scene }
+        let scene = Scene::build(&spec, PlanRequest::AsNeeded, surface).expect("a scene");
+        Self { scene }
     }
 
     fn film(&self, spread: Spread, samples: u64, seed: u64) -> Film {
-        let settings = Settings {
+        let budget = if spread.adaptive {
+            Budget::Adaptive(samples)
+        } else {
+            Budget::Even(samples)
+        };
+        let settings = RenderSettings {
             width: SIDE,
             height: SIDE,
-            samples,
             seed,
             points: spread.points,
+            budget,
         };
-        let film = match spread.adaptive {
-            true => render_allocated(&self.scene, &self.plan, &settings, &|_| {}),
-            false => render(&self.scene, &self.plan, &settings, &|_| {}),
-        };
-        film.expect("a picture")
+        let rendered = render(&self.scene, &settings, &|_| {});
+        rendered.expect("a picture").film
     }
 
     /// relMSE over all pixels from the spread of seeds, and seconds a picture.

@@ -9,22 +9,23 @@ use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3};
-use merlkit::light::{Light, SkySampling, studio};
+use merlkit::light::{EnvironmentSource, Light, LightSpec, SkySampling, studio};
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Effect, EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Surface,
+    Budget, Effect, EffectPlan, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Surface,
     render,
 };
 use merlkit::sampler::Cosine;
 
-const SETTINGS: Settings = Settings {
+const PATHS: u64 = 8;
+const SETTINGS: RenderSettings = RenderSettings {
     width: 96,
     height: 64,
-    samples: 8,
     seed: 1,
     points: PointSet::Sobol,
+    budget: Budget::Even(PATHS),
 };
 
 fn row(count: usize) -> SceneSpec {
@@ -43,12 +44,18 @@ fn scenes() -> [(&'static str, SceneSpec); 5] {
         ..spec
     };
     [
-        ("one sphere, point", lit(row(1), row(1).row_point())),
-        ("one sphere, area", lit(row(1), row(1).row_area())),
+        (
+            "one sphere, point",
+            lit(row(1), row(1).light("point").expect("a light")),
+        ),
+        (
+            "one sphere, area",
+            lit(row(1), row(1).light("area").expect("a light")),
+        ),
         ("one sphere, environment", lit(row(1), sky.clone())),
         (
             "three spheres and floor, directional",
-            lit(floor(row(3)), row(3).row_directional()),
+            lit(floor(row(3)), row(3).light("directional").expect("a light")),
         ),
         (
             "three spheres and floor, environment",
@@ -58,13 +65,13 @@ fn scenes() -> [(&'static str, SceneSpec); 5] {
 }
 
 /// The plan, each effect that it leaves out, and everything.
-fn variants(spec: &SceneSpec) -> Vec<(String, EffectPlan)> {
-    let plan = EffectPlan::of(spec);
-    let mut all = vec![("as planned".to_owned(), plan.clone())];
+fn variants(spec: &SceneSpec) -> Vec<(String, PlanRequest)> {
+    let plan = EffectPlan::for_scene(spec, PlanRequest::AsNeeded);
+    let mut all = vec![("as planned".to_owned(), PlanRequest::AsNeeded)];
     for effect in Effect::ALL.into_iter().filter(|e| !plan.is_on(*e)) {
-        all.push((format!("plus {}", effect.name()), plan.clone().with(effect)));
+        all.push((format!("plus {}", effect.name()), PlanRequest::Plus(effect)));
     }
-    all.push(("everything".to_owned(), EffectPlan::everything(spec)));
+    all.push(("everything".to_owned(), PlanRequest::Everything));
     all
 }
 
@@ -87,15 +94,18 @@ fn effects(c: &mut Criterion) {
     };
     for (name, spec) in scenes() {
         let mut group = c.benchmark_group(name);
-        let paths = (SETTINGS.width * SETTINGS.height) as u64 * SETTINGS.samples;
+        let paths = (SETTINGS.width * SETTINGS.height) as u64 * PATHS;
         group
             .sample_size(10)
             .measurement_time(Duration::from_secs(2))
             .throughput(Throughput::Elements(paths));
         let mut expected = None;
-        for (variant, plan) in variants(&spec) {
-            let scene = Scene::build(&spec, &plan, surface).expect("a scene");
-            let picture = || render(&scene, &plan, &SETTINGS, &|_| {}).expect("a picture");
+        for (variant, request) in variants(&spec) {
+            let scene = Scene::build(&spec, request, surface).expect("a scene");
+            let picture = || {
+                let rendered = render(&scene, &SETTINGS, &|_| {});
+                rendered.expect("a picture").film
+            };
             let value = mean(&picture());
             let planned = *expected.get_or_insert(value);
             assert!(
@@ -116,7 +126,7 @@ fn preparation(c: &mut Criterion) {
         ("without tables", SkySampling::Uniform),
         ("with tables", SkySampling::Importance),
     ] {
-        let build = || studio(sampling).expect("a sky");
+        let build = || studio(sampling);
         assert_eq!(build().table_bytes() > 0, name == "with tables");
         group.bench_function(name, |b| b.iter(|| black_box(build())));
     }
@@ -126,19 +136,19 @@ fn preparation(c: &mut Criterion) {
 /// Directions towards an environment and what rays see of it, one by one and many at once.
 fn directions(c: &mut Criterion) {
     const COUNT: usize = 4096;
-    let sky: &dyn Light = &studio(SkySampling::Importance).expect("a sky");
+    let sky: &dyn Light = &studio(SkySampling::Importance);
     let from = [DVec3::ZERO; COUNT];
     let reach = [f64::INFINITY; COUNT];
     let point = |i: usize| PointSet::Random.point(1, i as u64, 0).as_dvec2();
     let u: [DVec2; COUNT] = std::array::from_fn(point);
     let wi = u.map(|u| sky.sample(DVec3::ZERO, u).expect("a direction").wi);
-    let (mut sampled, mut seen) = ([None; COUNT], [None; COUNT]);
-    sky.sample_many(&from, &u, &mut sampled);
-    sky.seen_many(&from, &wi, &reach, &mut seen);
-    for (sampled, seen) in sampled.iter().zip(&seen) {
+    let (mut sampled, mut emitted) = ([None; COUNT], [None; COUNT]);
+    sky.sample_batch(&from, &u, &mut sampled);
+    sky.emitted_batch(&from, &wi, &reach, &mut emitted);
+    for (sampled, emitted) in sampled.iter().zip(&emitted) {
         assert_eq!(
             sampled.map(|s| (s.radiance, s.pdf)),
-            seen.map(|s| (s.radiance, s.pdf))
+            emitted.map(|s| (s.radiance, s.pdf))
         );
     }
     let mut group = c.benchmark_group("a direction to the built-in environment");
@@ -153,33 +163,33 @@ fn directions(c: &mut Criterion) {
             black_box(sampled[COUNT - 1])
         })
     });
-    group.bench_function("sample_many", |b| {
+    group.bench_function("sample_batch", |b| {
         b.iter(|| {
             for ((s, u), from) in sampled
                 .chunks_mut(64)
                 .zip(u.chunks(64))
                 .zip(from.chunks(64))
             {
-                black_box(sky).sample_many(from, u, s);
+                black_box(sky).sample_batch(from, u, s);
             }
             black_box(sampled[COUNT - 1])
         })
     });
-    group.bench_function("seen", |b| {
+    group.bench_function("emitted_along", |b| {
         b.iter(|| {
-            for (s, &wi) in seen.iter_mut().zip(&wi) {
-                *s = black_box(sky).seen(DVec3::ZERO, wi, f64::INFINITY);
+            for (s, &wi) in emitted.iter_mut().zip(&wi) {
+                *s = black_box(sky).emitted_along(DVec3::ZERO, wi, f64::INFINITY);
             }
-            black_box(seen[COUNT - 1])
+            black_box(emitted[COUNT - 1])
         })
     });
-    group.bench_function("seen_many", |b| {
+    group.bench_function("emitted_batch", |b| {
         b.iter(|| {
             let rays = wi.chunks(64).zip(from.chunks(64)).zip(reach.chunks(64));
-            for (s, ((wi, from), reach)) in seen.chunks_mut(64).zip(rays) {
-                black_box(sky).seen_many(from, wi, reach, s);
+            for (s, ((wi, from), reach)) in emitted.chunks_mut(64).zip(rays) {
+                black_box(sky).emitted_batch(from, wi, reach, s);
             }
-            black_box(seen[COUNT - 1])
+            black_box(emitted[COUNT - 1])
         })
     });
     group.finish();

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
+use merlkit::Wo;
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::color;
 use merlkit::direction_sampler::DirectionSampler;
@@ -26,41 +27,38 @@ const ANGLES: [f64; 4] = [0.76, 29.75, 60.25, 84.7];
 
 fn specs() -> [(&'static str, SamplerSpec); 9] {
     let disc = |choice| {
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             choice,
             ..Default::default()
         })
     };
     let cascade = |choice| {
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             choice,
             ..Default::default()
         })
     };
     [
-        ("cosine", SamplerSpec::Cosine),
+        ("cosine", SamplerSpec::new(CosineSettings {})),
         (
             "half-vector 2KB",
-            SamplerSpec::HalfVector(HalfVectorSettings::PRESETS[0].1),
+            SamplerSpec::new(HalfVectorSettings::PRESETS[0].1),
         ),
         (
             "half-vector 64KB",
-            SamplerSpec::HalfVector(HalfVectorSettings::default()),
+            SamplerSpec::new(HalfVectorSettings::default()),
         ),
         ("disc mixture", disc(TableChoice::Mixture)),
         ("disc nearest", disc(TableChoice::Nearest)),
         ("disc rejection-free", rejection_free()),
         ("cdf mixture", cascade(TableChoice::Mixture)),
         ("cdf nearest", cascade(TableChoice::Nearest)),
-        (
-            "cdf whole",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings::uniform()),
-        ),
+        ("cdf whole", SamplerSpec::new(CascadeCdfSettings::uniform())),
     ]
 }
 
 fn rejection_free() -> SamplerSpec {
-    SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+    SamplerSpec::new(AdaptiveDiscSettings {
         leaves: LeafChoice::Warp,
         ..Default::default()
     })
@@ -122,7 +120,8 @@ fn benches(c: &mut Criterion) {
                     });
                 } else if call == "batch" {
                     group.bench_with_input(id, &wo, |b, &wo| {
-                        b.iter(|| sampler.sample_batch(black_box(wo), &points))
+                        let mut drawn = vec![None; points.len()];
+                        b.iter(|| sampler.sample_batch(Wo::One(black_box(wo)), &points, &mut drawn))
                     });
                 } else {
                     let drawn: Vec<Vec3> = points
@@ -186,8 +185,8 @@ fn pairs(c: &mut Criterion) {
             .collect();
         let wi: Vec<Vec3> = single.iter().map(|s| s.unwrap().wi).collect();
         let (mut drawn, mut pdfs) = (vec![None; wi.len()], vec![0.0; wi.len()]);
-        sampler.sample_pairs(&wo, &points, &mut drawn);
-        sampler.pdf_pairs(&wo, &wi, &mut pdfs);
+        sampler.sample_batch(Wo::Each(&wo), &points, &mut drawn);
+        sampler.pdf_batch(Wo::Each(&wo), &wi, &mut pdfs);
         assert!(
             drawn == single
                 && single
@@ -233,22 +232,26 @@ fn pairs(c: &mut Criterion) {
             b.iter(|| black_box(&wo).iter().zip(&wi).fold(Vec3::ZERO, next))
         });
         for count in [16, 32, 64] {
-            group.bench_function(id(&format!("sample_pairs of {count}")), |b| {
+            group.bench_function(id(&format!("sample_batch of {count}")), |b| {
                 b.iter(|| {
                     let batches = wo
                         .chunks(count)
                         .zip(points.chunks(count))
                         .zip(drawn.chunks_mut(count));
-                    batches.for_each(|((wo, u), out)| sampler.sample_pairs(black_box(wo), u, out));
+                    batches.for_each(|((wo, u), out)| {
+                        sampler.sample_batch(Wo::Each(black_box(wo)), u, out)
+                    });
                 })
             });
-            group.bench_function(id(&format!("pdf_pairs of {count}")), |b| {
+            group.bench_function(id(&format!("pdf_batch of {count}")), |b| {
                 b.iter(|| {
                     let batches = wo
                         .chunks(count)
                         .zip(wi.chunks(count))
                         .zip(pdfs.chunks_mut(count));
-                    batches.for_each(|((wo, wi), out)| sampler.pdf_pairs(black_box(wo), wi, out));
+                    batches.for_each(|((wo, wi), out)| {
+                        sampler.pdf_batch(Wo::Each(black_box(wo)), wi, out)
+                    });
                 })
             });
         }

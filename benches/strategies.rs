@@ -9,25 +9,24 @@ use merlkit::brdf::Importance;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::distribution::Heuristic;
 use merlkit::geometry::{POINTS_PER_BIN, spherical};
-use merlkit::light::{SkySampling, studio};
+use merlkit::light::{EnvironmentSource, LightSpec, SkySampling, studio};
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
-    render, render_to_error,
+    Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Strategy, Surface, render,
 };
 use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable};
 use merlkit_evaluate::measure::convergence::{Incident, LitPoint, Runs, Technique};
 
 const MATERIALS: [&str; 3] = ["nickel", "teflon", "chrome"];
 const N: u64 = 64;
-const SETTINGS: Settings = Settings {
+const SETTINGS: RenderSettings = RenderSettings {
     width: 64,
     height: 64,
-    samples: N,
     seed: 1,
     points: PointSet::Sobol,
+    budget: Budget::Even(N),
 };
 
 const WAYS: [(&str, Technique, Strategy); 6] = [
@@ -79,7 +78,7 @@ impl Material {
 
 /// Relative RMSE of a point's estimates over 400 seeds, the root mean square of three angles of view.
 fn point_error(material: &Material, sampler: usize, technique: Technique) -> f64 {
-    let sky = studio(SkySampling::Importance).expect("a sky");
+    let sky = studio(SkySampling::Importance);
     let runs = Runs {
         points: PointSet::Sobol,
         seeds: 400,
@@ -104,14 +103,13 @@ fn point_error(material: &Material, sampler: usize, technique: Technique) -> f64
     ([15.0, 45.0, 70.0].map(square).iter().sum::<f64>() / 3.0).sqrt()
 }
 
-fn scene(material: &Material, sampler: usize, strategy: Strategy) -> (Scene, EffectPlan) {
+fn scene(material: &Material, sampler: usize, strategy: Strategy) -> Scene {
     let lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
     let spec = SceneSpec {
         lights,
         strategy,
         ..SceneSpec::row(&["sphere".into()], 1.0)
     };
-    let plan = EffectPlan::of(&spec);
     let sampler = Some(material.samplers[sampler].1.clone());
     let surface = |_, _| {
         Ok(Surface {
@@ -119,17 +117,18 @@ fn scene(material: &Material, sampler: usize, strategy: Strategy) -> (Scene, Eff
             sampler: sampler.clone(),
         })
     };
-    (Scene::build(&spec, &plan, surface).expect("a scene"), plan)
+    Scene::build(&spec, PlanRequest::AsNeeded, surface).expect("a scene")
 }
 
 fn truth(material: &Material) -> Film {
-    let (scene, plan) = scene(material, 0, Strategy::default());
-    let settings = Settings {
-        samples: 1 << 13,
+    let scene = scene(material, 0, Strategy::default());
+    let settings = RenderSettings {
+        budget: Budget::Even(1 << 13),
         seed: 99,
         ..SETTINGS
     };
-    render(&scene, &plan, &settings, &|_| {}).expect("a picture")
+    let rendered = render(&scene, &settings, &|_| {});
+    rendered.expect("a picture").film
 }
 
 /// Relative RMSE of the middle half of the picture, where the sphere is, and seconds to render it.
@@ -139,10 +138,11 @@ fn picture_error(
     strategy: Strategy,
     truth: &Film,
 ) -> (f64, f64) {
-    let (scene, plan) = scene(material, sampler, strategy);
+    let scene = scene(material, sampler, strategy);
     let start = Instant::now();
-    let film = render(&scene, &plan, &SETTINGS, &|_| {}).expect("a picture");
+    let rendered = render(&scene, &SETTINGS, &|_| {});
     let seconds = start.elapsed().as_secs_f64();
+    let film = rendered.expect("a picture").film;
     let (mut mean, mut square) = (DVec3::ZERO, DVec3::ZERO);
     let middle = SETTINGS.width / 4..3 * SETTINGS.width / 4;
     for (x, y) in middle
@@ -186,17 +186,20 @@ fn target_errors(materials: &[Material], truths: &[Film]) {
     println!("target error: estimated, true, paths a pixel of 64 × 64, seconds");
     for target in [0.05, 0.02] {
         let cells = materials.iter().zip(truths).map(|(material, truth)| {
-            let (scene, plan) = scene(material, 0, Strategy::default());
+            let scene = scene(material, 0, Strategy::default());
             let start = Instant::now();
-            let settings = Settings {
-                samples: 1 << 13,
+            let settings = RenderSettings {
+                budget: Budget::ToError {
+                    error: target,
+                    most: 1 << 13,
+                },
                 ..SETTINGS
             };
-            let refined =
-                render_to_error(&scene, &plan, &settings, target, &|_| {}).expect("a picture");
+            let rendered = render(&scene, &settings, &|_| {}).expect("a picture");
             let seconds = start.elapsed().as_secs_f64();
+            let refined = rendered.refinement.expect("a target error");
             let error = refined
-                .error_against(truth)
+                .error_against(&rendered.film, truth)
                 .expect("a reference of this size");
             assert!(error < 1.2 * target, "{error} for {target}");
             let paths = refined.traced as f64 / (SETTINGS.width * SETTINGS.height) as f64;

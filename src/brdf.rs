@@ -4,6 +4,7 @@
 
 use glam::Vec3;
 
+use crate::batch::Wo;
 use crate::color::{self, Rgb};
 use crate::geometry::{Symmetry, unit_upper};
 
@@ -13,32 +14,32 @@ pub trait Brdf: Send + Sync {
     /// Directions of other lengths than 1 are renormalised ([`crate::geometry::unit_upper`]).
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb;
 
-    /// f_r for one `wo` and many `wi`: `out[k]` becomes `eval(wo, wi[k])`, to the bit. As many as the shorter slice holds
-    /// are evaluated; what is left of a longer `out` stays as it was.
-    fn eval_many(&self, wo: Vec3, wi: &[Vec3], out: &mut [Rgb]) {
-        for (out, &wi) in out.iter_mut().zip(wi) {
-            *out = self.eval(wo, wi);
-        }
-    }
-
-    /// f_r for many pairs: `out[k]` becomes `eval(wo[k], wi[k])`, to the bit. As many as the shortest slice holds are
-    /// evaluated; what is left of a longer `out` stays as it was.
-    fn eval_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
-        for ((out, &wo), &wi) in out.iter_mut().zip(wo).zip(wi) {
-            *out = self.eval(wo, wi);
-        }
-    }
-
     /// f_r·cosθᵢ in sr⁻¹.
     fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.eval(wo, wi) * unit_upper(wi).map_or(0.0, |wi| wi.z)
     }
 
-    /// f_r·cosθᵢ for many pairs: `out[k]` becomes `eval_cos(wo[k], wi[k])`, to the bit. As many as the shortest slice holds are
-    /// evaluated; what is left of a longer `out` stays as it was.
-    fn eval_cos_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
-        for ((out, &wo), &wi) in out.iter_mut().zip(wo).zip(wi) {
-            *out = self.eval_cos(wo, wi);
+    /// f_r of a batch of pairs: `out[k]` becomes `eval(wo.lane(k), wi[k])`, to the bit.
+    ///
+    /// # Panics
+    /// If the slices differ in length ([`Wo::assert_lanes`]).
+    #[track_caller]
+    fn eval_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
+        wo.assert_lanes(wi.len(), out.len());
+        for (lane, (out, &wi)) in out.iter_mut().zip(wi).enumerate() {
+            *out = self.eval(wo.lane(lane), wi);
+        }
+    }
+
+    /// f_r·cosθᵢ of a batch of pairs: `out[k]` becomes `eval_cos(wo.lane(k), wi[k])`, to the bit.
+    ///
+    /// # Panics
+    /// If the slices differ in length ([`Wo::assert_lanes`]).
+    #[track_caller]
+    fn eval_cos_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
+        wo.assert_lanes(wi.len(), out.len());
+        for (lane, (out, &wi)) in out.iter_mut().zip(wi).enumerate() {
+            *out = self.eval_cos(wo.lane(lane), wi);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::batch::Wo;
 use crate::points::PointSet;
 
 /// A sampled direction and its density.
@@ -28,36 +29,47 @@ pub trait DirectionSampler: Send + Sync {
     /// Bytes of memory held by the sampler's own tables, counted; a BRDF it refers to is not included.
     fn bytes(&self) -> usize;
 
-    /// [`Self::sample`] for each of `points`, with what depends on `wo` alone done once where that saves time.
-    fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        points.iter().map(|&u| self.sample(wo, u)).collect()
-    }
-
-    /// [`Self::sample`] for many pairs: `out[k]` becomes `sample(wo[k], points[k])`, to the bit. As many as the shortest slice
-    /// holds are drawn; what is left of a longer `out` stays as it was.
-    fn sample_pairs(&self, wo: &[Vec3], points: &[Vec2], out: &mut [Option<DirectionSample>]) {
-        for ((out, &wo), &u) in out.iter_mut().zip(wo).zip(points) {
-            *out = self.sample(wo, u);
+    /// [`Self::sample`] of a batch: `out[k]` becomes `sample(wo.lane(k), u[k])`, to the bit.
+    ///
+    /// # Panics
+    /// If the slices differ in length ([`Wo::assert_lanes`]).
+    #[track_caller]
+    fn sample_batch(&self, wo: Wo<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
+        wo.assert_lanes(u.len(), out.len());
+        for (lane, (out, &u)) in out.iter_mut().zip(u).enumerate() {
+            *out = self.sample(wo.lane(lane), u);
         }
     }
 
-    /// [`Self::pdf`] for many pairs: `out[k]` becomes `pdf(wo[k], wi[k])`, to the bit. As many as the shortest slice holds are
-    /// evaluated; what is left of a longer `out` stays as it was.
-    fn pdf_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
-        for ((out, &wo), &wi) in out.iter_mut().zip(wo).zip(wi) {
-            *out = self.pdf(wo, wi);
+    /// [`Self::pdf`] of a batch: `out[k]` becomes `pdf(wo.lane(k), wi[k])`, to the bit.
+    ///
+    /// # Panics
+    /// If the slices differ in length ([`Wo::assert_lanes`]).
+    #[track_caller]
+    fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
+        wo.assert_lanes(wi.len(), out.len());
+        for (lane, (out, &wi)) in out.iter_mut().zip(wi).enumerate() {
+            *out = self.pdf(wo.lane(lane), wi);
         }
-    }
-
-    /// Draws `count` directions that are stratified together, as well as the method can; each alone has density `pdf`.
-    fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
-        self.sample_batch(wo, &well_spread(count, seed))
     }
 }
 
-/// The first `count` Owen-scrambled Sobol points of a seed.
-pub(crate) fn well_spread(count: usize, seed: u64) -> Vec<Vec2> {
-    (0..count as u64)
-        .map(|i| PointSet::Sobol.point(seed, i, 0))
-        .collect()
+/// Draws `count` directions for one `wo` from the first `count` Owen-scrambled Sobol points of `seed`, so that they are as
+/// evenly spread as the sampler's map from the unit square keeps them. Each alone has the density `pdf`; `None` is a failed
+/// draw.
+///
+/// [`crate::sampler::AdaptiveDisc::draw_stratified`] does the same by the disc's own method.
+pub fn draw_stratified(
+    sampler: &(impl DirectionSampler + ?Sized),
+    wo: Vec3,
+    count: usize,
+    seed: u64,
+) -> Vec<Option<DirectionSample>> {
+    let mut points = Vec::with_capacity(count);
+    for index in 0..count as u64 {
+        points.push(PointSet::Sobol.point(seed, index, 0));
+    }
+    let mut draws = vec![None; count];
+    sampler.sample_batch(Wo::One(wo), &points, &mut draws);
+    draws
 }

@@ -19,6 +19,7 @@
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod batch;
 pub mod brdf;
 pub mod color;
 pub mod direction_sampler;
@@ -28,12 +29,14 @@ pub mod export;
 pub mod files;
 pub mod geometry;
 pub mod image;
+mod lanes;
 pub mod light;
 pub mod material;
 pub mod points;
 pub mod render;
 pub mod sampler;
 
+pub use batch::Wo;
 pub use error::{Error, Result};
 
 #[cfg(doctest)]

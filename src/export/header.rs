@@ -4,8 +4,9 @@
 //! without backslashes, and its floats are the shortest decimals that are read back to the bit.
 
 use super::{Export, identifier};
+use crate::geometry::half_vector_chart::ChartEdge;
 use crate::material::merl::LookupRule;
-use crate::sampler::{Edge, NODE_UNIT, ROW_UNIT, Stored};
+use crate::sampler::{NODE_UNIT, ROW_UNIT, Stored};
 
 const TOP: &str = include_str!("header/top.h");
 const SHARED: &str = include_str!("header/shared.h");
@@ -91,10 +92,10 @@ fn description(export: &Export) -> Vec<(&'static str, String)> {
 }
 
 fn arrays(stored: &Stored) -> Vec<(&'static str, String)> {
-    let edges: Vec<Edge> = stored
+    let edges: Vec<ChartEdge> = stored
         .edges
         .iter()
-        .map(|&e| Edge::of_part(usize::from(e)))
+        .map(|&e| ChartEdge::new(usize::from(e)))
         .collect();
     let cdf = words(
         &stored
@@ -131,7 +132,7 @@ fn arrays(stored: &Stored) -> Vec<(&'static str, String)> {
         ),
         (
             "EDGE_SHARE",
-            lines(edges.iter().map(|e| format!("{:?}f", e.share()))),
+            lines(edges.iter().map(|e| format!("{:?}f", e.weight()))),
         ),
         ("CDF_WORDS", cdf.len().to_string()),
         ("CDF", lines(cdf.iter().map(hexadecimal))),

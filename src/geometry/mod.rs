@@ -9,17 +9,21 @@
 
 pub mod approx;
 mod disc;
+mod fibonacci;
 mod frame;
 mod half_diff;
-mod half_vectors;
+pub(crate) mod half_vector_chart;
+pub mod merl_axes;
 mod pairs;
 mod quadrature;
 mod symmetry;
+pub(crate) mod tan2_cells;
 
 pub use disc::{concentric_disc, concentric_square, cosine_hemisphere};
+pub use fibonacci::FibonacciLattice;
 pub use frame::Frame;
 pub use half_diff::{HalfDiff, half_vector, reflect_about};
-pub use half_vectors::{FibonacciLattice, HalfVectors};
+pub use half_vector_chart::HalfVectorDomain;
 pub use pairs::DirectionPairs;
 pub use quadrature::{POINTS_PER_BIN, Quadrature};
 pub use symmetry::Symmetry;

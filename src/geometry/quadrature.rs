@@ -9,14 +9,12 @@
 //! 233, 2·10⁻⁶ at 987 and 7·10⁻⁷ at 2584. Densities that jump inside a bin converge as n⁻¹. The difference from a
 //! quadrature of fewer points tells the error.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use glam::Vec3;
 
-use super::half_vectors::{FibonacciLattice, HalfVectors};
-
-/// MERL's bins of θh, √-spaced over a right angle.
-const THETA_H_BINS: usize = 90;
+use super::merl_axes::{THETA_H_BINS, theta_h_edge};
+use super::{FibonacciLattice, HalfVectorDomain};
 
 /// Points a bin that settle the albedo of every embedded material to 10⁻⁴ and better.
 pub const POINTS_PER_BIN: usize = 987;
@@ -25,7 +23,7 @@ pub const POINTS_PER_BIN: usize = 987;
 #[derive(Clone, Debug)]
 pub struct Quadrature {
     wo: Vec3,
-    domain: Option<HalfVectors>,
+    domain: Option<HalfVectorDomain>,
     pieces: Vec<Piece>,
     lattice: FibonacciLattice,
 }
@@ -35,7 +33,7 @@ impl Quadrature {
     ///
     /// For a `wo` that is not finite or not above the horizon there are no nodes, and every integral is 0.
     pub fn new(wo: Vec3, points_per_bin: usize) -> Self {
-        let domain = HalfVectors::about(wo);
+        let domain = HalfVectorDomain::new(wo);
         let pieces = domain.as_ref().map(pieces).unwrap_or_default();
         Self {
             wo,
@@ -167,7 +165,7 @@ impl Piece {
     #[inline]
     fn for_each(
         &self,
-        domain: &HalfVectors,
+        domain: &HalfVectorDomain,
         lattice: FibonacciLattice,
         mut visit: impl FnMut(Vec3, f64),
     ) {
@@ -202,10 +200,10 @@ impl Piece {
 }
 
 /// MERL's bins within the domain, cut where the horizon first cuts the azimuths.
-fn pieces(domain: &HalfVectors) -> Vec<Piece> {
+fn pieces(domain: &HalfVectorDomain) -> Vec<Piece> {
     let (cut, end) = (domain.theta_full(), domain.theta_max());
     let mut edges: Vec<f64> = (0..=THETA_H_BINS)
-        .map(|i| (i as f64 / THETA_H_BINS as f64).powi(2) * FRAC_PI_2)
+        .map(theta_h_edge)
         .filter(|&edge| edge < end)
         .chain([cut, end])
         .collect();

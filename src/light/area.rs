@@ -2,7 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{Light, LightSample, Seen};
+use super::light_source::{LightSource, Placement};
+use super::{Emission, Light, LightSample, SkySampling};
+use crate::Result;
 use crate::color::Rgb;
 
 /// A parallelogram that emits equal radiance in all directions from one side: the one that `edge_u` × `edge_v` points to.
@@ -19,6 +21,25 @@ pub struct Area {
 }
 
 impl Area {
+    /// A square at the place of the key light, about as wide as the subject and turned towards its middle; irradiance there
+    /// is about 2π.
+    fn new_key(placement: &Placement) -> Self {
+        let centre = placement.key;
+        let back = (centre - placement.subject).normalize();
+        let across = DVec3::Y.cross(back).normalize_or(DVec3::X);
+        // The side is half the distance, so the square fills a solid angle of about 1/4.
+        let size = 0.5 * centre.distance(placement.subject);
+        let edge_u = across * size;
+        let edge_v = back.cross(across) * -size;
+        let radiance = Rgb::splat((std::f64::consts::TAU / 0.25) as f32);
+        Self {
+            corner: centre - 0.5 * (edge_u + edge_v),
+            edge_u,
+            edge_v,
+            radiance,
+        }
+    }
+
     /// Area times the normal.
     fn facing(&self) -> DVec3 {
         self.edge_u.cross(self.edge_v)
@@ -28,6 +49,35 @@ impl Area {
     fn pdf(&self, direction: DVec3, distance: f64) -> Option<f64> {
         let pdf = distance * distance / -self.facing().dot(direction);
         (pdf > 0.0 && pdf.is_finite()).then_some(pdf)
+    }
+}
+
+impl LightSource for Area {
+    const WORDS: &'static [&'static str] = &["area"];
+
+    fn from_word(word: &str, placement: &Placement) -> Option<Result<Self>> {
+        (word == "area").then(|| Ok(Self::new_key(placement)))
+    }
+
+    fn describe(&self) -> String {
+        "area".into()
+    }
+
+    fn is_delta(&self) -> bool {
+        Light::is_delta(self)
+    }
+
+    fn is_dark(&self) -> bool {
+        self.radiance == Rgb::ZERO
+    }
+
+    fn is_valid(&self) -> bool {
+        let emits = self.radiance.is_finite() && self.radiance.min_element() >= 0.0;
+        emits && self.corner.is_finite() && self.edge_u.is_finite() && self.edge_v.is_finite()
+    }
+
+    fn load(&self, _sampling: SkySampling) -> Result<Box<dyn Light>> {
+        Ok(Box::new(*self))
     }
 }
 
@@ -45,7 +95,7 @@ impl Light for Area {
         })
     }
 
-    fn seen(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<Seen> {
+    fn emitted_along(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<Emission> {
         let facing = self.facing();
         let distance = facing.dot(self.corner - from) / facing.dot(direction);
         if !(distance > 0.0 && distance < reach) {
@@ -57,7 +107,7 @@ impl Light for Area {
         let v = self.edge_u.cross(at).dot(facing) / facing.length_squared();
         let inside = (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v);
         let pdf = self.pdf(direction, distance).filter(|_| inside)?;
-        Some(Seen {
+        Some(Emission {
             radiance: self.radiance,
             pdf,
         })
@@ -80,17 +130,25 @@ mod tests {
     }
 
     #[test]
-    fn what_is_sampled_is_seen_with_the_same_density() {
+    fn what_is_sampled_is_emitted_with_the_same_density() {
         // edge_u × edge_v points down here, towards the origin.
         let lamp = lamp();
         for i in 0..1000 {
             let s = lamp
                 .sample(DVec3::ZERO, PointSet::Random.point(1, i, 0).as_dvec2())
                 .unwrap();
-            let seen = lamp.seen(DVec3::ZERO, s.wi, f64::INFINITY).unwrap();
-            assert!((seen.pdf / s.pdf - 1.0).abs() < 1e-12);
-            assert!(lamp.seen(DVec3::ZERO, s.wi, s.distance * 0.99).is_none());
-            assert!(lamp.seen(DVec3::ZERO, -s.wi, f64::INFINITY).is_none());
+            let emission = lamp
+                .emitted_along(DVec3::ZERO, s.wi, f64::INFINITY)
+                .unwrap();
+            assert!((emission.pdf / s.pdf - 1.0).abs() < 1e-12);
+            assert!(
+                lamp.emitted_along(DVec3::ZERO, s.wi, s.distance * 0.99)
+                    .is_none()
+            );
+            assert!(
+                lamp.emitted_along(DVec3::ZERO, -s.wi, f64::INFINITY)
+                    .is_none()
+            );
         }
     }
 
@@ -98,12 +156,19 @@ mod tests {
     fn it_is_dark_behind_and_of_no_area() {
         let behind = DVec3::new(0.0, 9.0, 0.0);
         assert!(lamp().sample(behind, DVec2::splat(0.5)).is_none());
-        assert!(lamp().seen(behind, -DVec3::Y, f64::INFINITY).is_none());
+        assert!(
+            lamp()
+                .emitted_along(behind, -DVec3::Y, f64::INFINITY)
+                .is_none()
+        );
         let line = Area {
             edge_v: lamp().edge_u,
             ..lamp()
         };
         assert!(line.sample(DVec3::ZERO, DVec2::splat(0.5)).is_none());
-        assert!(line.seen(DVec3::ZERO, DVec3::Y, f64::INFINITY).is_none());
+        assert!(
+            line.emitted_along(DVec3::ZERO, DVec3::Y, f64::INFINITY)
+                .is_none()
+        );
     }
 }

@@ -1,19 +1,24 @@
-//! Sources of light: how to sample them from a point, and what a ray sees of them.
+//! Sources of light: how to sample them from a point, and what a ray receives from them.
 //!
 //! World space, `y` up. Lights have no body: they block nothing, and whether something blocks them is the renderer's
 //! business.
+//!
+//! A [`LightSpec`] describes a light by numbers and names; a [`Light`] is loaded and ready to be sampled. Each kind of light
+//! is one file and one line of the list in `spec.rs`.
 
 mod area;
-mod delta;
+mod directional;
 mod environment;
-mod lamps;
-mod studio;
+mod light_source;
+mod point;
+mod spec;
 
 pub use area::Area;
-pub use delta::{Directional, Point};
-pub use environment::{Environment, SkySampling};
-pub use lamps::lamps;
-pub use studio::studio;
+pub use directional::Directional;
+pub use environment::{Environment, EnvironmentSource, SkySampling, broad_lamps, studio};
+pub use light_source::Placement;
+pub use point::Point;
+pub use spec::LightSpec;
 
 use glam::{DVec2, DVec3};
 
@@ -32,12 +37,12 @@ pub struct LightSample {
     pub pdf: f64,
 }
 
-/// What a ray sees of a light that has an extent.
+/// What a ray receives from a light that has an extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct Emission {
     /// Radiance along the ray.
     pub radiance: Rgb,
-    /// Density per solid angle of [`Light::sample`] choosing this direction from the ray's origin; may be 0.
+    /// Density per solid angle of [`Light::sample`] choosing this direction from the ray's origin, sr⁻¹; may be 0.
     pub pdf: f64,
 }
 
@@ -46,36 +51,113 @@ pub trait Light: Send + Sync {
     /// Chooses a direction towards the light from a point of the unit square; `None` where none of its light arrives.
     fn sample(&self, from: DVec3, u: DVec2) -> Option<LightSample>;
 
-    /// What a ray from `from` along the unit vector `direction` sees of the light within `reach`; `None` if it misses, and
-    /// always for delta lights.
-    fn seen(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<Seen>;
+    /// What the light emits along a ray that looks from `from` along the unit vector `direction`, within the distance
+    /// `reach`; `None` if the ray misses the light, and always for delta lights.
+    fn emitted_along(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<Emission>;
 
-    /// [`Self::sample`] for many points: `out[k]` becomes `sample(from[k], u[k])`, to the bit. As many as the shortest slice
-    /// holds are sampled; what is left of a longer `out` stays as it was.
-    fn sample_many(&self, from: &[DVec3], u: &[DVec2], out: &mut [Option<LightSample>]) {
-        for ((out, &from), &u) in out.iter_mut().zip(from).zip(u) {
-            *out = self.sample(from, u);
+    /// [`Self::sample`] for many points at once: `out[k]` becomes `sample(from[k], u[k])`, to the bit.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    #[track_caller]
+    fn sample_batch(&self, from: &[DVec3], u: &[DVec2], out: &mut [Option<LightSample>]) {
+        assert_equal_lengths(out.len(), &[from.len(), u.len()]);
+        for (k, sample) in out.iter_mut().enumerate() {
+            *sample = self.sample(from[k], u[k]);
         }
     }
 
-    /// [`Self::seen`] for many rays: `out[k]` becomes `seen(from[k], directions[k], reach[k])`, to the bit. As many as the
-    /// shortest slice holds are looked along; what is left of a longer `out` stays as it was.
-    fn seen_many(
+    /// [`Self::emitted_along`] for many rays at once: `out[k]` becomes `emitted_along(from[k], directions[k], reach[k])`, to
+    /// the bit.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    #[track_caller]
+    fn emitted_batch(
         &self,
         from: &[DVec3],
         directions: &[DVec3],
         reach: &[f64],
-        out: &mut [Option<Seen>],
+        out: &mut [Option<Emission>],
     ) {
-        for (((out, &from), &direction), &reach) in
-            out.iter_mut().zip(from).zip(directions).zip(reach)
-        {
-            *out = self.seen(from, direction, reach);
+        assert_equal_lengths(out.len(), &[from.len(), directions.len(), reach.len()]);
+        for (k, emission) in out.iter_mut().enumerate() {
+            *emission = self.emitted_along(from[k], directions[k], reach[k]);
         }
     }
 
-    /// Whether it has no extent: it has one direction from each point, and no ray sees it.
+    /// Whether the light has no extent: there is one direction to it from each point, and no ray hits it.
     fn is_delta(&self) -> bool {
         false
+    }
+}
+
+/// Every lane of a batch needs one element of each slice.
+#[track_caller]
+fn assert_equal_lengths(results: usize, inputs: &[usize]) {
+    for &input in inputs {
+        assert_eq!(input, results, "slices of a batch differ in length");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A light of each way to be batched: by the trait's default, and in stages.
+    fn lights() -> [Box<dyn Light>; 2] {
+        let point = Point {
+            position: DVec3::Y,
+            intensity: Rgb::ONE,
+        };
+        [
+            Box::new(point),
+            Box::new(Environment::uniform(Rgb::ONE).unwrap()),
+        ]
+    }
+
+    #[test]
+    fn batches_of_unequal_lengths_panic() {
+        for light in lights() {
+            let light = &*light;
+            for (from, u, out) in [(2, 3, 3), (3, 2, 3), (3, 3, 2), (3, 3, 4)] {
+                let batch = std::panic::AssertUnwindSafe(|| {
+                    let mut samples = vec![None; out];
+                    light.sample_batch(
+                        &vec![DVec3::ZERO; from],
+                        &vec![DVec2::ZERO; u],
+                        &mut samples,
+                    );
+                });
+                assert!(std::panic::catch_unwind(batch).is_err(), "{from} {u} {out}");
+            }
+            for (from, along, reach, out) in
+                [(2, 3, 3, 3), (3, 2, 3, 3), (3, 3, 2, 3), (3, 3, 3, 2)]
+            {
+                let batch = std::panic::AssertUnwindSafe(|| {
+                    let mut emissions = vec![None; out];
+                    light.emitted_batch(
+                        &vec![DVec3::ZERO; from],
+                        &vec![DVec3::Y; along],
+                        &vec![1.0; reach],
+                        &mut emissions,
+                    );
+                });
+                assert!(std::panic::catch_unwind(batch).is_err());
+            }
+        }
+    }
+
+    #[test]
+    fn batches_of_equal_lengths_are_filled() {
+        for light in lights() {
+            let (from, u) = ([DVec3::ZERO; 3], [DVec2::splat(0.25); 3]);
+            let mut samples = [None; 3];
+            light.sample_batch(&from, &u, &mut samples);
+            assert_eq!(samples, [light.sample(from[0], u[0]); 3]);
+            assert!(samples[0].is_some());
+            light.sample_batch(&[], &[], &mut []);
+            light.emitted_batch(&[], &[], &[], &mut []);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Ray;
+use super::shape::Ray;
 
 /// A pinhole camera, `y` up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,17 +18,17 @@ pub struct Camera {
 impl Camera {
     /// The ray through a point of a picture of `aspect` = width over height, in [0, 1]² from its upper left corner.
     pub fn ray(&self, p: DVec2, aspect: f64) -> Ray {
-        self.lens(aspect).ray(p)
+        self.axes(aspect).ray(p)
     }
 
     /// The camera's axes, ready to make rays for a picture of the given width over height.
-    pub(super) fn lens(&self, aspect: f64) -> Lens {
+    pub(super) fn axes(&self, aspect: f64) -> CameraAxes {
         let forward = (self.target - self.eye).normalize_or(-DVec3::Z);
         // Looking straight up or down, −z is up in the picture.
         let right = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
         let half = (self.vertical_angle * 0.5).tan();
         let up = right.cross(forward);
-        Lens {
+        CameraAxes {
             eye: self.eye,
             forward,
             across: right * half * aspect,
@@ -37,16 +37,16 @@ impl Camera {
     }
 }
 
-/// A camera with its axes worked out.
+/// A camera's axes, scaled to a picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lens {
+pub(super) struct CameraAxes {
     eye: DVec3,
     forward: DVec3,
     across: DVec3,
     up: DVec3,
 }
 
-impl Lens {
+impl CameraAxes {
     /// The ray through a point of the picture, in [0, 1]² from its upper left corner.
     pub(super) fn ray(&self, p: DVec2) -> Ray {
         let direction =

@@ -44,9 +44,9 @@ impl Film {
         self.pixel(x, y).map_or(DVec3::ZERO, |p| p.mean)
     }
 
-    /// Standard error of that mean. [`super::render()`] and [`super::render_allocated`] compute it as if samples were independent:
-    /// too large for lattices and Sobol points, right for random ones. [`super::render_to_error`] computes it from replicates:
-    /// right for both of its sets of points. 0 for a single sample and outside.
+    /// Standard error of that mean. [`super::Budget::Even`] and [`super::Budget::Adaptive`] compute it as if samples were
+    /// independent: too large for lattices and Sobol points, right for random ones. [`super::Budget::ToError`] computes it
+    /// from replicates: right for both of its sets of points. 0 for a single sample and outside.
     pub fn standard_error(&self, x: usize, y: usize) -> DVec3 {
         self.pixel(x, y).map_or(DVec3::ZERO, |p| p.error)
     }
@@ -71,16 +71,16 @@ impl Film {
     }
 }
 
-/// Sums of a pixel's samples, in f64 and in the samples' order.
+/// Mean and variance of a pixel's samples, in f64 and in the samples' order.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally {
+pub(super) struct RunningMoments {
     count: f64,
     mean: DVec3,
     /// Sum of squared deviations from the mean (Welford 1962).
     squares: DVec3,
 }
 
-impl Tally {
+impl RunningMoments {
     pub(super) fn add(&mut self, radiance: DVec3) {
         self.count += 1.0;
         let before = radiance - self.mean;
@@ -96,7 +96,7 @@ impl Tally {
         self.mean
     }
 
-    /// Of single samples.
+    /// Variance of single samples.
     pub(super) fn variance(&self) -> DVec3 {
         self.squares / (self.count - 1.0).max(1.0)
     }
@@ -116,11 +116,11 @@ mod tests {
 
     #[test]
     fn mean_and_standard_error_are_the_textbook_ones() {
-        let mut tally = Tally::default();
+        let mut moments = RunningMoments::default();
         for x in [1.0, 2.0, 4.0, 9.0] {
-            tally.add(DVec3::new(x, 3.0, 0.0));
+            moments.add(DVec3::new(x, 3.0, 0.0));
         }
-        let p = tally.pixel();
+        let p = moments.pixel();
         assert!(p.mean.abs_diff_eq(DVec3::new(4.0, 3.0, 0.0), 1e-15));
         // Variance 38/3, over four samples.
         assert!(

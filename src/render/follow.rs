@@ -1,118 +1,121 @@
 //! The path tracer: next-event estimation, multiple importance sampling, Russian roulette (Kajiya 1986; Veach 1997).
 //!
 //! Paths are followed in bundles, stage after stage, each over arrays: what one path waits for overlaps with the others.
+//! A bounce adds to a path's radiance, with T for its throughput:
+//!
+//! ```text
+//! Σ over lights   T · f_r·cos·L / q · w(q, p)      directions that the light chooses, of density q
+//!                 T · f_r·cos·L / p · w(p, q)      the direction that the BRDF's sampler draws, of density p
+//! T ← T · f_r·cos / p                              for the path that goes on along that direction
+//! ```
+//!
+//! w is the weight of multiple importance sampling, 1 where only one of the two techniques finds the light.
 
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::DVec3;
 
-use super::numbers::Numbers;
-use super::path::Tracer;
+use super::bundle::{ActivePath, BUNDLE, Bundle, CameraRay, Run, Scratch, Vertex, refill};
+use super::path_numbers::{PathId, PathRandoms};
 use super::plan::ROULETTE_FROM;
-use super::scene::Hit;
-use super::{Ray, Surface};
-use crate::color::Rgb;
-use crate::geometry::{Frame, is_upper};
-use crate::light::Light;
-
-/// Paths that are followed together: their arrays fit the fastest cache.
-pub(super) const BUNDLE: usize = 64;
+use super::tracer::Tracer;
+use crate::geometry::is_upper;
 
 /// Radiance whose square, summed over any number of samples, is still an f64: what standard errors are made of.
 const BRIGHTEST: f64 = 1e140;
 
-/// How a path begins.
-pub(super) struct Start {
-    pub(super) ray: Ray,
-    pub(super) numbers: Numbers,
-}
-
-/// A path that goes on.
-struct Path {
-    /// Its place in the bundle.
-    lane: usize,
-    ray: Ray,
-    hit: Option<Hit>,
-    throughput: DVec3,
-}
-
-/// A point of a path, with its local frame.
-pub(super) struct Vertex<'a> {
-    /// Place of its path in the bundle.
-    pub(super) lane: usize,
-    throughput: DVec3,
-    pub(super) hit: Hit,
-    frame: Frame,
-    wo: Vec3,
-    surface: &'a Surface,
-}
-
-/// A direction drawn from a vertex, and f_r·cos/pdf.
-#[derive(Clone, Copy)]
-pub(super) struct Step {
-    pub(super) ray: Ray,
-    pdf: f64,
-    pub(super) weight: DVec3,
-}
-
-/// Light that is about to be reflected at a vertex.
-struct Lit {
-    /// Of the vertex in its run.
-    index: usize,
-    towards: DVec3,
-    distance: f64,
-    radiance: DVec3,
-    pdf: f64,
-}
-
 impl<'a> Tracer<'a> {
-    /// Estimates of the radiance that arrives at the origins of rays.
-    pub(super) fn follow(&self, starts: &[Start]) -> Vec<DVec3> {
-        let begin = |(lane, start): (usize, &Start)| {
-            let hit = self.scene.hit(&start.ray, None);
-            Path {
+    /// Estimates of the radiance that arrives along `paths`, given to `each` in their order.
+    pub(super) fn trace(
+        &self,
+        mut paths: impl Iterator<Item = PathId>,
+        mut each: impl FnMut(PathId, DVec3),
+    ) {
+        let mut ids = Vec::with_capacity(BUNDLE);
+        let mut bundle = Bundle::default();
+        loop {
+            ids.clear();
+            ids.extend(paths.by_ref().take(BUNDLE));
+            if ids.is_empty() {
+                break;
+            }
+            bundle.starts.clear();
+            bundle.starts.extend(ids.iter().map(|&id| self.start(id)));
+            self.follow(&mut bundle);
+            for (id, radiance) in ids.iter().zip(&bundle.radiance) {
+                each(*id, *radiance);
+            }
+        }
+    }
+
+    fn start(&self, path: PathId) -> CameraRay {
+        let randoms = PathRandoms::new(self.scene, self.settings.points, path);
+        CameraRay {
+            ray: self.ray(path.pixel, randoms.pixel()),
+            randoms,
+        }
+    }
+
+    /// Estimates the radiance that arrives at the origins of a bundle's camera rays.
+    fn follow(&self, bundle: &mut Bundle<'a>) {
+        let Bundle {
+            starts,
+            paths,
+            vertices,
+            radiance,
+            scratch,
+        } = bundle;
+        // Find what the camera rays meet, and what lights with an extent emit along them.
+        paths.clear();
+        scratch.emitted.clear();
+        for (lane, start) in starts.iter().enumerate() {
+            let ray = start.ray;
+            let hit = self.scene.hit(&ray, None);
+            scratch.emitted.push(&ray, hit);
+            paths.push(ActivePath {
                 lane,
-                ray: start.ray,
+                ray,
                 hit,
                 throughput: DVec3::ONE,
-            }
-        };
-        let mut paths: Vec<Path> = starts.iter().enumerate().map(begin).collect();
-        let mut sums = self.emitted(paths.iter().map(|p| (&p.ray, p.hit)), |_, _| 1.0);
+            });
+        }
+        self.sum_emitted(&mut scratch.emitted, |_, _| 1.0);
+        radiance.clear();
+        radiance.extend_from_slice(&scratch.emitted.sums);
         for bounce in 0..self.scene.depth {
-            let vertices: Vec<Vertex<'a>> =
-                paths.iter().filter_map(|path| self.vertex(path)).collect();
+            // Turn hits into vertices; paths that leave the scene, or meet a surface from below, end.
+            vertices.clear();
+            vertices.extend(paths.iter().filter_map(|path| self.vertex(path)));
             paths.clear();
-            for run in vertices.chunk_by(|a, b| std::ptr::eq(a.surface, b.surface)) {
-                let lit = self.lit(run, bounce, starts);
-                run.iter()
-                    .zip(lit)
-                    .for_each(|(vertex, lit)| sums[vertex.lane] += vertex.throughput * lit);
-                self.go_on(run, bounce, starts, &mut sums, &mut paths);
+            // Surfaces evaluate and sample their BRDFs for many directions at once.
+            for vertices in vertices.chunk_by(|a, b| std::ptr::eq(a.surface, b.surface)) {
+                let run = Run {
+                    vertices,
+                    bounce,
+                    starts,
+                };
+                self.reflect_direct(run, scratch, radiance);
+                self.continue_paths(run, scratch, radiance, paths);
             }
             if paths.is_empty() {
                 break;
             }
         }
-        let kept = |sum: DVec3| {
-            if sum.max_element() <= BRIGHTEST {
-                sum
-            } else {
-                DVec3::ZERO
+        for sum in radiance {
+            // NaN fails the comparison too.
+            let is_representable = sum.max_element() <= BRIGHTEST;
+            if !is_representable {
+                *sum = DVec3::ZERO;
             }
-        };
-        sums.into_iter().map(kept).collect()
+        }
     }
 
-    fn vertex(&self, path: &Path) -> Option<Vertex<'a>> {
+    fn vertex(&self, path: &ActivePath) -> Option<Vertex<'a>> {
         let hit = path.hit?;
         let surface = self.scene.surface(hit.object)?;
         let frame = surface.frame(hit.normal.as_vec3());
         let wo = frame.to_local(-path.ray.direction.as_vec3());
-        let &Path {
-            lane, throughput, ..
-        } = path;
         is_upper(wo).then_some(Vertex {
-            lane,
-            throughput,
+            lane: path.lane,
+            throughput: path.throughput,
             hit,
             frame,
             wo,
@@ -120,230 +123,80 @@ impl<'a> Tracer<'a> {
         })
     }
 
+    /// Adds what vertices of a surface reflect of light that is evaluated, sampled or resampled.
+    fn reflect_direct(&self, run: Run<'_, '_>, scratch: &mut Scratch, radiance: &mut [DVec3]) {
+        refill(&mut scratch.reflected, run.vertices.len(), DVec3::ZERO);
+        if self.resampling {
+            self.resample(run, scratch);
+        }
+        self.add_direct(run, &mut scratch.direct, &mut scratch.reflected);
+        for (vertex, reflected) in run.vertices.iter().zip(&scratch.reflected) {
+            radiance[vertex.lane] += vertex.throughput * *reflected;
+        }
+    }
+
     /// Draws a direction from each vertex of a surface, adds what it finds, and keeps the paths that go on.
-    fn go_on(
+    fn continue_paths(
         &self,
-        run: &[Vertex<'a>],
-        bounce: u32,
-        starts: &[Start],
-        sums: &mut [DVec3],
-        paths: &mut Vec<Path>,
+        run: Run<'_, '_>,
+        scratch: &mut Scratch,
+        radiance: &mut [DVec3],
+        paths: &mut Vec<ActivePath>,
     ) {
-        let follows = self.interreflection && bounce + 1 < self.scene.depth;
+        let follows = self.interreflection && run.bounce + 1 < self.scene.depth;
         if !(self.directions && (self.hits_count || follows)) {
             return;
         }
-        let points: Vec<Vec2> = run
-            .iter()
-            .map(|v| starts[v.lane].numbers.direction(bounce))
-            .collect();
-        let (mut found, mut next) = (Vec::with_capacity(run.len()), Vec::with_capacity(run.len()));
-        for (vertex, step) in run.iter().zip(self.steps(run, &points)) {
-            let Some((step, throughput)) = step.map(|step| (step, vertex.throughput * step.weight))
-            else {
+        // Draw the directions, and find what they meet: T ← T · f_r·cos/p.
+        scratch.scattered.points.clear();
+        for vertex in run.vertices {
+            let point = run.randoms(vertex).direction(run.bounce);
+            scratch.scattered.points.push(point);
+        }
+        self.scatter(run, &mut scratch.scattered);
+        scratch.found.clear();
+        scratch.next.clear();
+        for (vertex, scattered) in run.vertices.iter().zip(&scratch.scattered.rays) {
+            let Some(scattered) = scattered else { continue };
+            let throughput = vertex.throughput * scattered.weight;
+            if throughput == DVec3::ZERO || !throughput.is_finite() {
                 continue;
-            };
-            if throughput != DVec3::ZERO && throughput.is_finite() {
-                let hit = self.next_hit(&step.ray, vertex.hit.object);
-                found.push((step, hit));
-                next.push(Path {
-                    lane: vertex.lane,
-                    ray: step.ray,
-                    hit,
-                    throughput,
-                });
             }
-        }
-        if self.hits_count {
-            for (path, radiance) in next.iter().zip(self.found(&found)) {
-                sums[path.lane] += path.throughput * radiance;
-            }
-        }
-        if follows {
-            let kept = next.into_iter().filter_map(|mut path| {
-                self.survives(&mut path.throughput, bounce, &starts[path.lane].numbers)
-                    .then_some(path)
+            let hit = self.next_hit(&scattered.ray, vertex.hit.object);
+            scratch.found.push((*scattered, hit));
+            scratch.next.push(ActivePath {
+                lane: vertex.lane,
+                ray: scattered.ray,
+                hit,
+                throughput,
             });
-            paths.extend(kept);
         }
-    }
-
-    /// Radiance of lights with an extent that drawn directions find up to what they hit, each as far as it counts.
-    pub(super) fn found(&self, steps: &[(Step, Option<Hit>)]) -> Vec<DVec3> {
-        let weight = |i: usize, pdf| {
-            if self.mis {
-                self.heuristic.weight(steps[i].0.pdf, pdf)
-            } else {
-                1.0
+        // Add the light that they find, as far as it counts.
+        if self.hits_count {
+            self.sum_found(&scratch.found, &mut scratch.emitted);
+            for (path, found) in scratch.next.iter().zip(&scratch.emitted.sums) {
+                radiance[path.lane] += path.throughput * *found;
             }
-        };
-        self.emitted(steps.iter().map(|(step, hit)| (&step.ray, *hit)), weight)
-    }
-
-    /// What a drawn direction meets; nothing, where the plan says that nothing can be in the way.
-    pub(super) fn next_hit(&self, ray: &Ray, leaving: usize) -> Option<Hit> {
-        (self.shadows || self.interreflection)
-            .then(|| self.scene.hit(ray, Some(leaving)))
-            .flatten()
-    }
-
-    /// Radiance of lights with an extent along rays, up to what they hit; each light's by `weight` of the ray's place and the
-    /// light's density.
-    fn emitted<'r>(
-        &self,
-        rays: impl ExactSizeIterator<Item = (&'r Ray, Option<Hit>)>,
-        weight: impl Fn(usize, f64) -> f64,
-    ) -> Vec<DVec3> {
-        let count = rays.len();
-        let (mut from, mut along, mut reach) = (
-            Vec::with_capacity(count),
-            Vec::with_capacity(count),
-            Vec::with_capacity(count),
-        );
-        for (ray, hit) in rays {
-            from.push(ray.origin);
-            along.push(ray.direction);
-            reach.push(hit.map_or(f64::INFINITY, |h| h.distance));
         }
-        let mut sums = vec![DVec3::ZERO; count];
-        let mut seen = vec![None; count];
-        for light in &self.scene.lights {
-            light.seen_many(&from, &along, &reach, &mut seen);
-            for (i, (sum, seen)) in sums.iter_mut().zip(&seen).enumerate() {
-                if let Some(s) = seen {
-                    *sum += s.radiance.as_dvec3() * weight(i, s.pdf);
+        // Let roulette decide which paths go on.
+        if follows {
+            for mut path in scratch.next.drain(..) {
+                let randoms = &run.starts[path.lane].randoms;
+                if self.survives(&mut path.throughput, run.bounce, randoms) {
+                    paths.push(path);
                 }
             }
         }
-        sums
     }
 
-    /// Radiance that vertices of a surface reflect from light that is evaluated, sampled or resampled.
-    fn lit(&self, run: &[Vertex<'_>], bounce: u32, starts: &[Start]) -> Vec<DVec3> {
-        let mut sums = if self.resampling {
-            self.resampled(run, bounce, starts)
-        } else {
-            vec![DVec3::ZERO; run.len()]
-        };
-        for (i, light) in self.scene.lights.iter().enumerate() {
-            if light.is_delta() {
-                self.lit_by(
-                    run,
-                    light.as_ref(),
-                    &vec![DVec2::ZERO; run.len()],
-                    &mut sums,
-                );
-            } else if self.light_sampling {
-                let points: Vec<DVec2> = run
-                    .iter()
-                    .map(|v| starts[v.lane].numbers.light(bounce, i))
-                    .collect();
-                self.lit_by(run, light.as_ref(), &points, &mut sums);
-            }
-        }
-        sums
-    }
-
-    /// Adds what each vertex reflects of the light in the direction that a point chooses.
-    fn lit_by(&self, run: &[Vertex<'_>], light: &dyn Light, points: &[DVec2], sums: &mut [DVec3]) {
-        let Some(Vertex { surface, .. }) = run.first() else {
-            return;
-        };
-        let from: Vec<DVec3> = run.iter().map(|v| v.hit.at).collect();
-        let mut samples = vec![None; run.len()];
-        light.sample_many(&from, points, &mut samples);
-        let (mut lit, mut wo, mut wi) = (
-            Vec::with_capacity(run.len()),
-            Vec::with_capacity(run.len()),
-            Vec::with_capacity(run.len()),
-        );
-        for (index, (vertex, sample)) in run.iter().zip(&samples).enumerate() {
-            let Some(s) = sample else { continue };
-            let local = vertex.frame.to_local(s.wi.as_vec3());
-            // What comes from below is not reflected.
-            if is_upper(local) {
-                lit.push(Lit {
-                    index,
-                    towards: s.wi,
-                    distance: s.distance,
-                    radiance: s.radiance.as_dvec3(),
-                    pdf: s.pdf,
-                });
-                wo.push(vertex.wo);
-                wi.push(local);
-            }
-        }
-        let mut reflected = vec![Rgb::ZERO; lit.len()];
-        surface.brdf.eval_cos_pairs(&wo, &wi, &mut reflected);
-        let mut other = vec![0.0; lit.len()];
-        if let Some(sampler) = surface
-            .sampler
-            .as_ref()
-            .filter(|_| self.mis && !light.is_delta())
-        {
-            sampler.pdf_pairs(&wo, &wi, &mut other);
-        }
-        for ((lit, reflected), other) in lit.iter().zip(reflected).zip(other) {
-            let reflected = reflected.as_dvec3() * lit.radiance;
-            let vertex = &run[lit.index];
-            if reflected != DVec3::ZERO && !self.is_hidden(vertex, lit) {
-                sums[lit.index] +=
-                    reflected * (self.heuristic.weight(lit.pdf, f64::from(other)) / lit.pdf);
-            }
-        }
-    }
-
-    fn is_hidden(&self, vertex: &Vertex<'_>, lit: &Lit) -> bool {
-        let ray = Ray {
-            origin: vertex.hit.at,
-            direction: lit.towards,
-        };
-        self.shadows && self.scene.is_hidden(&ray, vertex.hit.object, lit.distance)
-    }
-
-    /// A direction from each vertex of a surface; `None` for a failed draw.
-    pub(super) fn steps(&self, run: &[Vertex<'_>], points: &[Vec2]) -> Vec<Option<Step>> {
-        let surface = run.first().map(|vertex| vertex.surface);
-        let Some((surface, sampler)) = surface.and_then(|s| Some((s, s.sampler.as_ref()?))) else {
-            return vec![None; run.len()];
-        };
-        let wo: Vec<Vec3> = run.iter().map(|v| v.wo).collect();
-        let mut samples = vec![None; run.len()];
-        sampler.sample_pairs(&wo, points, &mut samples);
-        let wi: Vec<Vec3> = samples
-            .iter()
-            .map(|s| s.map_or(Vec3::ZERO, |s| s.wi))
-            .collect();
-        let mut reflected = vec![Rgb::ZERO; run.len()];
-        surface.brdf.eval_cos_pairs(&wo, &wi, &mut reflected);
-        let step = |((vertex, sample), reflected): ((&Vertex<'_>, &Option<_>), Rgb)| {
-            let sample: &crate::direction_sampler::DirectionSample = sample.as_ref()?;
-            let pdf = f64::from(sample.pdf);
-            let direction = vertex
-                .frame
-                .to_world(sample.wi)
-                .as_dvec3()
-                .try_normalize()?;
-            let ray = Ray {
-                origin: vertex.hit.at,
-                direction,
-            };
-            Some(Step {
-                ray,
-                pdf,
-                weight: reflected.as_dvec3() / pdf,
-            })
-        };
-        run.iter().zip(&samples).zip(reflected).map(step).collect()
-    }
-
-    /// Ends a path at random in proportion to what it can't carry any more, and makes up for it in the survivors.
-    fn survives(&self, throughput: &mut DVec3, bounce: u32, numbers: &Numbers) -> bool {
+    /// Ends a path at random in proportion to what it can't carry any more, and makes up for it in the survivors: with the
+    /// chance c = min(1, max T), T ← T/c.
+    fn survives(&self, throughput: &mut DVec3, bounce: u32, randoms: &PathRandoms) -> bool {
         if !self.roulette || bounce + 1 < ROULETTE_FROM {
             return true;
         }
         let chance = throughput.max_element().min(1.0);
         *throughput /= chance;
-        f64::from(numbers.chances(bounce).x) < chance
+        f64::from(randoms.chances(bounce).x) < chance
     }
 }

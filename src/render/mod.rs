@@ -1,35 +1,35 @@
 //! Pictures of spheres: what a scene shows, which effects it calls for, and the path tracer.
 //!
 //! ```text
-//! SceneSpec → EffectPlan → Scene → render → Film → image
+//! SceneSpec → Scene, with its EffectPlan → render → Rendered → Film → image
 //! ```
 //!
 //! A [`SceneSpec`] describes; nothing is loaded for it. The [`EffectPlan`] says, with reasons, which effects it calls for
-//! and which materials and lights are used. [`Scene::build`] loads those and no others, and [`render()`] computes those
-//! and no others; [`render_allocated`] sends more paths where the picture is noisy, and [`render_to_error`] takes as many as a target
-//! error needs. Materials come in as the traits [`crate::brdf::Brdf`] and [`crate::direction_sampler::DirectionSampler`]; reading
-//! their files is their caller's business.
+//! and which materials and lights are used. [`Scene::build`] makes the plan, loads what it names and keeps it, so that
+//! [`render()`] computes those effects and no others. The [`Budget`] of the [`RenderSettings`] says how many paths are
+//! traced, and where. Materials come in as the traits [`crate::brdf::Brdf`] and
+//! [`crate::direction_sampler::DirectionSampler`]; reading their files is their caller's business.
 
-mod adaptive;
-mod allocate;
+mod budget;
+mod bundle;
 mod camera;
+mod direct;
 mod film;
 mod follow;
-mod numbers;
-mod path;
+mod path_numbers;
 mod plan;
 mod resample;
 mod scene;
+mod settings;
 mod shape;
 mod spec;
+mod tracer;
 
-pub use adaptive::{Refined, Tile, render_to_error};
-pub use allocate::{LEAST_ALLOCATED, render_allocated};
+pub use budget::{Refinement, Rendered, Tile, render};
 pub use camera::Camera;
 pub use film::Film;
-
-pub use path::{Settings, render};
-pub use plan::{Decision, Effect, EffectPlan};
+pub use plan::{Decision, Effect, EffectPlan, PlanRequest};
 pub use scene::{Scene, Surface};
-pub use shape::{Ray, Sphere};
-pub use spec::{EnvironmentSource, LightSpec, SceneSpec, SphereSpec, Strategy};
+pub use settings::{Budget, RenderSettings};
+pub use shape::{Intersection, Ray, Shape, Sphere};
+pub use spec::{ObjectSpec, SceneSpec, SphereSpec, Strategy};

@@ -1,6 +1,7 @@
 //! Which effects a scene calls for, and why.
 
-use super::{SceneSpec, Strategy, spec::LightSpec};
+use super::spec::{SceneSpec, Strategy};
+use crate::light::LightSpec;
 
 /// Something the renderer can do, and leaves out where no light depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,12 +61,25 @@ pub struct Decision {
     pub why: &'static str,
 }
 
+/// Which effects a scene is built with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlanRequest {
+    /// Those that it calls for.
+    #[default]
+    AsNeeded,
+    /// Those that it calls for and one more, with what that one can't do without.
+    Plus(Effect),
+    /// All of them, and everything loaded.
+    Everything,
+}
+
 /// Surfaces a path meets before roulette may end it.
 pub(super) const ROULETTE_FROM: u32 = 3;
 
 /// What a scene calls for: a decision on every effect, material and light, made from its description alone.
 ///
-/// Every plan that this module can make for a scene gives the same expected picture; they differ in cost.
+/// Every plan for a scene gives the same expected picture; they differ in cost. A [`super::Scene`] holds the plan that it was
+/// built by, and is rendered by no other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EffectPlan {
     effects: [Decision; Effect::ALL.len()],
@@ -74,45 +88,43 @@ pub struct EffectPlan {
 }
 
 impl EffectPlan {
-    /// The effects that `spec` calls for.
-    pub fn of(spec: &SceneSpec) -> Self {
-        let facts = Facts::of(spec);
-        Self {
+    /// The plan that [`super::Scene::build`] makes for the same description and request. Nothing is loaded for it.
+    pub fn for_scene(spec: &SceneSpec, request: PlanRequest) -> Self {
+        let facts = SceneFacts::gather(spec);
+        let material = |i| facts.decide_material(spec.uses_material(i));
+        let mut plan = Self {
             effects: Effect::ALL.map(|effect| facts.decide(effect)),
-            materials: (0..spec.materials.len())
-                .map(|i| material(spec, facts, i))
-                .collect(),
-            lights: spec
-                .lights
-                .iter()
-                .map(|light| self::light(facts, light))
-                .collect(),
+            materials: (0..spec.materials.len()).map(material).collect(),
+            lights: spec.lights.iter().map(|l| facts.decide_light(l)).collect(),
+        };
+        match request {
+            PlanRequest::AsNeeded => {}
+            PlanRequest::Plus(effect) => plan.force(effect),
+            PlanRequest::Everything => plan.force_everything(),
+        }
+        plan
+    }
+
+    fn force_everything(&mut self) {
+        for effect in Effect::ALL {
+            self.force(effect);
+        }
+        for decision in self.materials.iter_mut().chain(&mut self.lights) {
+            *decision = force(*decision);
         }
     }
 
-    /// Everything on, and everything loaded.
-    pub fn everything(spec: &SceneSpec) -> Self {
-        let plan = Effect::ALL.into_iter().fold(Self::of(spec), Self::with);
-        Self {
-            effects: plan.effects,
-            materials: plan.materials.into_iter().map(force).collect(),
-            lights: plan.lights.into_iter().map(force).collect(),
-        }
-    }
-
-    /// This plan with `effect` forced on, and what it can't do without.
-    #[must_use]
-    pub fn with(mut self, effect: Effect) -> Self {
+    /// Forces an effect on, and what it can't do without.
+    fn force(&mut self, effect: Effect) {
         let needs: &[Effect] = match effect {
             Effect::Mis => &[Effect::Directions, Effect::LightSampling],
             Effect::Resampling | Effect::Interreflection => &[Effect::Directions],
             _ => &[],
         };
-        for e in needs.iter().chain([&effect]) {
-            let decision = &mut self.effects[*e as usize];
+        for needed in needs.iter().chain([&effect]) {
+            let decision = &mut self.effects[*needed as usize];
             *decision = force(*decision);
         }
-        self
     }
 
     /// Whether an effect is on.
@@ -150,25 +162,35 @@ const fn off(why: &'static str) -> Decision {
 
 /// What decisions depend on.
 #[derive(Clone, Copy)]
-struct Facts {
+struct SceneFacts {
     objects: usize,
-    /// Lights that are not dark.
+    /// Whether there is at most one object, and that is convex: nothing is between its surface and any light.
+    lone_convex: bool,
+    /// Whether a light is not dark.
     lit: bool,
-    /// One of them has an extent.
+    /// Whether one of these has an extent.
     extended: bool,
+    /// Whether one of these is an environment.
     environment: bool,
     depth: u32,
     strategy: Strategy,
 }
 
-impl Facts {
-    fn of(spec: &SceneSpec) -> Self {
-        let used = || spec.lights.iter().filter(|l| !l.is_dark());
+impl SceneFacts {
+    fn gather(spec: &SceneSpec) -> Self {
+        let shapes = spec.shapes();
+        let lone_convex = match shapes[..] {
+            [] => true,
+            [shape] => shape.is_convex(),
+            _ => false,
+        };
+        let shining: Vec<&LightSpec> = spec.lights.iter().filter(|l| !l.is_dark()).collect();
         Self {
-            objects: spec.spheres.len() + usize::from(spec.floor.is_some()),
-            lit: used().next().is_some(),
-            extended: used().any(|l| !l.is_delta()),
-            environment: used().any(|l| matches!(l, LightSpec::Environment(_))),
+            objects: shapes.len(),
+            lone_convex,
+            lit: !shining.is_empty(),
+            extended: shining.iter().any(|l| !l.is_delta()),
+            environment: shining.iter().any(|l| l.is_environment()),
             depth: spec.depth,
             strategy: spec.strategy,
         }
@@ -247,18 +269,24 @@ impl Facts {
     }
 
     fn shadows(self) -> Decision {
-        if self.objects == 1 {
+        if self.lone_convex {
             off("one convex object hides no light from itself")
+        } else if self.objects == 1 {
+            on("an object that is not convex hides light from itself")
         } else {
             on("several objects hide lights from one another")
         }
     }
 
     fn interreflection(self) -> Decision {
-        match (self.objects, self.depth) {
-            (1, _) => off("one convex object does not light itself"),
-            (_, 0..=1) => off("depth 1: direct light only"),
-            _ => on("several objects light one another"),
+        if self.lone_convex {
+            off("one convex object does not light itself")
+        } else if self.depth <= 1 {
+            off("depth 1: direct light only")
+        } else if self.objects == 1 {
+            on("an object that is not convex lights itself")
+        } else {
+            on("several objects light one another")
         }
     }
 
@@ -271,22 +299,22 @@ impl Facts {
             on("paths can be long")
         }
     }
-}
 
-fn material(spec: &SceneSpec, facts: Facts, index: usize) -> Decision {
-    match (spec.spheres.iter().any(|s| s.material == index), facts.lit) {
-        (true, true) => on("a sphere is made of it"),
-        (true, false) => off("no light falls on it"),
-        (false, _) => off("no sphere is made of it"),
+    fn decide_material(self, used: bool) -> Decision {
+        match (used, self.lit) {
+            (true, true) => on("an object is made of it"),
+            (true, false) => off("no light falls on it"),
+            (false, _) => off("no object is made of it"),
+        }
     }
-}
 
-fn light(facts: Facts, light: &LightSpec) -> Decision {
-    if light.is_dark() {
-        off("it is dark")
-    } else if facts.objects == 0 && light.is_delta() {
-        off("no object for it to fall on")
-    } else {
-        on("it shines")
+    fn decide_light(self, light: &LightSpec) -> Decision {
+        if light.is_dark() {
+            off("it is dark")
+        } else if self.objects == 0 && light.is_delta() {
+            off("no object for it to fall on")
+        } else {
+            on("it shines")
+        }
     }
 }

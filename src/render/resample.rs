@@ -1,71 +1,77 @@
 //! Resampled importance sampling of the lights that have an extent (Talbot et al. 2005).
 
-use glam::{DVec3, Vec2};
+use glam::DVec3;
 
-use super::follow::{Start, Step, Vertex};
-use super::path::Tracer;
+use super::bundle::{Run, ScatteredRay, Scratch};
+use super::tracer::Tracer;
 use crate::distribution::Reservoir;
 
 impl Tracer<'_> {
-    /// Radiance that each vertex of a surface reflects from lights with an extent, by one of several directions from the BRDF.
+    /// Radiance that each vertex of a surface reflects from lights with an extent, by one of several directions from the BRDF,
+    /// in `scratch.reflected`, which is 0 before.
     ///
-    /// A candidate's weight is its target, the mean channel of f·cos·L with nothing in the way, over its density p. The one
-    /// kept, with a probability in proportion to its weight, is traced, and stands for all: f·cos·L over its target, times
-    /// the mean weight, L now being what it really finds. Nothing is found that the target doesn't hold, so this is unbiased
-    /// in every channel; p cancels.
-    pub(super) fn resampled(
-        &self,
-        run: &[Vertex<'_>],
-        bounce: u32,
-        starts: &[Start],
-    ) -> Vec<DVec3> {
-        let numbers = |v: &Vertex<'_>| &starts[v.lane].numbers;
-        let open = |v| Reservoir::new(f64::from(numbers(v).chances(bounce).y));
-        let mut reservoirs: Vec<Reservoir<Step>> = run.iter().map(open).collect();
+    /// A candidate's weight is its target t, the mean channel of f·cos·L with nothing in the way, over its density p. The one
+    /// kept, with a probability in proportion to its weight, is traced, and represents all: with L' for what it really finds,
+    ///
+    /// ```text
+    /// estimate = f·cos·L'/t · mean(t/p)
+    /// ```
+    ///
+    /// Nothing is found that the target doesn't hold, so this is unbiased in every channel; p cancels.
+    pub(super) fn resample(&self, run: Run<'_, '_>, scratch: &mut Scratch) {
+        // Offer all candidates of each vertex to its reservoir.
+        scratch.reservoirs.clear();
+        for vertex in run.vertices {
+            let chance = run.randoms(vertex).chances(run.bounce).y;
+            scratch.reservoirs.push(Reservoir::new(f64::from(chance)));
+        }
         for candidate in 0..self.scene.strategy.candidates() {
-            let points: Vec<Vec2> = run
-                .iter()
-                .map(|v| numbers(v).candidate(bounce, candidate))
-                .collect();
-            let steps = self.steps(run, &points);
-            for (reservoir, offer) in reservoirs.iter_mut().zip(self.targets(&steps)) {
-                reservoir.offer(offer);
+            scratch.scattered.points.clear();
+            for vertex in run.vertices {
+                let point = run.randoms(vertex).candidate(run.bounce, candidate);
+                scratch.scattered.points.push(point);
             }
+            self.scatter(run, &mut scratch.scattered);
+            self.offer_candidates(scratch);
         }
-        let mut sums = vec![DVec3::ZERO; run.len()];
-        let (mut found, mut scales) = (Vec::new(), Vec::new());
-        for (i, kept) in reservoirs
-            .into_iter()
-            .enumerate()
-            .filter_map(|(i, r)| Some((i, r.kept()?)))
-        {
-            let hit = self.next_hit(&kept.candidate.ray, run[i].hit.object);
-            found.push((kept.candidate, hit));
-            scales.push((i, kept.mean_weight / kept.weight));
+        // Trace those that were kept.
+        scratch.found.clear();
+        scratch.scales.clear();
+        for (i, reservoir) in scratch.reservoirs.drain(..).enumerate() {
+            let Some(kept) = reservoir.kept() else {
+                continue;
+            };
+            let hit = self.next_hit(&kept.candidate.ray, run.vertices[i].hit.object);
+            scratch.found.push((kept.candidate, hit));
+            scratch.scales.push((i, kept.mean_weight / kept.weight));
         }
-        for (((step, _), radiance), (i, scale)) in found.iter().zip(self.found(&found)).zip(scales)
-        {
-            sums[i] = step.weight * radiance * scale;
+        self.sum_found(&scratch.found, &mut scratch.emitted);
+        for (k, &(i, scale)) in scratch.scales.iter().enumerate() {
+            let weight = scratch.found[k].0.weight;
+            scratch.reflected[i] = weight * scratch.emitted.sums[k] * scale;
         }
-        sums
     }
 
-    /// Steps with the mean channel of f·cos·L/p with nothing in the way.
-    fn targets(&self, steps: &[Option<Step>]) -> Vec<Option<(Step, f64)>> {
-        let drawn: Vec<_> = steps.iter().flatten().map(|step| (*step, None)).collect();
-        let mut found = self.found(&drawn).into_iter();
-        let target = |step: &Step, found: DVec3| {
-            if step.weight == DVec3::ZERO {
-                0.0
-            } else {
-                (step.weight * found).element_sum() / 3.0
-            }
-        };
-        let offer = |step: &Option<Step>| {
-            step.as_ref()
-                .zip(found.next())
-                .map(|(s, f)| (*s, target(s, f)))
-        };
-        steps.iter().map(offer).collect()
+    /// Offers one candidate to each vertex's reservoir, with its weight: the mean channel of f·cos·L/p with nothing in the way.
+    fn offer_candidates(&self, scratch: &mut Scratch) {
+        scratch.found.clear();
+        for scattered in scratch.scattered.rays.iter().flatten() {
+            scratch.found.push((*scattered, None));
+        }
+        self.sum_found(&scratch.found, &mut scratch.emitted);
+        let mut found = scratch.emitted.sums.iter();
+        let candidates = scratch.scattered.rays.iter();
+        for (reservoir, candidate) in scratch.reservoirs.iter_mut().zip(candidates) {
+            let offer = candidate.as_ref().zip(found.next());
+            reservoir.offer(offer.map(|(ray, found)| (*ray, candidate_weight(ray, *found))));
+        }
+    }
+}
+
+fn candidate_weight(scattered: &ScatteredRay, found: DVec3) -> f64 {
+    if scattered.weight == DVec3::ZERO {
+        0.0
+    } else {
+        (scattered.weight * found).element_sum() / 3.0
     }
 }

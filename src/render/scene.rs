@@ -1,20 +1,18 @@
-//! A scene with what its plan calls for loaded.
+//! A scene: the plan of its effects, and what that calls for, loaded.
 
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::shape::enter_floor;
-use super::{
-    Camera, Effect, EffectPlan, EnvironmentSource, LightSpec, Ray, SceneSpec, Sphere, SphereSpec,
-    Strategy,
-};
+use super::camera::Camera;
+use super::plan::{Effect, EffectPlan, PlanRequest};
+use super::shape::{Floor, Ray, Shape};
+use super::spec::{SceneSpec, SphereSpec, Strategy};
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::direction_sampler::DirectionSampler;
 use crate::geometry::Frame;
-use crate::image::read_exr;
-use crate::light::{Environment, Light, SkySampling, studio};
+use crate::light::{Light, SkySampling};
 use crate::material::analytic::Lambert;
 use crate::sampler::Cosine;
 use crate::{Error, Result};
@@ -39,8 +37,9 @@ impl Surface {
     }
 }
 
-/// A scene, ready to render by the plan it was built for.
+/// A scene, ready to be rendered by the plan that it holds.
 pub struct Scene {
+    pub(super) plan: EffectPlan,
     pub(super) camera: Camera,
     pub(super) depth: u32,
     pub(super) strategy: Strategy,
@@ -50,14 +49,11 @@ pub struct Scene {
 }
 
 struct Object {
-    shape: Shape,
+    shape: Arc<dyn Shape>,
+    /// Asked of the shape once.
+    is_convex: bool,
     /// Position in `surfaces`.
     surface: usize,
-}
-
-enum Shape {
-    Sphere(Sphere),
-    Floor,
 }
 
 /// Where a ray meets an object.
@@ -69,104 +65,117 @@ pub(super) struct Hit {
     pub(super) distance: f64,
 }
 
+/// How far a ray must have come from an object that is not convex before it can meet that object again, in units of its
+/// origin's largest coordinate.
+///
+/// The origin lies on the surface but for rounding, and the direction, which passes through f32, may point below the tangent
+/// plane by some 10⁻⁷: nearer hits are no other part of the surface.
+const LEAST_RETURN: f64 = 1e-6;
+
 impl Scene {
-    /// Loads what `plan` says `spec` uses. `surface(i, directions)` gives material `i` of [`SceneSpec::materials`], with a
-    /// sampler if `directions`; it is called once for each material that is used, in order.
+    /// Plans `spec`'s effects and loads what the plan calls for. `surface(i, directions)` gives material `i` of
+    /// [`SceneSpec::materials`], with a sampler if `directions`; it is called once for each material that is used, in order.
     ///
     /// # Errors
     /// [`Error::Argument`] for a sphere without a radius or a material, a floor, light or strategy outside its domain, or a missing
-    /// sampler; what `surface` returns; what [`read_exr`] returns.
+    /// sampler; what `surface` returns; what [`crate::light::LightSpec::load`] returns.
     pub fn build(
         spec: &SceneSpec,
-        plan: &EffectPlan,
+        request: PlanRequest,
         surface: impl FnMut(usize, bool) -> Result<Surface>,
     ) -> Result<Self> {
         check(spec)?;
-        // Lights first: a missing file should be told of before materials and samplers take their time.
-        let lights = load_lights(spec, plan)?;
-        let mut surfaces = load_surfaces(spec, plan, surface)?;
-        let sphere = |s: &SphereSpec| Object {
-            shape: Shape::Sphere(s.shape),
-            surface: s.material,
-        };
-        let mut objects: Vec<Object> = spec.spheres.iter().map(sphere).collect();
-        if let Some(reflectance) = spec.floor {
-            objects.push(Object {
-                shape: Shape::Floor,
-                surface: surfaces.len(),
-            });
-            surfaces.push(Some(floor(reflectance)));
-        }
-        let SceneSpec {
-            camera,
-            depth,
-            strategy,
-            ..
-        } = *spec;
+        let plan = EffectPlan::for_scene(spec, request);
+        // Load lights first, so that a missing file is reported before the slow work.
+        let lights = load_lights(spec, &plan)?;
+        let mut surfaces = load_surfaces(spec, &plan, surface)?;
+        let objects = collect_objects(spec, surfaces.len());
+        surfaces.extend(spec.floor.map(|reflectance| Some(floor(reflectance))));
         Ok(Self {
-            camera,
-            depth,
-            strategy,
+            plan,
+            camera: spec.camera,
+            depth: spec.depth,
+            strategy: spec.strategy,
             lights,
             objects,
             surfaces,
         })
     }
 
-    /// The first object that `ray` meets, except `leaving`: shapes are convex, so a ray that leaves one never meets it
-    /// again, and no rounding can make it.
-    pub(super) fn hit(&self, ray: &Ray, leaving: Option<usize>) -> Option<Hit> {
-        let mut nearest: Option<(usize, f64)> = None;
-        for (i, object) in self.objects.iter().enumerate() {
-            if Some(i) == leaving {
-                continue;
-            }
-            if let Some(d) = object
-                .enter(ray)
-                .filter(|d| nearest.is_none_or(|(_, best)| *d < best))
-            {
-                nearest = Some((i, d));
-            }
-        }
-        nearest.map(|(object, distance)| self.meet(object, ray, distance))
+    /// The plan that the scene was built by, and is rendered by.
+    pub fn plan(&self) -> &EffectPlan {
+        &self.plan
     }
 
-    /// Whether something stands between `ray`'s origin on `leaving` and `distance`.
+    /// The first object that `ray` meets. `leaving` is the object that the ray starts on: one that is convex is not met
+    /// again, and no rounding can make it.
+    pub(super) fn hit(&self, ray: &Ray, leaving: Option<usize>) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        for (object, candidate) in self.objects.iter().enumerate() {
+            let Some(near) = candidate.least_distance(ray, leaving == Some(object)) else {
+                continue;
+            };
+            let far = nearest.map_or(f64::INFINITY, |hit| hit.distance);
+            if let Some(hit) = candidate.shape.intersect(ray, near, far) {
+                nearest = Some(Hit {
+                    object,
+                    at: ray.at(hit.distance),
+                    normal: hit.normal,
+                    distance: hit.distance,
+                });
+            }
+        }
+        nearest
+    }
+
+    /// Whether something is between `ray`'s origin on `leaving` and `distance`.
     pub(super) fn is_hidden(&self, ray: &Ray, leaving: usize, distance: f64) -> bool {
-        let blocks = |object: &Object| object.enter(ray).is_some_and(|d| d < distance);
-        self.objects
-            .iter()
-            .enumerate()
-            .any(|(i, object)| i != leaving && blocks(object))
+        for (object, candidate) in self.objects.iter().enumerate() {
+            let Some(near) = candidate.least_distance(ray, leaving == object) else {
+                continue;
+            };
+            if candidate.shape.blocks(ray, near, distance) {
+                return true;
+            }
+        }
+        false
     }
 
     /// The surface of an object; `None` if it was not loaded, because no light falls on it.
     pub(super) fn surface(&self, object: usize) -> Option<&Surface> {
         self.surfaces.get(self.objects[object].surface)?.as_ref()
     }
+}
 
-    fn meet(&self, object: usize, ray: &Ray, distance: f64) -> Hit {
-        let at = ray.at(distance);
-        let normal = match &self.objects[object].shape {
-            Shape::Sphere(sphere) => sphere.normal(at),
-            Shape::Floor => DVec3::Y,
-        };
-        Hit {
-            object,
-            at,
-            normal,
-            distance,
+impl Object {
+    /// The distance beyond which a ray can meet the object; `None` if it can't meet it at all.
+    fn least_distance(&self, ray: &Ray, leaving: bool) -> Option<f64> {
+        match (leaving, self.is_convex) {
+            (false, _) => Some(0.0),
+            (true, true) => None,
+            (true, false) => Some(LEAST_RETURN * ray.origin.abs().max_element()),
         }
     }
 }
 
-impl Object {
-    fn enter(&self, ray: &Ray) -> Option<f64> {
-        match &self.shape {
-            Shape::Sphere(sphere) => sphere.enter(ray),
-            Shape::Floor => enter_floor(ray),
-        }
+/// The objects in the order of [`SceneSpec::shapes`]; the floor's surface has the position `floor`.
+fn collect_objects(spec: &SceneSpec, floor: usize) -> Vec<Object> {
+    let object = |shape: Arc<dyn Shape>, surface| Object {
+        is_convex: shape.is_convex(),
+        shape,
+        surface,
+    };
+    let mut objects = Vec::new();
+    for sphere in &spec.spheres {
+        objects.push(object(Arc::new(sphere.shape), sphere.material));
     }
+    for other in &spec.objects {
+        objects.push(object(other.shape.clone(), other.material));
+    }
+    if spec.floor.is_some() {
+        objects.push(object(Arc::new(Floor), floor));
+    }
+    objects
 }
 
 fn floor(reflectance: f32) -> Surface {
@@ -200,36 +209,18 @@ fn load_surfaces(
 }
 
 fn load_lights(spec: &SceneSpec, plan: &EffectPlan) -> Result<Vec<Box<dyn Light>>> {
-    let sampling = match plan.is_on(Effect::EnvironmentTables) {
-        true => SkySampling::Importance,
-        false => SkySampling::Uniform,
+    let sampling = if plan.is_on(Effect::EnvironmentTables) {
+        SkySampling::Importance
+    } else {
+        SkySampling::Uniform
     };
-    let used = spec
-        .lights
-        .iter()
-        .zip(plan.lights())
-        .filter(|(_, decision)| decision.on);
-    used.map(|(light, _)| load(light, sampling)).collect()
-}
-
-fn load(light: &LightSpec, sampling: SkySampling) -> Result<Box<dyn Light>> {
-    Ok(match light {
-        LightSpec::Point(light) => Box::new(*light),
-        LightSpec::Directional(light) => Box::new(*light),
-        LightSpec::Area(light) => Box::new(*light),
-        LightSpec::Environment(source) => Box::new(environment(source, sampling)?),
-    })
-}
-
-fn environment(source: &EnvironmentSource, sampling: SkySampling) -> Result<Environment> {
-    match source {
-        EnvironmentSource::Studio => studio(sampling),
-        EnvironmentSource::Uniform(radiance) => Environment::uniform(*radiance),
-        EnvironmentSource::File(path) => {
-            let map = read_exr(path)?;
-            Environment::new(map.width(), map.height(), map.into_pixels(), sampling)
+    let mut lights = Vec::new();
+    for (light, decision) in spec.lights.iter().zip(plan.lights()) {
+        if decision.on {
+            lights.push(light.load(sampling)?);
         }
     }
+    Ok(lights)
 }
 
 fn check(spec: &SceneSpec) -> Result<()> {
@@ -246,6 +237,16 @@ fn check(spec: &SceneSpec) -> Result<()> {
             "give a finite centre, a radius > 0 and the index of a material",
         ));
     }
+    if let Some(i) = spec
+        .objects
+        .iter()
+        .position(|o| o.material >= spec.materials.len())
+    {
+        return Err(Error::argument(
+            format!("object {i} has no material"),
+            "give the index of a material",
+        ));
+    }
     if spec.floor.is_some_and(|r| !(0.0..=1.0).contains(&r)) {
         return Err(Error::argument(
             "the floor's reflectance is not in [0, 1]",
@@ -258,10 +259,10 @@ fn check(spec: &SceneSpec) -> Result<()> {
             "give at least 1",
         ));
     }
-    if let Some(i) = spec.lights.iter().position(|light| !light_fits(light)) {
+    if let Some(i) = spec.lights.iter().position(|light| !light.is_valid()) {
         let what = format!(
             "light {i} ({}) has a value that is negative or not finite",
-            spec.lights[i].kind()
+            spec.lights[i].describe()
         );
         return Err(Error::argument(
             what,
@@ -271,15 +272,96 @@ fn check(spec: &SceneSpec) -> Result<()> {
     Ok(())
 }
 
-fn light_fits(light: &LightSpec) -> bool {
-    let emission = |c: Rgb| c.is_finite() && c.min_element() >= 0.0;
-    match light {
-        LightSpec::Point(l) => emission(l.intensity) && l.position.is_finite(),
-        LightSpec::Directional(l) => emission(l.irradiance) && l.towards.is_finite(),
-        LightSpec::Area(l) => {
-            emission(l.radiance) && [l.corner, l.edge_u, l.edge_v].iter().all(|v| v.is_finite())
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::points::PointSet;
+    use crate::render::{Budget, Film, Intersection, ObjectSpec, RenderSettings, Sphere, render};
+
+    /// Two spheres as one object: not convex, whatever it says.
+    #[derive(Debug)]
+    struct Pair {
+        spheres: [Sphere; 2],
+        claims_convexity: bool,
+    }
+
+    impl Shape for Pair {
+        fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
+            let first = self.spheres[0].intersect(ray, near, far);
+            let far = first.map_or(far, |hit| hit.distance);
+            self.spheres[1].intersect(ray, near, far).or(first)
         }
-        LightSpec::Environment(EnvironmentSource::Uniform(radiance)) => emission(*radiance),
-        LightSpec::Environment(_) => true,
+
+        fn is_convex(&self) -> bool {
+            self.claims_convexity
+        }
+    }
+
+    /// Two spheres under a lamp and a sky.
+    fn separate() -> SceneSpec {
+        let names = ["grey".to_owned(), "grey".to_owned()];
+        let row = SceneSpec::row(&names, 1.5);
+        SceneSpec {
+            lights: vec![
+                row.light("area").unwrap(),
+                row.light("uniform:0.3").unwrap(),
+            ],
+            depth: 4,
+            ..row
+        }
+    }
+
+    /// The same two spheres as one object.
+    fn joined(claims_convexity: bool) -> SceneSpec {
+        let row = separate();
+        let pair = Pair {
+            spheres: [row.spheres[0].shape, row.spheres[1].shape],
+            claims_convexity,
+        };
+        SceneSpec {
+            spheres: Vec::new(),
+            objects: vec![ObjectSpec {
+                shape: Arc::new(pair),
+                material: 0,
+            }],
+            ..row
+        }
+    }
+
+    fn picture(spec: &SceneSpec) -> Film {
+        let scene = Scene::build(spec, PlanRequest::AsNeeded, |_, _| Ok(floor(0.8))).unwrap();
+        let settings = RenderSettings {
+            width: 30,
+            height: 20,
+            seed: 3,
+            points: PointSet::Sobol,
+            budget: Budget::Even(8),
+        };
+        render(&scene, &settings, &|_| {}).unwrap().film
+    }
+
+    #[test]
+    fn an_object_that_is_not_convex_shades_and_lights_itself() {
+        let plan = EffectPlan::for_scene(&joined(false), PlanRequest::AsNeeded);
+        assert!(plan.is_on(Effect::Shadows) && plan.is_on(Effect::Interreflection));
+        let why = plan.effect(Effect::Shadows).why;
+        assert_eq!(why, "an object that is not convex hides light from itself");
+        assert_eq!(picture(&joined(false)), picture(&separate()));
+    }
+
+    #[test]
+    fn the_plan_believes_what_the_shape_says() {
+        let plan = EffectPlan::for_scene(&joined(true), PlanRequest::AsNeeded);
+        assert!(!plan.is_on(Effect::Shadows) && !plan.is_on(Effect::Interreflection));
+        // That this is wrong here is seen: the comparison above can fail.
+        assert_ne!(picture(&joined(true)), picture(&separate()));
+    }
+
+    #[test]
+    fn objects_without_a_material_are_refused() {
+        let mut spec = joined(false);
+        spec.objects[0].material = 1;
+        let built = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| Ok(floor(0.8)));
+        assert!(built.is_err());
     }
 }

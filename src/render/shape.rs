@@ -1,4 +1,6 @@
-//! The two shapes, intersected analytically in f64.
+//! Shapes of objects, intersected in f64.
+
+use std::fmt::Debug;
 
 use glam::DVec3;
 
@@ -16,6 +18,30 @@ impl Ray {
     pub fn at(&self, distance: f64) -> DVec3 {
         self.origin + distance * self.direction
     }
+}
+
+/// Where a ray enters a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intersection {
+    /// Distance along the ray, > 0.
+    pub distance: f64,
+    /// Outward unit normal there.
+    pub normal: DVec3,
+}
+
+/// An opaque surface that is seen from outside.
+pub trait Shape: Debug + Send + Sync {
+    /// Where `ray` first enters the shape at a distance between `near` ≥ 0 and `far`, both excluded; `None` if it does not.
+    fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection>;
+
+    /// Whether `ray` enters the shape at a distance between `near` and `far`.
+    fn blocks(&self, ray: &Ray, near: f64, far: f64) -> bool {
+        self.intersect(ray, near, far).is_some()
+    }
+
+    /// Whether a ray that leaves the shape outwards never meets it again: the shape then hides no light from itself, and does
+    /// not light itself. The renderer relies on it.
+    fn is_convex(&self) -> bool;
 }
 
 /// An opaque sphere, seen from outside.
@@ -50,10 +76,49 @@ impl Sphere {
     }
 }
 
-/// Distance along `ray` to where it goes below the plane y = 0; `None` if it never does.
-pub(super) fn enter_floor(ray: &Ray) -> Option<f64> {
-    let distance = ray.origin.y / -ray.direction.y;
-    (distance > 0.0 && ray.direction.y < 0.0 && distance.is_finite()).then_some(distance)
+impl Shape for Sphere {
+    fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
+        let distance = self.enter(ray).filter(|d| *d > near && *d < far)?;
+        Some(Intersection {
+            distance,
+            normal: self.normal(ray.at(distance)),
+        })
+    }
+
+    /// Without the normal, which nobody asks for.
+    fn blocks(&self, ray: &Ray, near: f64, far: f64) -> bool {
+        self.enter(ray).is_some_and(|d| d > near && d < far)
+    }
+
+    fn is_convex(&self) -> bool {
+        true
+    }
+}
+
+/// The half space below y = 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Floor;
+
+impl Floor {
+    /// Distance along `ray` to where it goes below the plane y = 0; `None` if it never does.
+    fn enter(ray: &Ray) -> Option<f64> {
+        let distance = ray.origin.y / -ray.direction.y;
+        (distance > 0.0 && ray.direction.y < 0.0 && distance.is_finite()).then_some(distance)
+    }
+}
+
+impl Shape for Floor {
+    fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
+        let distance = Self::enter(ray).filter(|d| *d > near && *d < far)?;
+        Some(Intersection {
+            distance,
+            normal: DVec3::Y,
+        })
+    }
+
+    fn is_convex(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]
@@ -81,28 +146,28 @@ mod tests {
     fn the_floor_is_entered_from_above_only() {
         let down = DVec3::new(0.6, -0.8, 0.0);
         assert_eq!(
-            enter_floor(&Ray {
+            Floor::enter(&Ray {
                 origin: DVec3::Y * 2.0,
                 direction: down
             }),
             Some(2.5)
         );
         assert_eq!(
-            enter_floor(&Ray {
+            Floor::enter(&Ray {
                 origin: -DVec3::Y,
                 direction: down
             }),
             None
         );
         assert_eq!(
-            enter_floor(&Ray {
+            Floor::enter(&Ray {
                 origin: -DVec3::Y,
                 direction: DVec3::Y
             }),
             None
         );
         assert_eq!(
-            enter_floor(&Ray {
+            Floor::enter(&Ray {
                 origin: DVec3::Y,
                 direction: DVec3::X
             }),

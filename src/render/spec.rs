@@ -1,21 +1,24 @@
 //! What a picture shows, before anything is loaded.
 
-use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Camera, Sphere};
-use crate::color::Rgb;
+use super::camera::Camera;
+use super::shape::{Floor, Shape, Sphere};
+use crate::Result;
 use crate::distribution::Heuristic;
-use crate::light::{Area, Directional, Point};
+use crate::light::{LightSpec, Placement};
 
 /// A scene described: names and numbers only.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct SceneSpec {
-    /// Names of materials that spheres may use.
+    /// Names of materials that objects may use.
     pub materials: Vec<String>,
     /// The spheres.
     pub spheres: Vec<SphereSpec>,
+    /// Objects of other shapes.
+    pub objects: Vec<ObjectSpec>,
     /// Reflectance of a Lambertian floor at y = 0, or no floor.
     pub floor: Option<f32>,
     /// The lights.
@@ -37,28 +40,13 @@ pub struct SphereSpec {
     pub material: usize,
 }
 
-/// A light, not loaded.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LightSpec {
-    /// A point.
-    Point(Point),
-    /// Parallel light.
-    Directional(Directional),
-    /// A luminous rectangle.
-    Area(Area),
-    /// Light from all around.
-    Environment(EnvironmentSource),
-}
-
-/// Where an environment's radiance comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub enum EnvironmentSource {
-    /// The built-in studio.
-    Studio,
-    /// Equal radiance from everywhere.
-    Uniform(Rgb),
-    /// An equirectangular OpenEXR file.
-    File(PathBuf),
+/// An object of any shape and its material.
+#[derive(Clone, Debug)]
+pub struct ObjectSpec {
+    /// Its shape.
+    pub shape: Arc<dyn Shape>,
+    /// Position in [`SceneSpec::materials`].
+    pub material: usize,
 }
 
 /// How light from lights with an extent is found.
@@ -105,41 +93,6 @@ impl Strategy {
     }
 }
 
-impl LightSpec {
-    /// Whether it is a point or parallel: no direction drawn by chance can hit it.
-    pub fn is_delta(&self) -> bool {
-        matches!(self, Self::Point(_) | Self::Directional(_))
-    }
-
-    /// Whether its description alone says that it gives no light.
-    pub fn is_dark(&self) -> bool {
-        let radiance = match self {
-            Self::Point(light) => light.intensity,
-            Self::Directional(light) => light.irradiance,
-            Self::Area(light) => light.radiance,
-            Self::Environment(EnvironmentSource::Uniform(radiance)) => *radiance,
-            Self::Environment(EnvironmentSource::Studio | EnvironmentSource::File(_)) => {
-                return false;
-            }
-        };
-        radiance == Rgb::ZERO
-    }
-
-    /// What kind of light it is, in a word or two.
-    pub fn kind(&self) -> String {
-        match self {
-            Self::Point(_) => "point".into(),
-            Self::Directional(_) => "directional".into(),
-            Self::Area(_) => "area".into(),
-            Self::Environment(EnvironmentSource::Studio) => "environment (built-in studio)".into(),
-            Self::Environment(EnvironmentSource::Uniform(_)) => "environment (uniform)".into(),
-            Self::Environment(EnvironmentSource::File(path)) => {
-                format!("environment {}", path.display())
-            }
-        }
-    }
-}
-
 /// Distance between neighbouring centres of a row of unit spheres.
 const SPACING: f64 = 2.25;
 
@@ -172,6 +125,7 @@ impl SceneSpec {
         Self {
             materials: names,
             spheres,
+            objects: Vec::new(),
             floor: None,
             lights: Vec::new(),
             camera: frame_row(half, aspect),
@@ -180,47 +134,42 @@ impl SceneSpec {
         }
     }
 
-    /// A point light to the upper left in front of the row; a surface that faces it from the middle of the row gets an
-    /// irradiance of 2π.
-    pub fn row_point(&self) -> LightSpec {
-        let position = self.row_key();
-        let distance2 = position.distance_squared(DVec3::Y);
-        let intensity = Rgb::splat((std::f64::consts::TAU * distance2) as f32);
-        LightSpec::Point(Point {
-            position,
-            intensity,
-        })
+    /// The light that a word names, see [`LightSpec::from_name`], placed to light the row.
+    ///
+    /// # Errors
+    /// As [`LightSpec::from_name`].
+    pub fn light(&self, name: &str) -> Result<LightSpec> {
+        LightSpec::from_name(name, &self.placement())
     }
 
-    /// Parallel light from the upper left, in front; irradiance π.
-    pub fn row_directional(&self) -> LightSpec {
-        let towards = DVec3::new(-0.5, 1.0, 0.8).normalize();
-        LightSpec::Directional(Directional {
-            towards,
-            irradiance: Rgb::splat(std::f32::consts::PI),
-        })
-    }
-
-    /// A rectangle to the upper left in front of the row, about as wide as it, turned towards its middle; irradiance there
-    /// is about 2π.
-    pub fn row_area(&self) -> LightSpec {
-        let centre = self.row_key();
-        let back = (centre - DVec3::Y).normalize();
-        let across = DVec3::Y.cross(back).normalize_or(DVec3::X);
-        let size = 0.5 * centre.distance(DVec3::Y);
-        let (edge_u, edge_v) = (across * size, back.cross(across) * -size);
-        let radiance = Rgb::splat((std::f64::consts::TAU / 0.25) as f32);
-        LightSpec::Area(Area {
-            corner: centre - 0.5 * (edge_u + edge_v),
-            edge_u,
-            edge_v,
-            radiance,
-        })
-    }
-
-    fn row_key(&self) -> DVec3 {
+    /// The middle of the row, and a place to the upper left in front of it, the farther away the wider the row is.
+    pub fn placement(&self) -> Placement {
         let reach = half_row(self.spheres.len()) + 2.5;
-        DVec3::Y + DVec3::new(-0.45, 0.75, 0.8) * reach
+        Placement {
+            subject: DVec3::Y,
+            key: DVec3::Y + DVec3::new(-0.45, 0.75, 0.8) * reach,
+        }
+    }
+
+    /// The shapes of all objects, in the order in which the scene holds them.
+    pub(super) fn shapes(&self) -> Vec<&dyn Shape> {
+        let mut shapes: Vec<&dyn Shape> = Vec::new();
+        for sphere in &self.spheres {
+            shapes.push(&sphere.shape);
+        }
+        for object in &self.objects {
+            shapes.push(&*object.shape);
+        }
+        if self.floor.is_some() {
+            shapes.push(&Floor);
+        }
+        shapes
+    }
+
+    /// Whether an object is made of a material.
+    pub(super) fn uses_material(&self, material: usize) -> bool {
+        self.spheres.iter().any(|s| s.material == material)
+            || self.objects.iter().any(|o| o.material == material)
     }
 }
 

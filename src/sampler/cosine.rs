@@ -2,13 +2,60 @@
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
 
-use super::{DirectionSample, DirectionSampler};
+use super::store::{TensorWriter, Tensors};
+use super::{DirectionSample, DirectionSampler, Field, Method, Needs, Settings};
 use crate::geometry::{cosine_hemisphere, unit_upper};
+use crate::material::Loaded;
+use crate::{Error, Result};
+
+/// Sampling the cosine has no settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct CosineSettings {}
+
+impl Settings for CosineSettings {
+    type Method = Cosine;
+
+    fn fields() -> Vec<Field<Self>> {
+        Vec::new()
+    }
+}
 
 /// Density cosθ/π, whatever the material (thesis 5.1.1).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cosine;
+
+impl Method for Cosine {
+    const NAME: &'static str = "cosine";
+    const SUMMARY: &'static str = "in proportion to cosθ, whatever the material";
+    const NEEDS: Needs = Needs::AnyMaterial;
+    const IS_STORED: bool = false;
+    type Settings = CosineSettings;
+
+    fn build(_: &Loaded, _: &CosineSettings) -> Result<Self> {
+        Ok(Self)
+    }
+
+    fn settings(&self) -> CosineSettings {
+        CosineSettings {}
+    }
+
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
+        self
+    }
+
+    fn write(&self, _: &mut TensorWriter) -> Result<()> {
+        Err(Error::argument(
+            "the cosine sampler has no tables to store",
+            "choose another sampler",
+        ))
+    }
+
+    fn read(tensors: &Tensors, _: CosineSettings, _: &Loaded) -> Result<Self> {
+        Err(tensors.invalid("a sampler with tables", Self::NAME))
+    }
+}
 
 impl DirectionSampler for Cosine {
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {

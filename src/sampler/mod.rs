@@ -1,33 +1,58 @@
 //! Choosing `wi` for a given `wo`, each method with the density of what it chooses.
+//!
+//! A method is a folder: its tables, its settings, how it is built and how it is kept in a file. [`SamplerSpec`] names one
+//! with its settings, as text, and builds it.
 
 mod adaptive_disc;
-mod by_azimuth;
 mod cascade_cdf;
 mod cosine;
 mod factored;
 mod half_vector_table;
 mod knots;
 mod lobe;
+mod method;
+mod own_sampler;
+mod settings;
 mod spec;
 pub mod store;
 
 pub use adaptive_disc::{
     AdaptiveDisc, AdaptiveDiscSettings, Carry, Cell, Construction, LeafChoice, Subdivision,
 };
-pub use by_azimuth::{ByAzimuth, ByAzimuthSettings};
 pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ShownCdf, ThetaSpacing};
-pub use cosine::Cosine;
+pub use cosine::{Cosine, CosineSettings};
 pub use factored::{Factored, FactoredSettings, Factors};
-pub(crate) use half_vector_table::{Edge, NODE_UNIT, ROW_UNIT, Stored};
-pub use half_vector_table::{HalfVectorSettings, HalfVectorTable};
+pub use half_vector_table::{ByAzimuth, HalfVector, HalfVectorSettings, HalfVectorTable};
+pub(crate) use half_vector_table::{NODE_UNIT, ROW_UNIT, Stored};
 pub use knots::TableChoice;
 pub use lobe::{LEAST_DIFFUSE, Lobe, LobeKind, LobeParameters, LobeSettings};
+pub use method::{Method, Needs};
+pub use own_sampler::{OwnSampler, OwnSamplerSettings};
+pub use settings::{Field, Preset, PresetFacts, SettingFacts, Settings};
 pub use spec::{Sampler, SamplerSpec};
 
 use glam::Vec3;
 
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::geometry::is_upper;
+
+/// The list of methods, each as its default settings.
+macro_rules! methods {
+    ($($method:ty),+ $(,)?) => {
+        &[$(|| SamplerSpec::new(<$method as Method>::Settings::default())),+]
+    };
+}
+
+/// All methods that have a name, the default first: what commands offer and files may hold.
+const METHODS: &[fn() -> SamplerSpec] = methods![
+    HalfVector,
+    AdaptiveDisc,
+    CascadeCdf,
+    Lobe,
+    Factored,
+    Cosine,
+    OwnSampler,
+];
 
 /// What was drawn, with its density; `None` where it is not above the horizon or has no density.
 fn with_density(sampler: &impl DirectionSampler, wo: Vec3, wi: Vec3) -> Option<DirectionSample> {

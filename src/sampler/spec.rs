@@ -1,349 +1,441 @@
-//! Which sampler, with which settings: what a command line asks for and what a file records.
+//! Which sampler, with which settings: `half-vector:64KB`, as users write it and files record it; and what is built from it.
 
+use std::any::Any;
 use std::fmt;
+use std::ops::Deref;
+use std::str::FromStr;
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{
-    AdaptiveDisc, AdaptiveDiscSettings, ByAzimuth, ByAzimuthSettings, CascadeCdf,
-    CascadeCdfSettings, Construction, Cosine, DirectionSample, DirectionSampler, Factored,
-    FactoredSettings, HalfVectorSettings, HalfVectorTable, LeafChoice, Lobe, LobeKind,
-    LobeSettings, TableChoice, ThetaSpacing,
+use super::METHODS;
+use super::method::{Method, Needs};
+use super::settings::{
+    PresetFacts, SettingFacts, Settings, list_fields, list_presets, list_words, most_alike,
+    value_text,
 };
-use crate::brdf::Importance;
-use crate::material::merl::MerlBrdf;
+use super::store::{TensorWriter, Tensors};
+use crate::direction_sampler::{DirectionSample, DirectionSampler, draw_stratified};
+use crate::material::merl::LookupRule;
 use crate::material::{Loaded, MaterialFacts};
 use crate::{Error, Result};
 
-/// Which sampler to build, with which settings. Anisotropic materials have [`Self::Cosine`], [`Self::HalfVector`], which becomes
-/// [`Self::ByAzimuth`], and, from a `.bsdf` file, [`Self::File`]; [`Self::check_supports`] says so before any work.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(tag = "sampler", rename_all = "kebab-case")]
-pub enum SamplerSpec {
-    /// Uniform on the disc.
-    Cosine,
-    /// Quadtrees on the disc.
-    AdaptiveDisc(AdaptiveDiscSettings),
-    /// CDFs of the half vector.
-    CascadeCdf(CascadeCdfSettings),
-    /// Tables over the half-vector square: the default.
-    HalfVector(HalfVectorSettings),
-    /// An analytic lobe and a share of cosine.
-    Lobe(LobeSettings),
-    /// Factors of one angle each.
-    Factored(FactoredSettings),
-    /// A half-vector table for each of a few azimuths of `wo`.
-    ByAzimuth(ByAzimuthSettings),
-    /// The density that a `.bsdf` file itself holds.
-    File,
-}
+/// A method and its settings.
+///
+/// Its text, `NAME` or `NAME:SETTING,SETTING…`, is what users write, what tables and plots are labelled with, and what stands
+/// in JSON; [`Settings::parse_text`] says how settings are read. It prints as the shortest text that is read as the same.
+#[derive(Clone)]
+pub struct SamplerSpec(Arc<dyn AnySettings>);
 
 impl SamplerSpec {
-    /// What the tables are compared with besides [`Self::Cosine`], each with the settings that suit the material best.
-    pub fn baselines() -> [Self; 8] {
-        let [a, b, c, d, e, f] = LobeKind::ALL.map(|kind| Self::Lobe(LobeSettings::fitted(kind)));
-        let factored = Self::Factored(FactoredSettings::default());
-        [
-            a,
-            b,
-            c,
-            d,
-            e,
-            f,
-            factored,
-            Self::AdaptiveDisc(AdaptiveDiscSettings::rejection()),
-        ]
+    /// The method that these are the settings of, with these settings.
+    pub fn new(settings: impl Settings) -> Self {
+        Self(Arc::new(settings))
     }
 
-    /// The method's name on the command line.
+    /// Every method, each with its default settings.
+    pub fn methods() -> Vec<Self> {
+        METHODS.iter().map(|default| default()).collect()
+    }
+
+    /// Reads several texts.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for the first that is no sampler.
+    pub fn parse_all(texts: &[&str]) -> Result<Vec<Self>> {
+        texts.iter().map(|text| text.parse()).collect()
+    }
+
+    /// The method's name.
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::Cosine => "cosine",
-            Self::AdaptiveDisc(s) if s.depth == 0 => "disc-rejection",
-            Self::AdaptiveDisc(_) => "adaptive-disc",
-            Self::CascadeCdf(_) => "cascade-cdf",
-            Self::HalfVector(_) | Self::ByAzimuth(_) => "half-vector",
-            Self::Lobe(s) => s.kind.name(),
-            Self::Factored(_) => "factored",
-            Self::File => "file",
-        }
+        self.0.name()
     }
 
-    /// The name with the settings that tell variants apart, for tables: "cascade-cdf 16×1024×512 ±0.001, nearest".
-    pub fn label(&self) -> String {
-        let (mut label, published, notes) = match self {
-            Self::Cosine | Self::File => return self.name().into(),
-            Self::AdaptiveDisc(s) => (
-                disc_label(s),
-                *s == AdaptiveDiscSettings::as_published(),
-                disc_notes(s),
-            ),
-            Self::CascadeCdf(s) => {
-                let published = [true, false]
-                    .map(CascadeCdfSettings::as_published)
-                    .contains(s);
-                (cascade_label(s), published, cascade_notes(s))
-            }
-            Self::HalfVector(s) => (half_vector_label(s), false, luminance_note(s.importance)),
-            Self::Lobe(s) => (self.name().into(), false, luminance_note(s.importance)),
-            Self::Factored(s) => (
-                format!("factored, {} tables", s.tables),
-                false,
-                luminance_note(s.importance),
-            ),
-            Self::ByAzimuth(s) => (
-                by_azimuth_label(s),
-                false,
-                luminance_note(s.table.importance),
-            ),
-        };
-        let notes = if published {
-            vec!["as published".into()]
-        } else {
-            notes
-        };
-        for note in notes {
-            label = format!("{label}, {note}");
-        }
-        label
+    /// What the method is, in one sentence without a full stop.
+    pub fn summary(&self) -> &'static str {
+        self.0.summary()
     }
 
-    /// Whether such a sampler can be built for a material of these facts.
+    /// What the method asks of a material.
+    pub fn needs(&self) -> Needs {
+        self.0.needs()
+    }
+
+    /// Whether it has tables that a file can hold.
+    pub fn is_stored(&self) -> bool {
+        self.0.is_stored()
+    }
+
+    /// The settings, if they are of this type.
+    pub fn settings<S: Settings>(&self) -> Option<&S> {
+        let settings: &dyn Any = &*self.0;
+        settings.downcast_ref()
+    }
+
+    /// The value of the setting called `key`, as text; `None` if the method has no such setting.
+    pub fn setting(&self, key: &str) -> Option<String> {
+        self.0.value_text(key)
+    }
+
+    /// What can be set.
+    pub fn setting_facts(&self) -> Vec<SettingFacts> {
+        self.0.list_fields()
+    }
+
+    /// Settings of the method that have a name.
+    pub fn preset_facts(&self) -> Vec<PresetFacts> {
+        self.0.list_presets()
+    }
+
+    /// Whether the method can serve a material, and with these settings.
     ///
     /// # Errors
-    /// [`Error::Argument`] if not, naming what the sampler needs.
+    /// [`Error::Argument`] if not, with what the method needs and which the material can have.
     pub fn check_supports(&self, facts: &MaterialFacts) -> Result<()> {
-        match self {
-            Self::Cosine | Self::HalfVector(_) => Ok(()),
-            Self::ByAzimuth(_) if facts.is_isotropic() => Err(self.refused_by_tables()),
-            Self::ByAzimuth(_) => Ok(()),
-            Self::File if !facts.has_own_sampler => Err(self.refused_by_tables()),
-            Self::File => Ok(()),
-            _ if !facts.is_isotropic() => Err(self.refused_by_files()),
-            Self::AdaptiveDisc(_) => facts.require_table("the material", self.name()),
-            Self::CascadeCdf(_) | Self::Lobe(_) | Self::Factored(_) => Ok(()),
+        if self.needs().are_met_by(facts) {
+            return self.0.check_facts(facts);
         }
-    }
-
-    fn refused_by_tables(&self) -> Error {
-        let (what, fix) = match self {
-            Self::ByAzimuth(_) => (
-                "tables by azimuth are for anisotropic materials, and this one is isotropic",
-                "leave the azimuths out: one table serves all of them",
+        let methods = Self::methods();
+        let others: Vec<&str> = methods
+            .iter()
+            .filter(|other| other.needs().are_met_by(facts))
+            .map(Self::name)
+            .collect();
+        Err(Error::argument(
+            format!(
+                "the sampler {} needs {}, and this material is not one",
+                self.name(),
+                self.needs()
             ),
-            _ => (
-                "the sampler file is the density that a .bsdf file holds, and this material is none",
-                "choose another, as half-vector",
-            ),
-        };
-        Error::argument(what, fix)
+            format!("choose {}", list_words(&others, "or")),
+        ))
     }
 
-    fn refused_by_files(&self) -> Error {
-        let what = format!(
-            "{} is for isotropic materials, and this one is anisotropic",
-            self.name()
-        );
-        Error::argument(what, "choose the sampler half-vector, file or cosine")
-    }
-
-    /// Builds the sampler for a MERL table, on the threads of the current pool.
-    ///
-    /// # Errors
-    /// [`Error::Argument`] for settings outside their domains, and for samplers of other materials alone.
-    pub fn build(&self, brdf: &Arc<MerlBrdf>) -> Result<Sampler> {
-        self.build_for(&Loaded::from_table(brdf.clone()))
-    }
-
-    /// Builds the sampler for any material, on the threads of the current pool.
+    /// Builds the sampler on the threads of the current pool. The result does not depend on their number.
     ///
     /// # Errors
     /// As [`Self::check_supports`]; [`Error::Argument`] for settings outside their domains.
-    pub fn build_for(&self, material: &Loaded) -> Result<Sampler> {
-        let (brdf, facts) = (&**material.brdf(), material.facts());
-        self.check_supports(&facts)?;
-        Ok(match self {
-            Self::AdaptiveDisc(settings) => {
-                let table = material.require_table(self.name())?;
-                Sampler::AdaptiveDisc(AdaptiveDisc::build(table.clone(), *settings)?)
-            }
-            Self::HalfVector(table) if !facts.is_isotropic() => {
-                Sampler::ByAzimuth(ByAzimuth::build(brdf, ByAzimuthSettings::of(*table))?)
-            }
-            Self::Cosine => Sampler::Cosine(Cosine),
-            Self::CascadeCdf(settings) => Sampler::CascadeCdf(CascadeCdf::build(brdf, *settings)?),
-            Self::HalfVector(settings) => {
-                Sampler::HalfVector(HalfVectorTable::build(brdf, *settings)?)
-            }
-            Self::Lobe(settings) => Sampler::Lobe(Lobe::build(brdf, *settings)?),
-            Self::Factored(settings) => Sampler::Factored(Factored::build(brdf, *settings)?),
-            Self::ByAzimuth(settings) => Sampler::ByAzimuth(ByAzimuth::build(brdf, *settings)?),
-            Self::File => match material.own_sampler() {
-                Some(own) => Sampler::File(own.clone()),
-                None => return Err(self.refused_by_tables()),
-            },
-        })
+    pub fn build(&self, material: &Loaded) -> Result<Sampler> {
+        self.check_supports(&material.facts())?;
+        self.0.check_settings()?;
+        let built = self.0.build(material)?;
+        Ok(Sampler::new(self.clone(), built, material))
+    }
+
+    /// The settings as JSON, for a file's record.
+    pub(super) fn to_json(&self) -> Result<serde_json::Value> {
+        self.0.to_json()
+    }
+
+    /// Puts the sampler together from a file whose record has `settings` for this method.
+    pub(super) fn read(
+        &self,
+        tensors: &Tensors,
+        settings: &serde_json::Value,
+        material: &Loaded,
+    ) -> Result<Sampler> {
+        let built = self.0.read(tensors, settings, material)?;
+        Ok(Sampler::new(self.clone(), built, material))
     }
 }
 
-fn disc_label(s: &AdaptiveDiscSettings) -> String {
-    let name = SamplerSpec::AdaptiveDisc(*s).name();
-    match s.construction {
-        Construction::Refined => format!("{name}, {} trees", s.tables),
-        Construction::Grid(side) => format!("{name}, {} trees from {side}² pixels", s.tables),
+impl fmt::Display for SamplerSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = self.0.to_text();
+        if text.is_empty() {
+            return f.pad(self.name());
+        }
+        f.pad(&format!("{}:{text}", self.name()))
     }
 }
 
-fn cascade_label(s: &CascadeCdfSettings) -> String {
-    let cells = format!("cascade-cdf {}×{}×{}", s.tables, s.theta_h, s.phi_h);
-    s.tolerance
-        .map_or_else(|| format!("{cells} whole"), |t| format!("{cells} ±{t}"))
-}
-
-fn half_vector_label(s: &HalfVectorSettings) -> String {
-    if let Some((size, _)) = HalfVectorSettings::PRESETS
-        .iter()
-        .find(|p| p.1 == s.with_mean())
-    {
-        return format!("half-vector {size}");
+impl fmt::Debug for SamplerSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "SamplerSpec({self})")
     }
-    let folded = if s.fold { " folded" } else { "" };
-    format!("half-vector {}×{}×{}{folded}", s.tables, s.rows, s.segments)
 }
 
-fn by_azimuth_label(s: &ByAzimuthSettings) -> String {
-    let same =
-        |p: &&(&str, HalfVectorSettings)| ByAzimuthSettings::of(p.1).table == s.table.with_mean();
-    let table = HalfVectorSettings::PRESETS
-        .iter()
-        .find(same)
-        .map_or(s.table, |p| p.1);
-    format!("{} at {} azimuths", half_vector_label(&table), s.azimuths)
+impl PartialEq for SamplerSpec {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.equals(&*other.0)
+    }
 }
 
-fn luminance_note(importance: Importance) -> Vec<String> {
-    (importance != Importance::default())
-        .then(|| "luminance".to_owned())
-        .into_iter()
-        .collect()
+impl FromStr for SamplerSpec {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (name, settings) = match text.split_once(':') {
+            Some((name, settings)) => (name.trim(), Some(settings)),
+            None => (text.trim(), None),
+        };
+        let methods = Self::methods();
+        let Some(method) = methods.iter().find(|m| m.name().eq_ignore_ascii_case(name)) else {
+            return Err(unknown_method(name, &methods));
+        };
+        match settings {
+            Some(settings) => method.0.parse_text(settings),
+            None => Ok(method.clone()),
+        }
+    }
 }
 
-/// The settings that differ from the default and do not stand in the label.
-fn disc_notes(s: &AdaptiveDiscSettings) -> Vec<String> {
-    let d = AdaptiveDiscSettings::default();
-    let mut notes = common_notes(s.choice, s.floor, s.importance);
-    let leaves = if s.leaves == LeafChoice::Warp {
-        "rejection-free"
-    } else {
-        "leaves by integral"
+impl Serialize for SamplerSpec {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for SamplerSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+/// Names that samplers had before they had settings, and what is written today.
+const FORMER_NAMES: [(&str, &str); 7] = [
+    ("cosine-lobe", "lobe:cosine"),
+    ("cosine-lobe-sphere", "lobe:cosine-sphere"),
+    ("blinn", "lobe:blinn"),
+    ("ward", "lobe:ward"),
+    ("ashikhmin-shirley", "lobe:ashikhmin-shirley"),
+    ("ggx", "lobe:ggx"),
+    ("disc-rejection", "adaptive-disc:rejection"),
+];
+
+/// The error for a name that no method has.
+fn unknown_method(name: &str, methods: &[SamplerSpec]) -> Error {
+    let what = format!("no sampler is called \"{name}\"");
+    let former = FORMER_NAMES.iter().find(|f| f.0.eq_ignore_ascii_case(name));
+    if let Some((_, today)) = former {
+        return Error::argument(what, format!("it is written {today} today"));
+    }
+    let names: Vec<&str> = methods.iter().map(SamplerSpec::name).collect();
+    let fix = match most_alike(name, &names) {
+        Some(word) => format!("did you mean {word}? `merlkit samplers` lists all"),
+        None => format!("choose {}", list_words(&names, "or")),
     };
-    notes.extend((s.leaves != d.leaves).then(|| leaves.to_owned()));
-    notes.extend((s.carry != d.carry).then(|| "directions kept".to_owned()));
-    notes.extend((s.n_max != d.n_max).then(|| format!("n_max {}", s.n_max)));
-    notes.extend((s.depth != d.depth && s.depth > 0).then(|| format!("depth {}", s.depth)));
-    notes.extend((s.waste != d.waste).then(|| format!("waste {}", s.waste)));
-    notes
+    Error::argument(what, fix)
 }
 
-fn cascade_notes(s: &CascadeCdfSettings) -> Vec<String> {
-    let mut notes = common_notes(s.choice, s.floor, s.importance);
-    notes.extend((s.spacing != ThetaSpacing::default()).then(|| "uniform θh".to_owned()));
-    notes
+/// [`Settings`] of any method.
+trait AnySettings: Any + Send + Sync {
+    fn name(&self) -> &'static str;
+    fn summary(&self) -> &'static str;
+    fn needs(&self) -> Needs;
+    fn is_stored(&self) -> bool;
+    fn to_text(&self) -> String;
+    fn parse_text(&self, text: &str) -> Result<SamplerSpec>;
+    fn equals(&self, other: &dyn AnySettings) -> bool;
+    fn value_text(&self, key: &str) -> Option<String>;
+    fn list_fields(&self) -> Vec<SettingFacts>;
+    fn list_presets(&self) -> Vec<PresetFacts>;
+    fn check_settings(&self) -> Result<()>;
+    fn check_facts(&self, facts: &MaterialFacts) -> Result<()>;
+    fn build(&self, material: &Loaded) -> Result<Arc<dyn AnyMethod>>;
+    fn to_json(&self) -> Result<serde_json::Value>;
+    /// As [`Method::read`], with the settings of the record in place of these.
+    fn read(
+        &self,
+        tensors: &Tensors,
+        settings: &serde_json::Value,
+        material: &Loaded,
+    ) -> Result<Arc<dyn AnyMethod>>;
 }
 
-fn common_notes(choice: TableChoice, floor: f64, importance: Importance) -> Vec<String> {
-    let mut notes = Vec::new();
-    notes.extend((choice != TableChoice::default()).then(|| "nearest".to_owned()));
-    notes
-        .extend((floor != AdaptiveDiscSettings::default().floor).then(|| format!("floor {floor}")));
-    notes.extend(luminance_note(importance));
-    notes
+impl<S: Settings> AnySettings for S {
+    fn name(&self) -> &'static str {
+        S::Method::NAME
+    }
+
+    fn summary(&self) -> &'static str {
+        S::Method::SUMMARY
+    }
+
+    fn needs(&self) -> Needs {
+        S::Method::NEEDS
+    }
+
+    fn is_stored(&self) -> bool {
+        S::Method::IS_STORED
+    }
+
+    fn to_text(&self) -> String {
+        Settings::to_text(self)
+    }
+
+    fn parse_text(&self, text: &str) -> Result<SamplerSpec> {
+        <S as Settings>::parse_text(text).map(SamplerSpec::new)
+    }
+
+    fn equals(&self, other: &dyn AnySettings) -> bool {
+        let other: &dyn Any = other;
+        other.downcast_ref::<S>() == Some(self)
+    }
+
+    fn value_text(&self, key: &str) -> Option<String> {
+        value_text(self, key)
+    }
+
+    fn list_fields(&self) -> Vec<SettingFacts> {
+        list_fields::<S>()
+    }
+
+    fn list_presets(&self) -> Vec<PresetFacts> {
+        list_presets::<S>()
+    }
+
+    fn check_settings(&self) -> Result<()> {
+        self.check()
+    }
+
+    fn check_facts(&self, facts: &MaterialFacts) -> Result<()> {
+        S::Method::check_facts(self, facts)
+    }
+
+    fn build(&self, material: &Loaded) -> Result<Arc<dyn AnyMethod>> {
+        let built = <S::Method as Method>::build(material, self)?;
+        Ok(Arc::new(built))
+    }
+
+    fn to_json(&self) -> Result<serde_json::Value> {
+        serde_json::to_value(self).map_err(|e| Error::argument(e.to_string(), "report this"))
+    }
+
+    fn read(
+        &self,
+        tensors: &Tensors,
+        settings: &serde_json::Value,
+        material: &Loaded,
+    ) -> Result<Arc<dyn AnyMethod>> {
+        let settings = S::deserialize(settings)
+            .map_err(|e| tensors.invalid("settings of a merlkit sampler", e.to_string()))?;
+        settings
+            .check()
+            .map_err(|e| tensors.invalid("settings within their domains", e.to_string()))?;
+        let read = <S::Method as Method>::read(tensors, settings, material)?;
+        Ok(Arc::new(read))
+    }
 }
 
-/// A sampler of any of the kinds here.
+/// A [`Method`] of any kind, built.
+trait AnyMethod: Any + Send + Sync {
+    fn fitted(&self) -> SamplerSpec;
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler>;
+    fn draw_own_strata(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Option<Vec<Option<DirectionSample>>>;
+    fn write(&self, out: &mut TensorWriter) -> Result<()>;
+}
+
+impl<M: Method> AnyMethod for M {
+    fn fitted(&self) -> SamplerSpec {
+        SamplerSpec::new(Method::settings(self))
+    }
+
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
+        Method::sampler(self)
+    }
+
+    fn draw_own_strata(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Option<Vec<Option<DirectionSample>>> {
+        Method::draw_own_strata(self, wo, count, seed)
+    }
+
+    fn write(&self, out: &mut TensorWriter) -> Result<()> {
+        Method::write(self, out)
+    }
+}
+
+/// A sampler of any method, built for a material. It dereferences to the [`DirectionSampler`] that draws.
 #[derive(Clone)]
-pub enum Sampler {
-    /// Uniform on the disc.
-    Cosine(Cosine),
-    /// Quadtrees on the disc.
-    AdaptiveDisc(AdaptiveDisc),
-    /// CDFs of the half vector.
-    CascadeCdf(CascadeCdf),
-    /// Tables over the half-vector square.
-    HalfVector(HalfVectorTable),
-    /// An analytic lobe and a share of cosine.
-    Lobe(Lobe),
-    /// Factors of one angle each.
-    Factored(Factored),
-    /// A half-vector table for each of a few azimuths of `wo`.
-    ByAzimuth(ByAzimuth),
-    /// The density that a `.bsdf` file itself holds.
-    File(Arc<dyn DirectionSampler>),
+pub struct Sampler {
+    spec: SamplerSpec,
+    rule: Option<LookupRule>,
+    built: Arc<dyn AnyMethod>,
+    drawing: Arc<dyn DirectionSampler>,
 }
 
 impl Sampler {
-    /// What it was built from, with what was fitted.
-    pub fn spec(&self) -> SamplerSpec {
-        match self {
-            Self::Cosine(_) => SamplerSpec::Cosine,
-            Self::AdaptiveDisc(s) => SamplerSpec::AdaptiveDisc(*s.settings()),
-            Self::CascadeCdf(s) => SamplerSpec::CascadeCdf(*s.settings()),
-            Self::HalfVector(s) => SamplerSpec::HalfVector(*s.settings()),
-            Self::Lobe(s) => SamplerSpec::Lobe(*s.settings()),
-            Self::Factored(s) => SamplerSpec::Factored(*s.settings()),
-            Self::ByAzimuth(s) => SamplerSpec::ByAzimuth(*s.settings()),
-            Self::File(_) => SamplerSpec::File,
+    fn new(spec: SamplerSpec, built: Arc<dyn AnyMethod>, material: &Loaded) -> Self {
+        Self {
+            spec,
+            rule: material.rule(),
+            drawing: built.clone().sampler(),
+            built,
         }
     }
 
-    /// The sampler behind the common interface.
+    /// What was asked for.
+    pub fn spec(&self) -> &SamplerSpec {
+        &self.spec
+    }
+
+    /// The same with what was fitted to the material. Building this gives the same sampler again.
+    pub fn fitted(&self) -> SamplerSpec {
+        self.built.fitted()
+    }
+
+    /// The lookup rule of the material it was built for; `None` if that has no table.
+    pub fn rule(&self) -> Option<LookupRule> {
+        self.rule
+    }
+
+    /// What draws the directions.
     pub fn as_dyn(&self) -> &dyn DirectionSampler {
-        match self {
-            Self::Cosine(s) => s,
-            Self::AdaptiveDisc(s) => s,
-            Self::CascadeCdf(s) => s,
-            Self::HalfVector(s) => s,
-            Self::Lobe(s) => s,
-            Self::Factored(s) => s,
-            Self::ByAzimuth(s) => s,
-            Self::File(s) => &**s,
+        &*self.drawing
+    }
+
+    /// What draws the directions, to be kept.
+    pub fn shared(&self) -> Arc<dyn DirectionSampler> {
+        self.drawing.clone()
+    }
+
+    /// Draws `count` directions for one `wo` that are spread together as well as the method can: by a way of its own, or by
+    /// [`draw_stratified`]. Each alone has the density `pdf`; `None` is a failed draw.
+    pub fn draw_stratified(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Vec<Option<DirectionSample>> {
+        match self.built.draw_own_strata(wo, count, seed) {
+            Some(draws) => draws,
+            None => draw_stratified(self.as_dyn(), wo, count, seed),
         }
+    }
+
+    /// What was built, if it is of this type.
+    pub fn downcast<M: Method>(&self) -> Option<&M> {
+        let built: &dyn Any = &*self.built;
+        built.downcast_ref()
+    }
+
+    /// Adds its tables to a file.
+    pub(super) fn write(&self, out: &mut TensorWriter) -> Result<()> {
+        self.built.write(out)
     }
 }
 
-impl DirectionSampler for Sampler {
-    fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        self.as_dyn().sample(wo, u)
-    }
+impl Deref for Sampler {
+    type Target = dyn DirectionSampler;
 
-    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.as_dyn().pdf(wo, wi)
-    }
-
-    fn bytes(&self) -> usize {
-        self.as_dyn().bytes()
-    }
-
-    fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        self.as_dyn().sample_batch(wo, points)
-    }
-
-    fn sample_pairs(&self, wo: &[Vec3], points: &[Vec2], out: &mut [Option<DirectionSample>]) {
-        self.as_dyn().sample_pairs(wo, points, out);
-    }
-
-    fn pdf_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
-        self.as_dyn().pdf_pairs(wo, wi, out);
-    }
-
-    fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
-        self.as_dyn().sample_many(wo, count, seed)
+    fn deref(&self) -> &Self::Target {
+        &*self.drawing
     }
 }
 
 impl fmt::Debug for Sampler {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Sampler").field(&self.spec()).finish()
+        write!(f, "Sampler({})", self.spec)
     }
 }

@@ -9,7 +9,7 @@ use merlkit::files::Overwrite;
 use merlkit::geometry::{Symmetry, spherical};
 use merlkit::image::read_exr;
 use merlkit::material::rgl::RglBrdf;
-use merlkit::sampler::{ByAzimuthSettings, HalfVectorSettings};
+use merlkit::sampler::HalfVectorSettings;
 use tempfile::TempDir;
 
 use crate::brushed::{Brushed, Resolution, bsdf_of};
@@ -170,7 +170,7 @@ fn reports_go_round_the_azimuth() {
         results["material_bytes"].as_u64().unwrap(),
         rgl.table_bytes() as u64
     );
-    let table = ByAzimuthSettings::of(HalfVectorSettings::PRESETS[0].1).table;
+    let table = HalfVectorSettings::of(HalfVectorSettings::PRESETS[0].1).table;
     for (sampler, bytes) in [(0, 8 * table.bytes()), (2, DirectionSampler::bytes(&rgl))] {
         let figures = &results["samplers"][sampler];
         assert_eq!(figures["angles"].as_array().unwrap().len(), 28);

@@ -104,7 +104,7 @@ fn options_of_other_strategies_are_refused() {
             &["--target-error", "0.1", "--points", "lattice"],
             "leave out --points lattice or --target-error",
         ),
-        (&["--adaptive", "--spp", "8"], "give --spp 16 or more"),
+        (&["--adaptive", "--spp", "8"], "give 16 or more"),
     ] {
         let text = fails(run_in(folder.path(), &[&RENDER[..], options].concat(), ""));
         assert!(text.contains(expected), "{options:?}: {text}");

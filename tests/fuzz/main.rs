@@ -401,7 +401,7 @@ fn small_disc(leaves: LeafChoice) -> SamplerSpec {
         leaves,
         ..Default::default()
     };
-    SamplerSpec::AdaptiveDisc(settings)
+    SamplerSpec::new(settings)
 }
 
 #[test]
@@ -422,12 +422,12 @@ fn sampler_files_of_curves() {
         phi_h: 4,
         ..Default::default()
     };
-    drive_sampler("sampler-curves", SamplerSpec::CascadeCdf(small));
+    drive_sampler("sampler-curves", SamplerSpec::new(small));
     let whole = CascadeCdfSettings {
         tolerance: None,
         ..small
     };
-    drive_sampler("sampler-curves-whole", SamplerSpec::CascadeCdf(whole));
+    drive_sampler("sampler-curves-whole", SamplerSpec::new(whole));
 }
 
 #[test]
@@ -438,7 +438,7 @@ fn sampler_files_of_half_vectors() {
         segments: 2,
         ..HalfVectorSettings::PRESETS[0].1
     };
-    drive_sampler("sampler-half-vector", SamplerSpec::HalfVector(small));
+    drive_sampler("sampler-half-vector", SamplerSpec::new(small));
 }
 
 #[test]
@@ -452,7 +452,7 @@ fn sampler_files_of_lobes_and_factors() {
         parameters,
         ..LobeSettings::fitted(LobeKind::Ward)
     };
-    drive_sampler("sampler-lobe", SamplerSpec::Lobe(lobe));
+    drive_sampler("sampler-lobe", SamplerSpec::new(lobe));
     let factors = Some(Factors {
         outer: 2,
         inner: 1,
@@ -466,7 +466,7 @@ fn sampler_files_of_lobes_and_factors() {
         factors,
         ..Default::default()
     };
-    drive_sampler("sampler-factors", SamplerSpec::Factored(settings));
+    drive_sampler("sampler-factors", SamplerSpec::new(settings));
 }
 
 /// What `merlkit eval` reads.

@@ -4,12 +4,13 @@
 use std::sync::Arc;
 
 use merlkit::direction_sampler::DirectionSampler;
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Refined, Scene, SceneSpec, Settings, Strategy,
-    Surface, render, render_allocated, render_to_error,
+    Budget, Film, PlanRequest, Refinement, RenderSettings, Rendered, Scene, SceneSpec, Strategy,
+    Surface, render,
 };
 use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable};
 
@@ -23,8 +24,7 @@ fn measured(name: &str) -> Arc<MerlBrdf> {
 /// A sphere under the studio.
 struct Picture {
     scene: Scene,
-    plan: EffectPlan,
-    settings: Settings,
+    settings: RenderSettings,
 }
 
 impl Picture {
@@ -46,52 +46,44 @@ impl Picture {
             strategy,
             ..SceneSpec::row(&["sphere".into()], 1.0)
         };
-        let plan = EffectPlan::of(&spec);
         let surface = |_, _| {
             Ok(Surface {
                 brdf: brdf.clone(),
                 sampler: Some(sampler.clone()),
             })
         };
-        let scene = Scene::build(&spec, &plan, surface).unwrap();
-        let settings = Settings {
+        let scene = Scene::build(&spec, PlanRequest::AsNeeded, surface).unwrap();
+        let settings = RenderSettings {
             width: side,
             height: side,
-            samples: 1 << 14,
             seed: 1,
             points: PointSet::Sobol,
+            budget: Budget::Even(1),
         };
-        Self {
-            scene,
-            plan,
-            settings,
-        }
+        Self { scene, settings }
     }
 
-    fn reference(&self, samples: u64) -> Film {
-        let settings = Settings {
-            samples,
-            seed: 77,
-            ..self.settings
-        };
-        render(&self.scene, &self.plan, &settings, &|_| {}).unwrap()
-    }
-
-    fn allocated(&self, samples: u64, seed: u64) -> Film {
-        let settings = Settings {
-            samples,
+    fn render(&self, budget: Budget, seed: u64) -> Rendered {
+        let settings = RenderSettings {
+            budget,
             seed,
             ..self.settings
         };
-        render_allocated(&self.scene, &self.plan, &settings, &|_| {}).unwrap()
+        render(&self.scene, &settings, &|_| {}).unwrap()
     }
 
-    fn refined(&self, error: f64, seed: u64) -> Refined {
-        let settings = Settings {
-            seed,
-            ..self.settings
-        };
-        render_to_error(&self.scene, &self.plan, &settings, error, &|_| {}).unwrap()
+    fn reference(&self, paths: u64) -> Film {
+        self.render(Budget::Even(paths), 77).film
+    }
+
+    fn adaptive(&self, paths: u64, seed: u64) -> Film {
+        self.render(Budget::Adaptive(paths), seed).film
+    }
+
+    fn refined(&self, error: f64, seed: u64) -> (Film, Refinement) {
+        let most = 1 << 14;
+        let rendered = self.render(Budget::ToError { error, most }, seed);
+        (rendered.film, rendered.refinement.unwrap())
     }
 }
 
@@ -106,17 +98,18 @@ fn assert_honest(name: &str) {
     let picture = Picture::of(name, Strategy::default(), 32);
     let truth = picture.reference(4096);
     for target in [0.05, 0.02] {
-        let films: Vec<Refined> = (1..=4).map(|seed| picture.refined(target, seed)).collect();
+        let films: Vec<(Film, Refinement)> =
+            (1..=4).map(|seed| picture.refined(target, seed)).collect();
         let errors: Vec<f64> = films
             .iter()
-            .map(|f| f.error_against(&truth).unwrap())
+            .map(|(film, refinement)| refinement.error_against(film, &truth).unwrap())
             .collect();
-        assert!(films.iter().all(|f| f.tiles.iter().all(|t| t.reached)));
+        assert!(films.iter().all(|(_, r)| r.tiles.iter().all(|t| t.reached)));
         assert!(
             errors.iter().all(|&e| e <= 1.2 * target),
             "{name} at {target}: {errors:?}"
         );
-        let claimed = root_mean_square(films.iter().map(Refined::error));
+        let claimed = root_mean_square(films.iter().map(|(_, refinement)| refinement.error()));
         let ratio = root_mean_square(errors.iter().copied()) / claimed;
         assert!(
             (0.8..1.2).contains(&ratio),
@@ -124,7 +117,7 @@ fn assert_honest(name: &str) {
         );
         let tiles: Vec<Vec<f64>> = films
             .iter()
-            .map(|f| f.tile_errors_against(&truth).unwrap())
+            .map(|(film, refinement)| refinement.tile_errors_against(film, &truth).unwrap())
             .collect();
         for tile in 0..tiles[0].len() {
             let error = root_mean_square(tiles.iter().map(|t| t[tile]));
@@ -179,14 +172,14 @@ fn assert_unbiased(points: PointSet, pictures: u64, image: impl Fn(&Picture, u64
 #[test]
 fn stopping_leaves_the_mean_as_it_is() {
     assert_unbiased(PointSet::Random, 2000, |picture, seed| {
-        picture.refined(0.5, seed).film
+        picture.refined(0.5, seed).0
     });
 }
 
 #[test]
 fn sharing_paths_out_leaves_the_mean_as_it_is() {
     for points in [PointSet::Random, PointSet::Lattice] {
-        assert_unbiased(points, 5000, |picture, seed| picture.allocated(16, seed));
+        assert_unbiased(points, 5000, |picture, seed| picture.adaptive(16, seed));
     }
 }
 
@@ -213,18 +206,10 @@ fn shared_out_paths_leave_less_error() {
         let mut picture = Picture::of(name, Strategy::default(), 64);
         picture.settings.points = PointSet::Lattice;
         let truth = picture.reference(4096);
-        let even = render(
-            &picture.scene,
-            &picture.plan,
-            &Settings {
-                samples: 32,
-                ..picture.settings
-            },
-            &|_| {},
-        );
+        let even = picture.render(Budget::Even(32), 1).film;
         let (even, shared) = (
-            relative_error(&even.unwrap(), &truth),
-            relative_error(&picture.allocated(32, 1), &truth),
+            relative_error(&even, &truth),
+            relative_error(&picture.adaptive(32, 1), &truth),
         );
         println!("{name}: {shared:.2e} of {even:.2e}");
         assert!(shared < 0.75 * even, "{name}: {shared} and {even}");
@@ -239,21 +224,21 @@ fn shared_out_paths_are_the_same_for_any_number_of_threads_and_leave_nothing_out
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| picture.allocated(16, 1))
+        pool.install(|| picture.adaptive(16, 1))
     });
     assert!(films[0] == films[1] && films[0] == films[2]);
-    assert_ne!(films[0], picture.allocated(16, 2));
+    assert_ne!(films[0], picture.adaptive(16, 2));
     assert!((0..1600).all(|i| films[0].mean(i % 40, i / 40).min_element() > 0.0));
-    let few = Settings {
-        samples: 15,
+    let few = RenderSettings {
+        budget: Budget::Adaptive(15),
         ..picture.settings
     };
-    assert!(render_allocated(&picture.scene, &picture.plan, &few, &|_| {}).is_err());
+    assert!(render(&picture.scene, &few, &|_| {}).is_err());
 }
 
 #[test]
 fn a_picture_of_one_pixel_is_shared_out() {
-    let film = Picture::of("nickel", Strategy::default(), 1).allocated(16, 1);
+    let film = Picture::of("nickel", Strategy::default(), 1).adaptive(16, 1);
     assert!(film.mean(0, 0).min_element() > 0.0);
 }
 
@@ -268,26 +253,23 @@ fn any_number_of_threads_gives_the_same_picture() {
         pool.install(|| picture.refined(0.1, 1))
     });
     assert!(films[0] == films[1] && films[0] == films[2]);
-    assert_ne!(films[0].film, picture.refined(0.1, 2).film);
-    assert!(films[0].paths <= films[0].traced);
+    assert_ne!(films[0].0, picture.refined(0.1, 2).0);
+    assert!(films[0].1.paths <= films[0].1.traced);
 }
 
 #[test]
 fn the_largest_number_of_paths_is_kept_and_told_of() {
     let mut picture = Picture::of("nickel", Strategy::default(), 24);
-    picture.settings.samples = 100;
+    picture.settings.budget = Budget::ToError {
+        error: 1e-4,
+        most: 100,
+    };
     let done = std::sync::atomic::AtomicUsize::new(0);
     let count = |n| {
         done.fetch_add(n, std::sync::atomic::Ordering::Relaxed);
     };
-    let refined = render_to_error(
-        &picture.scene,
-        &picture.plan,
-        &picture.settings,
-        1e-4,
-        &count,
-    )
-    .unwrap();
+    let rendered = render(&picture.scene, &picture.settings, &count).unwrap();
+    let refined = rendered.refinement.unwrap();
     assert_eq!(done.into_inner(), 24 * 24);
     assert!(refined.error() > 1e-4 && refined.tiles.iter().all(|t| !t.reached));
     // 64 is the last of 16, 32, 64, …; pixels without an object have 16.
@@ -299,26 +281,18 @@ fn the_largest_number_of_paths_is_kept_and_told_of() {
 #[test]
 fn wrong_targets_are_refused() {
     let picture = Picture::of("nickel", Strategy::default(), 4);
-    let refused = |error: f64, settings: &Settings| {
-        render_to_error(&picture.scene, &picture.plan, settings, error, &|_| {}).is_err()
+    let refused = |error: f64, most: u64| {
+        let settings = RenderSettings {
+            budget: Budget::ToError { error, most },
+            ..picture.settings
+        };
+        render(&picture.scene, &settings, &|_| {}).is_err()
     };
     for error in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(refused(error, &picture.settings), "{error}");
+        assert!(refused(error, 1 << 14), "{error}");
     }
-    assert!(refused(
-        0.1,
-        &Settings {
-            samples: 15,
-            ..picture.settings
-        }
-    ));
-    assert!(refused(
-        0.1,
-        &Settings {
-            width: 0,
-            ..picture.settings
-        }
-    ));
+    assert!(refused(0.1, 15));
     let other = Picture::of("nickel", Strategy::default(), 5).reference(1);
-    assert!(picture.refined(0.5, 1).error_against(&other).is_err());
+    let (film, refinement) = picture.refined(0.5, 1);
+    assert!(refinement.error_against(&film, &other).is_err());
 }

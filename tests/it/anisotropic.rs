@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use crate::support::anisotropic::{Brushed, Resolution, bsdf_of, directions};
 use glam::{Quat, Vec2, Vec3};
-use merlkit::Error;
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::color::Rgb;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
@@ -20,8 +19,9 @@ use merlkit::material::rgl::{Colour, RglBrdf, Tensor};
 use merlkit::points::Stream;
 use merlkit::sampler::store::{SamplerFile, save};
 use merlkit::sampler::{
-    ByAzimuth, ByAzimuthSettings, CascadeCdfSettings, Cosine, HalfVectorSettings, SamplerSpec,
+    ByAzimuth, CascadeCdfSettings, Cosine, HalfVectorSettings, OwnSamplerSettings, SamplerSpec,
 };
+use merlkit::{Error, Wo};
 use merlkit_evaluate::measure::accuracy::weight_spread;
 use merlkit_evaluate::measure::check::{Check, CheckSettings, check_sampler};
 
@@ -44,14 +44,14 @@ fn file(symmetry: Symmetry) -> RglBrdf {
     RglBrdf::new(bsdf_of(&metal(symmetry), symmetry, Resolution::COARSE))
 }
 
-fn settings(azimuths: usize, size: &str) -> ByAzimuthSettings {
+fn settings(azimuths: usize, size: &str) -> HalfVectorSettings {
     let preset = HalfVectorSettings::PRESETS
         .iter()
         .find(|p| p.0 == size)
         .unwrap();
-    ByAzimuthSettings {
-        azimuths,
-        ..ByAzimuthSettings::of(preset.1)
+    HalfVectorSettings {
+        azimuths: Some(azimuths),
+        ..preset.1
     }
 }
 
@@ -140,7 +140,7 @@ fn tables_follow_a_brushed_metal() {
         Symmetry::Half,
         Resolution::FINE,
     ));
-    let sampler = ByAzimuth::build(&rgl, ByAzimuthSettings::default()).unwrap();
+    let sampler = ByAzimuth::build(&rgl, HalfVectorSettings::default()).unwrap();
     let azimuths = [-3.0, -1.4, 0.4];
     let of = |s: &dyn DirectionSampler| spreads(s, &rgl, &azimuths);
     let (cosine, own, tables) = (of(&Cosine), of(&rgl), of(&sampler));
@@ -220,7 +220,13 @@ fn odd_input_gives_nothing_and_extreme_input_something() {
             (sampler.pdf(w, Vec3::Z), sampler.pdf(Vec3::Z, w)),
             (0.0, 0.0)
         );
-        assert_eq!(sampler.sample_batch(w, &[Vec2::ZERO; 3]), vec![None; 3]);
+        let untouched = DirectionSample {
+            wi: Vec3::Z,
+            pdf: 1.0,
+        };
+        let mut drawn = [Some(untouched); 3];
+        sampler.sample_batch(Wo::One(w), &[Vec2::ZERO; 3], &mut drawn);
+        assert_eq!(drawn, [None; 3]);
     }
     let last = 1f32.next_down();
     let tiny = [1e-20, 1e-13, 1e-7].map(|x| Vec3::new(-x, x, 1.0));
@@ -237,7 +243,9 @@ fn odd_input_gives_nothing_and_extreme_input_something() {
             (0.5, 0.5),
         ];
         let corners = corners.map(|(x, y)| Vec2::new(x, y));
-        for (u, drawn) in corners.iter().zip(sampler.sample_batch(wo, &corners)) {
+        let mut batch = [None; 5];
+        sampler.sample_batch(Wo::One(wo), &corners, &mut batch);
+        for (u, drawn) in corners.iter().zip(batch) {
             let draw = sampler.sample(wo, *u).unwrap();
             assert_eq!(drawn, Some(draw));
             assert!(
@@ -316,17 +324,8 @@ fn tables_come_back_from_a_file() {
         .unwrap();
     let material = Material::resolve(bsdf.to_str().unwrap()).unwrap();
     let brdf = material.load(LookupRule::Floor).unwrap();
-    let sampler = SamplerSpec::ByAzimuth(settings(3, "2KB"))
-        .build_for(&brdf)
-        .unwrap();
-    save(
-        &sampler,
-        &material,
-        LookupRule::Floor,
-        &path,
-        Overwrite::Refuse,
-    )
-    .unwrap();
+    let sampler = SamplerSpec::new(settings(3, "2KB")).build(&brdf).unwrap();
+    save(&sampler, &material, &path, Overwrite::Refuse).unwrap();
     let (loaded, _) = SamplerFile::open(&path).unwrap().load(None).unwrap();
     assert_eq!(loaded.spec(), sampler.spec());
     for (i, wo) in directions().into_iter().enumerate() {
@@ -349,17 +348,10 @@ fn tables_come_back_from_a_file() {
         let text = loaded.unwrap_err().to_string();
         assert!(text.contains(says), "{says}: {text}");
     }
-    let own = SamplerSpec::File.build_for(&brdf).unwrap();
-    assert!(
-        save(
-            &own,
-            &material,
-            LookupRule::Floor,
-            &path,
-            Overwrite::Replace
-        )
-        .is_err()
-    );
+    let own = SamplerSpec::new(OwnSamplerSettings {})
+        .build(&brdf)
+        .unwrap();
+    assert!(save(&own, &material, &path, Overwrite::Replace).is_err());
     let table = Arc::new(MerlBrdf::new(
         Arc::new(decode_embedded("nickel").unwrap()),
         LookupRule::Floor,
@@ -367,7 +359,7 @@ fn tables_come_back_from_a_file() {
     assert!(
         SamplerFile::open(&path)
             .unwrap()
-            .into_sampler(&table)
+            .into_sampler(&Loaded::from_table(table))
             .is_err()
     );
 }
@@ -375,7 +367,7 @@ fn tables_come_back_from_a_file() {
 #[test]
 fn bytes_are_those_of_all_tables() {
     let sampler = ByAzimuth::build(&file(Symmetry::Half), settings(3, "8KB")).unwrap();
-    assert_eq!(sampler.bytes(), 3 * sampler.settings().table.bytes());
+    assert_eq!(sampler.bytes(), 3 * sampler.settings().bytes());
     let rgl = file(Symmetry::Half);
     assert!(DirectionSampler::bytes(&rgl) < rgl.table_bytes());
 }
@@ -405,12 +397,10 @@ fn what_does_not_fit_is_refused() {
         rows: 0,
         ..HalfVectorSettings::default()
     };
-    assert!(refused(
-        ByAzimuth::build(&rgl, ByAzimuthSettings::of(no_rows)).unwrap_err()
-    ));
+    assert!(refused(ByAzimuth::build(&rgl, no_rows).unwrap_err()));
     let brdf = Loaded::from_rgl(Arc::new(rgl));
-    let message = SamplerSpec::CascadeCdf(CascadeCdfSettings::default())
-        .build_for(&brdf)
+    let message = SamplerSpec::new(CascadeCdfSettings::default())
+        .build(&brdf)
         .unwrap_err()
         .to_string();
     assert!(
@@ -418,6 +408,23 @@ fn what_does_not_fit_is_refused() {
         "{message}"
     );
     let (_, preset) = HalfVectorSettings::PRESETS[0];
-    let built = SamplerSpec::HalfVector(preset).build_for(&brdf).unwrap();
-    assert_eq!(built.spec().label(), "half-vector 2KB at 8 azimuths");
+    let built = SamplerSpec::new(preset).build(&brdf).unwrap();
+    assert_eq!(built.spec().to_string(), "half-vector:2KB");
+    let fitted = built.fitted();
+    assert_eq!(
+        fitted.settings(),
+        Some(&HalfVectorSettings {
+            tables: 3,
+            rows: 18,
+            segments: 9,
+            fold: false,
+            azimuths: Some(8),
+            ..preset
+        })
+    );
+    // What was fitted builds the same again.
+    let again = fitted.build(&brdf).unwrap();
+    assert_eq!(again.fitted(), fitted);
+    let (wo, u) = (spherical(0.7, 0.3).as_vec3(), Vec2::new(0.2, 0.6));
+    assert_eq!(again.sample(wo, u), built.sample(wo, u));
 }

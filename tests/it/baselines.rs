@@ -1,5 +1,6 @@
 //! The samplers that the tables are compared with: each passes every check, whatever the material, and fits it.
 
+use crate::support::{baselines, loaded};
 use std::sync::Arc;
 
 use crate::support::tampered::Tampered;
@@ -12,7 +13,7 @@ use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
     Cosine, Factored, FactoredSettings, Factors, LEAST_DIFFUSE, Lobe, LobeKind, LobeParameters,
-    LobeSettings, Sampler, SamplerSpec,
+    LobeSettings, Sampler,
 };
 use merlkit_evaluate::measure::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use merlkit_evaluate::measure::check::{Check, CheckSettings, check_directions, check_sampler};
@@ -39,12 +40,12 @@ const HARD: [&str; 6] = [
 /// Every check at every `step`-th direction.
 fn assert_all_pass(name: &str, draws: usize, step: usize) {
     let brdf = measured(name);
-    let specs = SamplerSpec::baselines();
+    let specs = baselines();
     let directions: Vec<Vec3> = check_directions().into_iter().step_by(step).collect();
     let calls = specs.len() * (MATERIALS.len() + HARD.len());
     for spec in specs {
         // Draws of this one take up to 1000 trials.
-        let draws = if spec.name() == "disc-rejection" {
+        let draws = if spec.to_string() == "adaptive-disc:rejection" {
             2000
         } else {
             draws
@@ -55,8 +56,8 @@ fn assert_all_pass(name: &str, draws: usize, step: usize) {
             calls,
             ..CheckSettings::default()
         };
-        let sampler = spec.build(&brdf).unwrap();
-        let report = check_sampler(&sampler, &*brdf, &directions, &settings);
+        let sampler = spec.build(&loaded(&brdf)).unwrap();
+        let report = check_sampler(&*sampler, &*brdf, &directions, &settings);
         let failures: Vec<String> = report
             .failures()
             .take(3)
@@ -172,10 +173,10 @@ fn a_wrong_density_is_rejected() {
         seed: 7,
         ..CheckSettings::default()
     };
-    for spec in SamplerSpec::baselines() {
-        let sampler = spec.build(&brdf).unwrap();
+    for spec in baselines() {
+        let sampler = spec.build(&loaded(&brdf)).unwrap();
         let wrong = Tampered {
-            draws: &sampler,
+            draws: &*sampler,
             claims: &Cosine,
             shift: 0.0,
         };
@@ -240,13 +241,13 @@ fn fingerprint(sampler: &Sampler) -> Vec<u32> {
 #[test]
 fn threads_change_no_bit() {
     let brdf = measured("nickel");
-    for spec in SamplerSpec::baselines() {
+    for spec in baselines() {
         let built = [1, 2].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()
                 .unwrap();
-            pool.install(|| spec.build(&brdf)).unwrap()
+            pool.install(|| spec.build(&loaded(&brdf))).unwrap()
         });
         assert_eq!(built[0].spec(), built[1].spec());
         assert_eq!(
@@ -261,9 +262,9 @@ fn threads_change_no_bit() {
 #[test]
 fn what_was_fitted_builds_the_same_sampler_again() {
     let brdf = measured("red-plastic");
-    for spec in SamplerSpec::baselines() {
-        let first = spec.build(&brdf).unwrap();
-        let again = first.spec().build(&brdf).unwrap();
+    for spec in baselines() {
+        let first = spec.build(&loaded(&brdf)).unwrap();
+        let again = first.spec().build(&loaded(&brdf)).unwrap();
         assert_eq!(first.spec(), again.spec());
         assert_eq!(fingerprint(&first), fingerprint(&again), "{}", spec.name());
     }
@@ -272,8 +273,8 @@ fn what_was_fitted_builds_the_same_sampler_again() {
 #[test]
 fn black_needs_no_fit() {
     let brdf = measured("black");
-    for spec in SamplerSpec::baselines() {
-        let sampler = spec.build(&brdf).unwrap();
+    for spec in baselines() {
+        let sampler = spec.build(&loaded(&brdf)).unwrap();
         let wo = spherical(0.5, 0.0).as_vec3();
         let draw = sampler.sample(wo, Vec2::splat(0.4)).unwrap();
         assert!(draw.pdf > 0.0 && draw.pdf.is_finite(), "{}", spec.name());

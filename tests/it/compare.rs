@@ -1,13 +1,14 @@
 //! Errors against time: what is measured is what it says, and choices hold on fresh seeds.
 
+use crate::support::loaded;
 use std::sync::Arc;
 
 use merlkit::distribution::Heuristic;
 use merlkit::geometry::Symmetry;
-use merlkit::light::{Environment, SkySampling, lamps};
+use merlkit::light::{Environment, SkySampling, broad_lamps};
 use merlkit::material::merl::{HardCase, decode_embedded};
 use merlkit::material::{Loaded, LookupRule, MaterialFacts, MerlBrdf};
-use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
+use merlkit::sampler::{CosineSettings, HalfVectorSettings, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
     Competitor, ErrorPoint, PicturePlan, PointPlan, SceneKind, Tuning, Wish, competitors, curve,
     knobs, picture_reference, pictures, reach, references, setting, tunable, tune, verdict,
@@ -28,7 +29,7 @@ const TABLE: MaterialFacts = MaterialFacts {
 };
 
 fn sky() -> Environment {
-    lamps(SkySampling::Importance).unwrap()
+    broad_lamps(SkySampling::Importance)
 }
 
 fn plan(samples: &[usize], seeds: u64) -> PointPlan {
@@ -40,7 +41,7 @@ fn plan(samples: &[usize], seeds: u64) -> PointPlan {
     }
 }
 
-const HALF_VECTOR: fn() -> SamplerSpec = || SamplerSpec::HalfVector(HalfVectorSettings::default());
+const HALF_VECTOR: fn() -> SamplerSpec = || SamplerSpec::new(HalfVectorSettings::default());
 
 /// A diffuse table under an even sky: cosine sampling has no error but the floor lookup's rounding, and its reference is π
 /// times the albedo over π.
@@ -59,11 +60,11 @@ fn a_weight_without_spread_has_no_error() {
             "{r:?}"
         );
     }
-    let competitor = Competitor::brdf(SamplerSpec::Cosine);
-    let sampler = competitor.spec.build(&brdf).unwrap();
+    let competitor = Competitor::brdf(SamplerSpec::new(CosineSettings {}));
+    let sampler = competitor.spec.build(&loaded(&brdf)).unwrap();
     let curve = curve(
         competitor,
-        &sampler,
+        &*sampler,
         0.0,
         &*brdf,
         &even,
@@ -79,7 +80,7 @@ fn a_weight_without_spread_has_no_error() {
 fn intervals_hold_and_random_errors_fall_as_the_root() {
     let (brdf, sky) = (measured("red-plastic"), sky());
     let competitor = Competitor::brdf(HALF_VECTOR());
-    let sampler = competitor.spec.build(&brdf).unwrap();
+    let sampler = competitor.spec.build(&loaded(&brdf)).unwrap();
     let plan = plan(&[16, 64, 256], 100);
     let references = references(&*brdf, &sky, &plan);
     let at = |first_seed: u64| {
@@ -88,8 +89,8 @@ fn intervals_hold_and_random_errors_fall_as_the_root() {
             ..plan.clone()
         };
         curve(
-            competitor,
-            &sampler,
+            competitor.clone(),
+            &*sampler,
             0.0,
             &*brdf,
             &sky,
@@ -121,12 +122,12 @@ fn the_table_beats_cosine_on_metal_and_the_verdict_says_so() {
     let (brdf, sky) = (measured("nickel"), sky());
     let plan = plan(&[4, 16, 64, 256, 1024], 24);
     let references = references(&*brdf, &sky, &plan);
-    let curves: Vec<_> = [SamplerSpec::Cosine, HALF_VECTOR()]
+    let curves: Vec<_> = [SamplerSpec::new(CosineSettings {}), HALF_VECTOR()]
         .map(|spec| {
-            let sampler = spec.build(&brdf).unwrap();
+            let sampler = spec.build(&loaded(&brdf)).unwrap();
             curve(
                 Competitor::brdf(spec),
-                &sampler,
+                &*sampler,
                 0.03,
                 &*brdf,
                 &sky,
@@ -168,13 +169,14 @@ fn all_competitors_converge_to_the_reference() {
     let plan = plan(&[16, 1024], 16);
     let references = references(&*brdf, &sky, &plan);
     for competitor in competitors(true, &[TABLE])
+        .unwrap()
         .into_iter()
-        .filter(|c| !matches!(c.spec, SamplerSpec::Factored(_)))
+        .filter(|c| c.spec.name() != "factored")
     {
-        let sampler = competitor.spec.build(&brdf).unwrap();
+        let sampler = competitor.spec.build(&loaded(&brdf)).unwrap();
         let errors = curve(
-            competitor,
-            &sampler,
+            competitor.clone(),
+            &*sampler,
             0.0,
             &*brdf,
             &sky,
@@ -190,6 +192,7 @@ fn all_competitors_converge_to_the_reference() {
 
 fn tuned(name: &str, wish: Wish) -> Tuning {
     let specs: Vec<SamplerSpec> = tunable(&TABLE, false)
+        .unwrap()
         .into_iter()
         .filter(|s| matches!(s.name(), "half-vector" | "cosine"))
         .collect();
@@ -281,7 +284,7 @@ fn pictures_are_nearer_their_reference_with_more_samples_and_better_samplers() {
         assert!(results[0].png.is_empty() && results[1].png.starts_with(b"\x89PNG"));
         [results[0].errors, results[1].errors]
     };
-    let cosine = errors(Competitor::brdf(SamplerSpec::Cosine));
+    let cosine = errors(Competitor::brdf(SamplerSpec::new(CosineSettings {})));
     let mis = errors(Competitor {
         spec: HALF_VECTOR(),
         technique: Technique::Mis(Heuristic::Power),

@@ -26,24 +26,22 @@ mod library {
     use std::sync::{Arc, LazyLock};
 
     use glam::{DVec3, Vec2, Vec3};
-    use merlkit::brdf::{Brdf, Importance};
-    use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
+    use merlkit::Wo;
+    use merlkit::brdf::Brdf;
+    use merlkit::direction_sampler::DirectionSample;
     use merlkit::distribution::Heuristic;
     use merlkit::files::Overwrite;
     use merlkit::geometry::{Symmetry, spherical};
+    use merlkit::light::{EnvironmentSource, LightSpec};
     use merlkit::material::Loaded;
     use merlkit::material::merl::{HardCase, MerlTable, decode_embedded};
     use merlkit::material::merl::{LookupRule, MerlBrdf};
     use merlkit::material::rgl::{BsdfFile, RglBrdf};
     use merlkit::points::{PointSet, Stream};
     use merlkit::render::{
-        EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy,
-        Surface, render, render_allocated, render_to_error,
+        Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Strategy, Surface, render,
     };
-    use merlkit::sampler::{
-        AdaptiveDiscSettings, CascadeCdfSettings, Construction, FactoredSettings,
-        HalfVectorSettings, LeafChoice, LobeKind, LobeSettings, SamplerSpec,
-    };
+    use merlkit::sampler::SamplerSpec;
     use merlkit_evaluate::measure::facts;
     use merlkit_evaluate::measure::profile::{
         AngleFigures, ProfileSettings, SamplerFigures, profile,
@@ -54,7 +52,7 @@ mod library {
     pub use crate::support::pairs;
 
     /// A sampler of any kind.
-    pub type Sampler = Arc<dyn DirectionSampler>;
+    pub type Sampler = merlkit::sampler::Sampler;
 
     /// The lookup rules by name.
     pub const LOOKUPS: [&str; 3] = ["floor", "linear", "centred"];
@@ -68,60 +66,8 @@ mod library {
         }
     }
 
-    /// A text such as `half-vector:64KB,folded` as the library has it today.
-    ///
-    /// A later interface that reads such texts itself replaces the body of this one function.
     fn sampler_spec(text: &str) -> SamplerSpec {
-        let (name, settings) = text.split_once(':').unwrap_or((text, ""));
-        let settings: Vec<&str> = settings.split(',').filter(|s| !s.is_empty()).collect();
-        match (name, &settings[..]) {
-            ("cosine", []) => SamplerSpec::Cosine,
-            ("file", []) => SamplerSpec::File,
-            ("factored", []) => SamplerSpec::Factored(FactoredSettings::default()),
-            ("half-vector", [size, rest @ ..]) => {
-                let preset = HalfVectorSettings::PRESETS.iter().find(|p| p.0 == *size);
-                let preset = preset.expect("a size of tables").1;
-                SamplerSpec::HalfVector(match rest {
-                    [] => preset,
-                    ["folded"] => HalfVectorSettings {
-                        fold: true,
-                        ..preset
-                    },
-                    ["luminance"] => HalfVectorSettings {
-                        importance: Importance::Luminance,
-                        ..preset
-                    },
-                    _ => panic!("no sampler {text}"),
-                })
-            }
-            ("adaptive-disc", _) => SamplerSpec::AdaptiveDisc(match settings[..] {
-                [] => AdaptiveDiscSettings::default(),
-                ["published"] => AdaptiveDiscSettings::as_published(),
-                ["rejection"] => AdaptiveDiscSettings::rejection(),
-                ["rejection-free"] => AdaptiveDiscSettings {
-                    construction: Construction::Refined,
-                    leaves: LeafChoice::Warp,
-                    ..AdaptiveDiscSettings::default()
-                },
-                _ => panic!("no sampler {text}"),
-            }),
-            ("cascade-cdf", _) => SamplerSpec::CascadeCdf(match settings[..] {
-                [] => CascadeCdfSettings::default(),
-                ["uniform"] => CascadeCdfSettings::uniform(),
-                ["published"] => CascadeCdfSettings::as_published(true),
-                _ => panic!("no sampler {text}"),
-            }),
-            ("lobe", [kind]) => SamplerSpec::Lobe(LobeSettings::fitted(match *kind {
-                "cosine" => LobeKind::CosineLobe,
-                "cosine-sphere" => LobeKind::CosineLobeSphere,
-                "blinn" => LobeKind::Blinn,
-                "ward" => LobeKind::Ward,
-                "ashikhmin-shirley" => LobeKind::AshikhminShirley,
-                "ggx" => LobeKind::Ggx,
-                _ => panic!("no sampler {text}"),
-            })),
-            _ => panic!("no sampler {text}"),
-        }
+        text.parse().unwrap()
     }
 
     /// A material with its lookup rule.
@@ -184,7 +130,7 @@ mod library {
 
         pub fn eval(&self, wo: &[Vec3], wi: &[Vec3]) -> Evaluations {
             let mut pairs = vec![Vec3::ZERO; wo.len()];
-            self.as_dyn().eval_pairs(wo, wi, &mut pairs);
+            self.as_dyn().eval_batch(Wo::Each(wo), wi, &mut pairs);
             let single = wo
                 .iter()
                 .zip(wi)
@@ -195,7 +141,7 @@ mod library {
 
         pub fn eval_cos(&self, wo: &[Vec3], wi: &[Vec3]) -> Evaluations {
             let mut pairs = vec![Vec3::ZERO; wo.len()];
-            self.as_dyn().eval_cos_pairs(wo, wi, &mut pairs);
+            self.as_dyn().eval_cos_batch(Wo::Each(wo), wi, &mut pairs);
             let brdf = self.as_dyn();
             let single = wo
                 .iter()
@@ -208,14 +154,14 @@ mod library {
         /// For one `wo`.
         pub fn eval_many(&self, wo: Vec3, wi: &[Vec3]) -> Evaluations {
             let mut pairs = vec![Vec3::ZERO; wi.len()];
-            self.as_dyn().eval_many(wo, wi, &mut pairs);
+            self.as_dyn().eval_batch(Wo::One(wo), wi, &mut pairs);
             let single = wi.iter().map(|&wi| self.as_dyn().eval(wo, wi)).collect();
             Evaluations { single, pairs }
         }
 
         /// Builds the sampler that `text` names.
         pub fn sampler(&self, text: &str) -> Sampler {
-            Arc::new(sampler_spec(text).build_for(&self.brdf).unwrap())
+            sampler_spec(text).build(&self.brdf).unwrap()
         }
     }
 
@@ -231,22 +177,20 @@ mod library {
     }
 
     pub fn sample_batch(sampler: &Sampler, wo: Vec3, points: &[Vec2]) -> Vec<Draw> {
-        sampler
-            .sample_batch(wo, points)
-            .into_iter()
-            .map(draw)
-            .collect()
+        let mut out = vec![None; points.len()];
+        sampler.sample_batch(Wo::One(wo), points, &mut out);
+        out.into_iter().map(draw).collect()
     }
 
     pub fn sample_pairs(sampler: &Sampler, wo: &[Vec3], points: &[Vec2]) -> Vec<Draw> {
         let mut out = vec![None; wo.len()];
-        sampler.sample_pairs(wo, points, &mut out);
+        sampler.sample_batch(Wo::Each(wo), points, &mut out);
         out.into_iter().map(draw).collect()
     }
 
     pub fn sample_many(sampler: &Sampler, wo: Vec3, count: usize, seed: u64) -> Vec<Draw> {
         sampler
-            .sample_many(wo, count, seed)
+            .draw_stratified(wo, count, seed)
             .into_iter()
             .map(draw)
             .collect()
@@ -258,7 +202,7 @@ mod library {
 
     pub fn pdf_pairs(sampler: &Sampler, wo: &[Vec3], wi: &[Vec3]) -> Vec<f32> {
         let mut out = vec![0.0; wo.len()];
-        sampler.pdf_pairs(wo, wi, &mut out);
+        sampler.pdf_batch(Wo::Each(wo), wi, &mut out);
         out
     }
 
@@ -325,9 +269,7 @@ mod library {
             let row = SceneSpec::row(&spheres, 1.5);
             let environment = LightSpec::Environment;
             let light = match self.light {
-                "point" => row.row_point(),
-                "directional" => row.row_directional(),
-                "area" => row.row_area(),
+                name @ ("point" | "directional" | "area") => row.light(name).unwrap(),
                 "environment" => environment(EnvironmentSource::Studio),
                 "uniform" => environment(EnvironmentSource::Uniform(Vec3::new(0.5, 0.7, 0.9))),
                 _ => panic!("no light {}", self.light),
@@ -354,39 +296,41 @@ mod library {
         /// Renders it; means and standard errors of the pixels, and other numbers that the way of rendering gives.
         pub fn render(&self, material: &Material, sampler: &Sampler) -> Pixels {
             let spec = self.scene();
-            let plan = match self.mode {
-                "everything" => EffectPlan::everything(&spec),
-                _ => EffectPlan::of(&spec),
+            let request = match self.mode {
+                "everything" => PlanRequest::Everything,
+                _ => PlanRequest::AsNeeded,
             };
             let brdf = material.brdf.brdf().clone();
             let surface = |_, _| {
                 Ok(Surface {
                     brdf: brdf.clone(),
-                    sampler: Some(sampler.clone()),
+                    sampler: Some(sampler.shared()),
                 })
             };
-            let scene = Scene::build(&spec, &plan, surface).unwrap();
-            let settings = Settings {
+            let scene = Scene::build(&spec, request, surface).unwrap();
+            let budget = match self.mode {
+                "adaptive" => Budget::Adaptive(self.samples),
+                "error" => Budget::ToError {
+                    error: 0.1,
+                    most: self.samples,
+                },
+                _ => Budget::Even(self.samples),
+            };
+            let settings = RenderSettings {
                 width: 48,
                 height: 32,
-                samples: self.samples,
                 seed: 7,
                 points: point_set(self.points),
+                budget,
             };
-            match self.mode {
-                "adaptive" => {
-                    let film = render_allocated(&scene, &plan, &settings, &|_| {}).unwrap();
-                    Pixels::of(&film, vec![])
-                }
-                "error" => {
-                    let refined = render_to_error(&scene, &plan, &settings, 0.1, &|_| {}).unwrap();
-                    let mut others = vec![refined.paths as f64, refined.traced as f64];
-                    others.push(refined.error());
-                    others.extend(refined.tiles.iter().map(|t| t.error));
-                    Pixels::of(&refined.film, others)
-                }
-                _ => Pixels::of(&render(&scene, &plan, &settings, &|_| {}).unwrap(), vec![]),
+            let rendered = render(&scene, &settings, &|_| {}).unwrap();
+            let mut others = Vec::new();
+            if let Some(refined) = &rendered.refinement {
+                others.extend([refined.paths as f64, refined.traced as f64]);
+                others.push(refined.error());
+                others.extend(refined.tiles.iter().map(|t| t.error));
             }
+            Pixels::of(&rendered.film, others)
         }
     }
 

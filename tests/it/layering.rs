@@ -1,6 +1,6 @@
 //! Which module may import which: the architecture, held.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 const TABLE: &[(&str, &[&str])] = &[
@@ -10,8 +10,10 @@ const TABLE: &[(&str, &[&str])] = &[
     ("geometry", &["error"]),
     ("files", &["error"]),
     ("distribution", &["error"]),
-    ("brdf", &["geometry", "color"]),
-    ("direction_sampler", &["points"]),
+    ("batch", &[]),
+    ("lanes", &["geometry"]),
+    ("brdf", &["batch", "geometry", "color"]),
+    ("direction_sampler", &["batch", "points"]),
     (
         "material",
         &[
@@ -19,6 +21,8 @@ const TABLE: &[(&str, &[&str])] = &[
             "color",
             "error",
             "files",
+            "batch",
+            "lanes",
             "brdf",
             "direction_sampler",
         ],
@@ -29,6 +33,8 @@ const TABLE: &[(&str, &[&str])] = &[
             "geometry",
             "color",
             "distribution",
+            "batch",
+            "lanes",
             "brdf",
             "direction_sampler",
             "error",
@@ -37,10 +43,13 @@ const TABLE: &[(&str, &[&str])] = &[
             "material",
         ],
     ),
-    ("export", &["brdf", "error", "files", "material", "sampler"]),
+    (
+        "export",
+        &["geometry", "brdf", "error", "files", "material", "sampler"],
+    ),
     (
         "light",
-        &["geometry", "color", "distribution", "error", "points"],
+        &["geometry", "color", "distribution", "error", "image"],
     ),
     ("image", &["color", "error", "files"]),
     (
@@ -49,6 +58,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "geometry",
             "color",
             "distribution",
+            "batch",
             "brdf",
             "direction_sampler",
             "error",
@@ -180,4 +190,190 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
         }
     }
     out
+}
+
+/// Modules whose files must not import each other in circles.
+const WITHOUT_CIRCLES: [&str; 2] = ["light", "render"];
+
+#[test]
+fn files_of_a_module_do_not_import_each_other_in_circles() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    for module in WITHOUT_CIRCLES {
+        let files: BTreeMap<String, String> = sources(&root.join(module))
+            .into_iter()
+            .map(|file| {
+                let text = std::fs::read_to_string(&file).unwrap();
+                (module_path(&file, &root), text)
+            })
+            .collect();
+        let graph = import_graph(&files);
+        assert!(graph.len() > 3, "{module}: {graph:?}");
+        assert_eq!(find_circle(&graph), None, "in module {module}");
+    }
+}
+
+#[test]
+fn circles_are_found_through_every_spelling() {
+    let files = |last: &str| {
+        BTreeMap::from([
+            (
+                "m".into(),
+                "mod a;\nmod b;\nmod c;\npub use c::{Seen, Z};".into(),
+            ),
+            ("m::a".into(), "use super::{Seen, b::X};".into()),
+            ("m::b".into(), "use crate::m::c::Y;".into()),
+            (
+                "m::c".into(),
+                format!("{last}\n#[cfg(test)]\nmod tests {{ use super::a::T; }}"),
+            ),
+        ])
+    };
+    let graph = import_graph(&files("use std::fmt;"));
+    assert_eq!(
+        graph["m::a"],
+        BTreeSet::from(["m::b", "m::c"].map(String::from))
+    );
+    assert_eq!(find_circle(&graph), None);
+    let circle = find_circle(&import_graph(&files("use super::a::W;"))).unwrap();
+    assert!(circle.contains(&"m::a".to_owned()) && circle.contains(&"m::c".to_owned()));
+}
+
+/// `render::budget::even` for `src/render/budget/even.rs`; a folder's `mod.rs` has the folder's path.
+fn module_path(file: &Path, root: &Path) -> String {
+    let relative = file.strip_prefix(root).unwrap().with_extension("");
+    let parts: Vec<String> = relative
+        .components()
+        .map(|c| c.as_os_str().to_string_lossy().into_owned())
+        .collect();
+    parts.join("::").trim_end_matches("::mod").to_owned()
+}
+
+/// Which files each file imports. Re-exports count as what they name; what a folder's `mod.rs` imports of its files is left
+/// out, since it is made of them.
+fn import_graph(files: &BTreeMap<String, String>) -> BTreeMap<String, BTreeSet<String>> {
+    let is_folder = |module: &str| files.keys().any(|m| m.starts_with(&format!("{module}::")));
+    let mut graph = BTreeMap::new();
+    for (module, text) in files.iter().filter(|(module, _)| !is_folder(module)) {
+        let mut imported: BTreeSet<String> = full_paths(text, module)
+            .iter()
+            .filter_map(|path| defining_file(path, files))
+            .collect();
+        imported.remove(module);
+        graph.insert(module.clone(), imported);
+    }
+    graph
+}
+
+/// All paths after `super::` or `crate::` in a file's code, from the crate's root.
+fn full_paths(text: &str, module: &str) -> Vec<String> {
+    let text = text.split("#[cfg(test)]").next().unwrap();
+    let lines = text.lines().map(|l| l.split("//").next().unwrap());
+    let code = lines.collect::<Vec<_>>().join("\n");
+    let mut out = Vec::new();
+    for (keyword, parent) in [
+        ("super::", module.rsplit_once("::").map_or("", |m| m.0)),
+        ("crate::", ""),
+    ] {
+        for after in code.split(keyword).skip(1) {
+            let items = match after.strip_prefix('{') {
+                Some(group) => group_items(group),
+                None => vec![leading_path(after)],
+            };
+            out.extend(items.iter().map(|item| format!("{parent}::{item}")));
+        }
+    }
+    out.iter()
+        .map(|path| path.trim_start_matches("::").to_owned())
+        .collect()
+}
+
+/// A brace group's items, each up to a group of its own.
+fn group_items(text: &str) -> Vec<String> {
+    let (mut depth, mut start, mut out) = (0, 0, Vec::new());
+    for (i, c) in text.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth > 0 => depth -= 1,
+            ',' | '}' if depth == 0 => {
+                out.push(leading_path(text[start..i].trim()));
+                start = i + 1;
+                if c == '}' {
+                    break;
+                }
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+fn leading_path(text: &str) -> String {
+    text.chars()
+        .take_while(|c| c.is_alphanumeric() || matches!(c, '_' | ':'))
+        .collect()
+}
+
+/// The file that a path leads to, through one re-export of a folder's `mod.rs`; `None` if that lies elsewhere.
+fn defining_file(path: &str, files: &BTreeMap<String, String>) -> Option<String> {
+    let (mut module, mut rest) = (
+        String::new(),
+        path.split("::").filter(|p| !p.is_empty()).peekable(),
+    );
+    while let Some(part) = rest.peek() {
+        let deeper = if module.is_empty() {
+            (*part).to_owned()
+        } else {
+            format!("{module}::{part}")
+        };
+        if !files.contains_key(&deeper) {
+            break;
+        }
+        module = deeper;
+        rest.next();
+    }
+    let text = files.get(&module)?;
+    let name = rest.next().unwrap_or_default();
+    for statement in text.split("use ").skip(1) {
+        let (child, items) = statement
+            .split(';')
+            .next()?
+            .split_once("::")
+            .unwrap_or_default();
+        let named = items
+            .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+            .any(|w| w == name);
+        let file = format!("{module}::{child}");
+        if named && files.contains_key(&file) {
+            return Some(file);
+        }
+    }
+    Some(module)
+}
+
+/// A circle of imports, if there is one.
+fn find_circle(graph: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
+    fn walk(
+        module: &String,
+        graph: &BTreeMap<String, BTreeSet<String>>,
+        trail: &mut Vec<String>,
+        done: &mut BTreeSet<String>,
+    ) -> bool {
+        if let Some(first) = trail.iter().position(|m| m == module) {
+            trail.drain(..first);
+            return true;
+        }
+        if !done.insert(module.clone()) {
+            return false;
+        }
+        trail.push(module.clone());
+        let imported = graph.get(module);
+        if imported.is_some_and(|all| all.iter().any(|m| walk(m, graph, trail, done))) {
+            return true;
+        }
+        trail.pop();
+        false
+    }
+    let (mut trail, mut done) = (Vec::new(), BTreeSet::new());
+    let found = graph.keys().any(|m| walk(m, graph, &mut trail, &mut done));
+    found.then_some(trail)
 }

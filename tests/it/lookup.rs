@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::support::{golden, naive, noise_table};
 use glam::{DVec2, DVec3, Vec3};
+use merlkit::Wo;
 use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
 use merlkit::geometry::{HalfDiff, cosine_hemisphere};
@@ -114,57 +115,18 @@ fn many_evaluations_at_once_are_single_ones_to_the_bit() {
         for rule in LookupRule::ALL {
             let brdf = MerlBrdf::new(table.clone(), rule);
             let mut out = vec![Rgb::NAN; wo.len()];
-            brdf.eval_pairs(&wo, &wi, &mut out);
+            brdf.eval_batch(Wo::Each(&wo), &wi, &mut out);
             for ((&wo, &wi), &f) in wo.iter().zip(&wi).zip(&out) {
                 assert!(f.is_finite(), "{rule:?} {wo} {wi}: {f}");
                 assert_eq!(f, brdf.eval(wo, wi), "{rule:?} {wo} {wi}");
             }
             for &wo in wo.iter().rev().step_by(700) {
-                brdf.eval_many(wo, &wi, &mut out);
+                brdf.eval_batch(Wo::One(wo), &wi, &mut out);
                 assert!(
                     wi.iter().zip(&out).all(|(&wi, &f)| f == brdf.eval(wo, wi)),
                     "{rule:?} {wo}"
                 );
             }
-        }
-    }
-}
-
-#[test]
-fn batches_of_any_length_fill_as_many_as_the_shortest_slice_holds() {
-    let (wo, wi): (Vec<_>, Vec<_>) = support::pairs(200, 37).unzip();
-    let table = Arc::new(noise_table(180, 0, 3));
-    for rule in LookupRule::ALL {
-        let brdf = MerlBrdf::new(table.clone(), rule);
-        for (given, wanted) in [
-            (0, 3),
-            (1, 1),
-            (3, 0),
-            (7, 200),
-            (63, 63),
-            (64, 65),
-            (129, 128),
-            (200, 131),
-        ] {
-            let expected = |k: usize, wo: Vec3| {
-                if k < given.min(wanted) {
-                    brdf.eval(wo, wi[k])
-                } else {
-                    Rgb::NEG_ONE
-                }
-            };
-            let mut out = vec![Rgb::NEG_ONE; wanted];
-            brdf.eval_pairs(&wo, &wi[..given], &mut out);
-            assert!(
-                (0..wanted).all(|k| out[k] == expected(k, wo[k])),
-                "{rule:?} {given} {wanted}"
-            );
-            out.fill(Rgb::NEG_ONE);
-            brdf.eval_many(wo[5], &wi[..given], &mut out);
-            assert!(
-                (0..wanted).all(|k| out[k] == expected(k, wo[5])),
-                "{rule:?} {given} {wanted}"
-            );
         }
     }
 }

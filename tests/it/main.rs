@@ -1,8 +1,11 @@
 //! What the library promises, one file a subject.
 
 mod adaptive;
+#[path = "../support/allocations.rs"]
+mod allocations;
 mod anisotropic;
 mod baselines;
+mod batches;
 mod bsdf;
 mod compare;
 mod format;
@@ -13,11 +16,11 @@ mod layering;
 mod lookup;
 mod mitsuba;
 mod page;
-mod pairs;
 mod plot;
 mod render;
 mod sampler_checks;
 mod sampler_files;
+mod sampler_settings;
 mod samplers;
 mod shrinking;
 mod strategies;

@@ -15,14 +15,12 @@ use merlkit::color::Rgb;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::files::Overwrite;
 use merlkit::geometry::{cosine_hemisphere, spherical};
-use merlkit::light::Directional;
+use merlkit::light::{Directional, EnvironmentSource, LightSpec};
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{BsdfFile, BsdfSize, Colour, RglBrdf, Tensor, tabulate};
 use merlkit::points::{PointSet, Stream};
-use merlkit::render::{
-    EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render,
-};
+use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render};
 use merlkit_evaluate::measure::chi_square::{ChiSquareTest, Verdict};
 use merlkit_evaluate::measure::{directional_albedo, value_errors};
 
@@ -285,7 +283,6 @@ fn a_sphere_looks_the_same() {
         depth: 1,
         ..SceneSpec::row(&["paint".to_owned()], 1.0)
     };
-    let plan = EffectPlan::of(&spec);
     let surface = |_, _| {
         let sampler: Arc<dyn DirectionSampler> = Arc::new(exported.rgl("rgb"));
         Ok(Surface {
@@ -293,20 +290,15 @@ fn a_sphere_looks_the_same() {
             sampler: Some(sampler),
         })
     };
-    let settings = Settings {
+    let settings = RenderSettings {
         width: SIDE,
         height: SIDE,
-        samples: SAMPLES,
         seed: 7,
         points: PointSet::Random,
+        budget: Budget::Even(SAMPLES),
     };
-    let ours = render(
-        &Scene::build(&spec, &plan, surface).unwrap(),
-        &plan,
-        &settings,
-        &|_| {},
-    )
-    .unwrap();
+    let built = Scene::build(&spec, PlanRequest::AsNeeded, surface).unwrap();
+    let ours = render(&built, &settings, &|_| {}).unwrap().film;
     let (camera, ball) = (spec.camera, spec.spheres[0].shape);
     let scene = [
         &[SIDE as f64, SAMPLES as f64][..],

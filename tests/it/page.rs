@@ -7,7 +7,8 @@ use merlkit::distribution::Heuristic;
 use merlkit::image::encode_png;
 use merlkit::material::merl::LookupRule;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, FactoredSettings, HalfVectorSettings, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, CosineSettings, FactoredSettings, HalfVectorSettings,
+    SamplerSpec,
 };
 use merlkit_evaluate::measure::compare::{
     Comparison, ComparisonPlan, Competitor, Curve, ErrorPoint, Knob, MaterialCharts,
@@ -20,7 +21,7 @@ use merlkit_evaluate::measure::cost::Seconds;
 use merlkit_evaluate::plot::{Disc, Polar};
 use merlkit_evaluate::report::{ComparisonDocument, beside_thesis, comparison_page, write_json};
 
-const HALF_VECTOR: fn() -> SamplerSpec = || SamplerSpec::HalfVector(HalfVectorSettings::default());
+const HALF_VECTOR: fn() -> SamplerSpec = || SamplerSpec::new(HalfVectorSettings::default());
 
 /// Error `scale`/√N under random numbers, half of it under Sobol points.
 fn curve(competitor: Competitor, label: &str, ns_per_sample: f64, scale: f64) -> Curve {
@@ -56,16 +57,21 @@ fn material(name: &str, ns: f64) -> MaterialComparison {
         technique: Technique::Mis(Heuristic::Power),
     };
     let curves = vec![
-        curve(Competitor::brdf(SamplerSpec::Cosine), "cosine", 100.0, 3.0),
+        curve(
+            Competitor::brdf(SamplerSpec::new(CosineSettings {})),
+            "cosine",
+            100.0,
+            3.0,
+        ),
         curve(Competitor::brdf(HALF_VECTOR()), "half-vector 64KB", ns, 1.0),
         curve(
-            Competitor::brdf(SamplerSpec::CascadeCdf(CascadeCdfSettings::default())),
+            Competitor::brdf(SamplerSpec::new(CascadeCdfSettings::default())),
             "cascade",
             200.0,
             1.1,
         ),
         curve(
-            Competitor::brdf(SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default())),
+            Competitor::brdf(SamplerSpec::new(AdaptiveDiscSettings::default())),
             "disc",
             300.0,
             1.1,
@@ -89,8 +95,8 @@ fn material(name: &str, ns: f64) -> MaterialComparison {
 fn picture(scene: SceneKind, material: &str) -> PictureComparison {
     let png = |grey: u8| encode_png(2, 2, &[grey; 12]).unwrap();
     let result = |(spec, error): (SamplerSpec, f64), samples: u64| PictureResult {
+        label: spec.to_string(),
         competitor: Competitor::brdf(spec),
-        label: spec.label(),
         samples,
         seconds: Seconds {
             wall: 0.5,
@@ -113,17 +119,14 @@ fn picture(scene: SceneKind, material: &str) -> PictureComparison {
         },
     };
     let specs = [
-        (SamplerSpec::Cosine, 3.0),
+        (SamplerSpec::new(CosineSettings {}), 3.0),
         (HALF_VECTOR(), 0.5),
-        (
-            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()),
-            0.75,
-        ),
-        (SamplerSpec::Factored(FactoredSettings::default()), 1.0),
+        (SamplerSpec::new(AdaptiveDiscSettings::default()), 0.75),
+        (SamplerSpec::new(FactoredSettings::default()), 1.0),
     ];
     let results = [PICTURE_SAMPLES, 100]
         .iter()
-        .flat_map(|&n| specs.map(|s| result(s, n)))
+        .flat_map(|&n| specs.clone().map(|s| result(s, n)))
         .collect();
     let reference = PictureReference {
         label: "many".into(),
@@ -141,7 +144,7 @@ fn picture(scene: SceneKind, material: &str) -> PictureComparison {
 
 fn settings(material: &str) -> SettingsComparison {
     let setting = |tables: usize| {
-        let spec = SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        let spec = SamplerSpec::new(CascadeCdfSettings {
             tolerance: None,
             tables,
             ..Default::default()
@@ -170,6 +173,7 @@ fn empty() -> Comparison {
     let plan = ComparisonPlan {
         schema: SCHEMA,
         quick: true,
+        samplers: Vec::new(),
         lookup: LookupRule::default(),
         sky: "lamps".into(),
         point: PointPlan::quick(1),

@@ -759,7 +759,10 @@ mod views {
     #[test]
     fn drawn_directions_are_on_the_disc_and_on_the_mirror_s_side() {
         let disc = disc(&NICKEL, LeafChoice::Envelope);
-        let (feet, failed) = views::sampled_directions(&disc, 45.0, 500, 2);
+        let sampler = merlkit::sampler::SamplerSpec::new(*disc.settings())
+            .build(&crate::support::loaded(&NICKEL))
+            .unwrap();
+        let (feet, failed) = views::sampled_directions(Some(&sampler), 45.0, 500, 2);
         assert_eq!(feet.len() + failed, 500);
         assert!(feet.iter().all(|p| p.length() <= 1.0));
         assert!(

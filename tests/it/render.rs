@@ -11,13 +11,15 @@ use merlkit::distribution::Heuristic;
 use merlkit::files::Overwrite;
 use merlkit::geometry::spherical;
 use merlkit::image::{Image, write_exr, write_png};
-use merlkit::light::{Area, Directional, Light, Point, SkySampling, studio};
+use merlkit::light::{
+    Area, Directional, EnvironmentSource, Light, LightSpec, Point, SkySampling, studio,
+};
 use merlkit::material::merl::{Header, MerlTable, decode_embedded};
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Camera, Effect, EffectPlan, EnvironmentSource, Film, LightSpec, Ray, Scene, SceneSpec,
-    Settings, Sphere, SphereSpec, Strategy, Surface, render,
+    Budget, Camera, Effect, EffectPlan, Film, PlanRequest, Ray, RenderSettings, Rendered, Scene,
+    SceneSpec, Sphere, SphereSpec, Strategy, Surface, render,
 };
 use merlkit::sampler::Cosine;
 
@@ -46,8 +48,8 @@ fn row(count: usize, lights: Vec<LightSpec>, strategy: Strategy) -> SceneSpec {
     }
 }
 
-fn build(spec: &SceneSpec, plan: &EffectPlan, brdfs: &[Arc<dyn Brdf>]) -> Scene {
-    Scene::build(spec, plan, |i, directions| {
+fn build(spec: &SceneSpec, request: PlanRequest, brdfs: &[Arc<dyn Brdf>]) -> Scene {
+    Scene::build(spec, request, |i, directions| {
         let sampler = directions.then(|| Arc::new(Cosine) as Arc<dyn DirectionSampler>);
         Ok(Surface {
             brdf: brdfs[i].clone(),
@@ -59,24 +61,25 @@ fn build(spec: &SceneSpec, plan: &EffectPlan, brdfs: &[Arc<dyn Brdf>]) -> Scene 
 
 fn film(
     spec: &SceneSpec,
-    plan: &EffectPlan,
+    request: PlanRequest,
     brdfs: &[Arc<dyn Brdf>],
     side: usize,
     samples: u64,
 ) -> Film {
     // Random points: their standard errors are right.
-    let settings = Settings {
+    let settings = RenderSettings {
         width: side,
         height: side,
-        samples,
         seed: 7,
         points: PointSet::Random,
+        budget: Budget::Even(samples),
     };
-    render(&build(spec, plan, brdfs), plan, &settings, &|_| {}).unwrap()
+    let scene = build(spec, request, brdfs);
+    render(&scene, &settings, &|_| {}).unwrap().film
 }
 
 fn planned(spec: &SceneSpec, brdfs: &[Arc<dyn Brdf>], side: usize, samples: u64) -> Film {
-    film(spec, &EffectPlan::of(spec), brdfs, side, samples)
+    film(spec, PlanRequest::AsNeeded, brdfs, side, samples)
 }
 
 fn uniform(radiance: f32) -> LightSpec {
@@ -283,7 +286,7 @@ fn an_area_light_agrees_with_quadrature() {
 
 #[test]
 fn an_environment_on_a_metal_agrees_with_quadrature() {
-    let (sky, nickel) = (studio(SkySampling::Uniform).unwrap(), embedded("nickel"));
+    let (sky, nickel) = (studio(SkySampling::Uniform), embedded("nickel"));
     let studio = || vec![LightSpec::Environment(EnvironmentSource::Studio)];
     for normal in [
         DVec3::new(-0.4, 0.6, 0.7),
@@ -374,7 +377,7 @@ fn strategies_agree_where_everything_meets() {
 #[test]
 fn everything_forced_on_gives_the_same_picture() {
     let brdfs = [lambert(0.8), embedded("blue-metallic-paint")];
-    let point = || row(2, vec![], MIS).row_point();
+    let point = || row(2, vec![], MIS).light("point").unwrap();
     let cases = [
         ("one sphere, point", row(1, vec![point()], MIS)),
         ("one sphere, environment", row(1, vec![uniform(1.0)], MIS)),
@@ -403,11 +406,11 @@ fn everything_forced_on_gives_the_same_picture() {
     ];
     for (name, spec) in cases {
         let planned = planned(&spec, &brdfs, 32, 128);
-        let forced = film(&spec, &EffectPlan::everything(&spec), &brdfs, 32, 128);
+        let forced = film(&spec, PlanRequest::Everything, &brdfs, 32, 128);
         assert_same_within_noise(&planned, &forced, name);
         assert!(planned.mean(16, 16).x > 0.0, "{name} is black");
         for effect in Effect::ALL {
-            let one = film(&spec, &EffectPlan::of(&spec).with(effect), &brdfs, 32, 32);
+            let one = film(&spec, PlanRequest::Plus(effect), &brdfs, 32, 32);
             assert_same_within_noise(&one, &forced, &format!("{name}, {} forced", effect.name()));
         }
     }
@@ -423,7 +426,7 @@ fn a_wrong_picture_is_told_from_noise() {
 }
 
 fn effects_on(spec: &SceneSpec) -> Vec<Effect> {
-    let plan = EffectPlan::of(spec);
+    let plan = EffectPlan::for_scene(spec, PlanRequest::AsNeeded);
     Effect::ALL.into_iter().filter(|e| plan.is_on(*e)).collect()
 }
 
@@ -431,7 +434,7 @@ fn effects_on(spec: &SceneSpec) -> Vec<Effect> {
 fn plans_hold_what_the_scene_calls_for() {
     use Effect::*;
     let sky = || LightSpec::Environment(EnvironmentSource::Studio);
-    let delta = row(1, vec![], MIS).row_directional();
+    let delta = row(1, vec![], MIS).light("directional").unwrap();
     let one = |light, strategy| row(1, vec![light], strategy);
     assert_eq!(effects_on(&one(delta.clone(), MIS)), []);
     assert_eq!(
@@ -473,13 +476,34 @@ fn plans_hold_what_the_scene_calls_for() {
     assert_eq!(effects_on(&ris(8)), [Directions, Resampling]);
     assert_eq!(effects_on(&ris(1)), [Directions]);
     assert_eq!(effects_on(&row(3, vec![], MIS)), []);
-    let all = EffectPlan::everything(&row(1, vec![], MIS));
+    let all = EffectPlan::for_scene(&row(1, vec![], MIS), PlanRequest::Everything);
     assert!(Effect::ALL.into_iter().all(|e| all.is_on(e)) && all.materials()[0].on);
+}
+
+type Render = fn(&Scene, &RenderSettings, &(dyn Fn(usize) + Sync)) -> merlkit::Result<Rendered>;
+
+#[test]
+fn a_scene_is_rendered_by_the_plan_it_was_built_by() {
+    // No function takes a plan beside a scene.
+    let _: Render = render;
+    let spec = row(2, vec![uniform(1.0)], MIS);
+    let brdfs = [lambert(0.5), lambert(0.7)];
+    for request in [
+        PlanRequest::AsNeeded,
+        PlanRequest::Plus(Effect::Resampling),
+        PlanRequest::Everything,
+    ] {
+        let scene = build(&spec, request, &brdfs);
+        assert_eq!(scene.plan(), &EffectPlan::for_scene(&spec, request));
+    }
+    let forced = build(&spec, PlanRequest::Plus(Effect::Resampling), &brdfs);
+    assert!(forced.plan().is_on(Effect::Resampling));
+    assert_eq!(forced.plan().effect(Effect::Resampling).why, "forced");
 }
 
 #[test]
 fn only_what_is_used_is_loaded() {
-    let loads = |spec: &SceneSpec, plan: &EffectPlan| {
+    let loads = |spec: &SceneSpec, request: PlanRequest| {
         let mut calls = Vec::new();
         let brdf = lambert(0.5);
         let load = |i, directions| {
@@ -489,7 +513,7 @@ fn only_what_is_used_is_loaded() {
                 sampler: Some(Arc::new(Cosine)),
             })
         };
-        Scene::build(spec, plan, load).unwrap();
+        Scene::build(spec, request, load).unwrap();
         calls
     };
     let names = ["a", "b", "a"].map(String::from);
@@ -498,12 +522,12 @@ fn only_what_is_used_is_loaded() {
         ..SceneSpec::row(&names, 2.0)
     };
     spec.materials.push("unused".into());
-    assert_eq!(loads(&spec, &EffectPlan::of(&spec)), [(0, true), (1, true)]);
-    assert_eq!(loads(&spec, &EffectPlan::everything(&spec)).len(), 3);
+    assert_eq!(loads(&spec, PlanRequest::AsNeeded), [(0, true), (1, true)]);
+    assert_eq!(loads(&spec, PlanRequest::Everything).len(), 3);
     spec.lights = vec![uniform(0.0)];
-    assert_eq!(loads(&spec, &EffectPlan::of(&spec)), []);
-    let delta = row(1, vec![spec.row_point()], MIS);
-    assert_eq!(loads(&delta, &EffectPlan::of(&delta)), [(0, false)]);
+    assert_eq!(loads(&spec, PlanRequest::AsNeeded), []);
+    let delta = row(1, vec![spec.light("point").unwrap()], MIS);
+    assert_eq!(loads(&delta, PlanRequest::AsNeeded), [(0, false)]);
 }
 
 /// Draws by the cosine, but fails every other time.
@@ -534,7 +558,6 @@ fn failed_draws_count_as_zero() {
     for strategy in [MIS, Strategy::Brdf] {
         let mut spec = row(1, vec![uniform(1.0)], strategy);
         look_at_point(&mut spec, DVec3::Y);
-        let plan = EffectPlan::of(&spec);
         let brdf = lambert(0.6);
         let load = |_, _| {
             Ok(Surface {
@@ -542,15 +565,15 @@ fn failed_draws_count_as_zero() {
                 sampler: Some(Arc::new(Failing)),
             })
         };
-        let scene = Scene::build(&spec, &plan, load).unwrap();
-        let settings = Settings {
+        let scene = Scene::build(&spec, PlanRequest::AsNeeded, load).unwrap();
+        let settings = RenderSettings {
             width: 1,
             height: 1,
-            samples: 1 << 14,
             seed: 1,
             points: PointSet::Random,
+            budget: Budget::Even(1 << 14),
         };
-        let film = render(&scene, &plan, &settings, &|_| {}).unwrap();
+        let film = render(&scene, &settings, &|_| {}).unwrap().film;
         assert_pixel(&film, DVec3::splat(0.6), 1e-6, &format!("{strategy:?}"));
     }
 }
@@ -563,14 +586,13 @@ fn any_number_of_threads_gives_the_same_bytes() {
         floor: Some(0.4),
         ..row(2, vec![sky], MIS)
     };
-    let plan = EffectPlan::of(&spec);
-    let scene = build(&spec, &plan, &brdfs);
-    let settings = Settings {
+    let scene = build(&spec, PlanRequest::AsNeeded, &brdfs);
+    let settings = RenderSettings {
         width: 41,
         height: 23,
-        samples: 5,
         seed: 3,
         points: PointSet::Sobol,
+        budget: Budget::Even(5),
     };
     let folder = tempfile::tempdir().unwrap();
     let files = [1, 2, 3].map(|threads| {
@@ -583,8 +605,9 @@ fn any_number_of_threads_gives_the_same_bytes() {
             done.fetch_add(n, std::sync::atomic::Ordering::Relaxed);
         };
         let image = pool
-            .install(|| render(&scene, &plan, &settings, &count))
+            .install(|| render(&scene, &settings, &count))
             .unwrap()
+            .film
             .to_image()
             .unwrap();
         assert_eq!(done.into_inner(), 41 * 23);
@@ -597,15 +620,14 @@ fn any_number_of_threads_gives_the_same_bytes() {
     assert!(files[0] == files[1] && files[0] == files[2]);
     let other = render(
         &scene,
-        &plan,
-        &Settings {
+        &RenderSettings {
             seed: 4,
             ..settings
         },
         &|_| {},
     )
     .unwrap();
-    assert_ne!(other, render(&scene, &plan, &settings, &|_| {}).unwrap());
+    assert_ne!(other, render(&scene, &settings, &|_| {}).unwrap());
 }
 
 #[test]
@@ -618,11 +640,11 @@ fn scenes_outside_their_domain_are_refused() {
                 sampler: None,
             })
         };
-        Scene::build(spec, &EffectPlan::of(spec), load)
+        Scene::build(spec, PlanRequest::AsNeeded, load)
             .err()
             .map(|e| e.to_string())
     };
-    let point = row(1, vec![], MIS).row_point();
+    let point = row(1, vec![], MIS).light("point").unwrap();
     let good = row(1, vec![point], MIS);
     assert_eq!(refused(&good), None);
     let flat = SphereSpec {
@@ -673,21 +695,19 @@ fn scenes_outside_their_domain_are_refused() {
         .unwrap()
         .contains("sampler")
     );
-    let settings = Settings {
+    let settings = RenderSettings {
         width: 0,
         height: 4,
-        samples: 1,
         seed: 0,
         points: PointSet::Sobol,
+        budget: Budget::Even(1),
     };
-    let plan = EffectPlan::of(&good);
-    let scene = build(&good, &plan, &[lambert(0.5)]);
-    assert!(render(&scene, &plan, &settings, &|_| {}).is_err());
+    let scene = build(&good, PlanRequest::AsNeeded, &[lambert(0.5)]);
+    assert!(render(&scene, &settings, &|_| {}).is_err());
     assert!(
         render(
             &scene,
-            &plan,
-            &Settings {
+            &RenderSettings {
                 width: usize::MAX,
                 ..settings
             },
@@ -713,8 +733,8 @@ fn an_environment_file_lights_as_its_pixels_say() {
 
 #[test]
 fn the_studio_is_the_same_with_and_without_tables() {
-    let tables = studio(SkySampling::Importance).unwrap();
-    let plain = studio(SkySampling::Uniform).unwrap();
+    let tables = studio(SkySampling::Importance);
+    let plain = studio(SkySampling::Uniform);
     assert!(tables.table_bytes() > 0 && plain.table_bytes() == 0);
     let mean = |sky: &dyn Light| {
         let n = 1 << 15;

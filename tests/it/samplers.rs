@@ -4,6 +4,7 @@
 //! Left out: the adaptive disc with leaves by integral. Its densities are as good as the integrals of its leaves, which are
 //! estimates from points, so it is approximate and is not held to these checks; the published settings below show it.
 
+use crate::support::loaded;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -17,7 +18,8 @@ use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::store::encode;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, Carry, CascadeCdfSettings, LeafChoice, Sampler, SamplerSpec, TableChoice,
+    AdaptiveDiscSettings, Carry, CascadeCdfSettings, CosineSettings, LeafChoice, Sampler,
+    SamplerSpec, TableChoice,
 };
 use merlkit_evaluate::measure::accuracy::{LIMIT_ANGLES_DEG, WeightSpread, weight_spread};
 use merlkit_evaluate::measure::check::{
@@ -42,7 +44,7 @@ fn direction(degrees: f64) -> Vec3 {
 }
 
 fn disc(choice: TableChoice) -> SamplerSpec {
-    SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+    SamplerSpec::new(AdaptiveDiscSettings {
         choice,
         ..Default::default()
     })
@@ -50,7 +52,7 @@ fn disc(choice: TableChoice) -> SamplerSpec {
 
 fn rejection_free(choice: TableChoice) -> SamplerSpec {
     let leaves = LeafChoice::Warp;
-    SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+    SamplerSpec::new(AdaptiveDiscSettings {
         choice,
         leaves,
         ..Default::default()
@@ -65,25 +67,25 @@ fn kept(choice: TableChoice) -> SamplerSpec {
         tables: 60,
         ..Default::default()
     };
-    SamplerSpec::AdaptiveDisc(settings)
+    SamplerSpec::new(settings)
 }
 
 fn cascade(choice: TableChoice) -> SamplerSpec {
-    SamplerSpec::CascadeCdf(CascadeCdfSettings {
+    SamplerSpec::new(CascadeCdfSettings {
         choice,
         ..Default::default()
     })
 }
 
 fn whole(choice: TableChoice) -> SamplerSpec {
-    SamplerSpec::CascadeCdf(CascadeCdfSettings {
+    SamplerSpec::new(CascadeCdfSettings {
         choice,
         ..CascadeCdfSettings::uniform()
     })
 }
 
 fn coarse(choice: TableChoice) -> SamplerSpec {
-    SamplerSpec::CascadeCdf(CascadeCdfSettings {
+    SamplerSpec::new(CascadeCdfSettings {
         choice,
         tolerance: Some(1e-2),
         ..Default::default()
@@ -103,8 +105,8 @@ fn settings(seed: u64) -> CheckSettings {
 }
 
 fn assert_passes(spec: SamplerSpec, brdf: &Arc<MerlBrdf>, settings: &CheckSettings) {
-    let sampler = spec.build(brdf).unwrap();
-    let report = check_sampler(&sampler, &**brdf, &check_directions(), settings);
+    let sampler = spec.build(&loaded(&brdf)).unwrap();
+    let report = check_sampler(&*sampler, &**brdf, &check_directions(), settings);
     assert_eq!(report.outcomes.len(), 13 * 7);
     assert!(
         report.pass(),
@@ -167,7 +169,7 @@ fn cosine_passes_on_dull_materials() {
         .enumerate()
     {
         assert_passes(
-            SamplerSpec::Cosine,
+            SamplerSpec::new(CosineSettings {}),
             &measured(name, LookupRule::Floor),
             &settings(2000 + seed as u64),
         );
@@ -179,11 +181,11 @@ fn luminance_passes() {
     let brdf = measured("blue-metallic-paint", LookupRule::Floor);
     let importance = Importance::Luminance;
     let specs = [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             importance,
             ..Default::default()
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             importance,
             ..Default::default()
         }),
@@ -220,8 +222,8 @@ fn other_lookup_rules_pass() {
 
 /// Checks with the usual number of draws.
 fn check_tampered(
-    draws: &Sampler,
-    claims: &Sampler,
+    draws: &dyn DirectionSampler,
+    claims: &dyn DirectionSampler,
     shift: f64,
     wos: &[Vec3],
     brdf: &MerlBrdf,
@@ -245,13 +247,13 @@ fn failed(report: &CheckReport, check: Check) -> usize {
 #[test]
 fn the_density_of_the_neighbouring_tree_is_rejected() {
     let brdf = measured("nickel", LookupRule::Floor);
-    let sampler = kept(TableChoice::Nearest).build(&brdf).unwrap();
+    let sampler = kept(TableChoice::Nearest).build(&loaded(&brdf)).unwrap();
     let wos = [14.5, 45.0, 75.5].map(direction);
     // Its density knows of `wo` only the azimuth and the trees, which stand 90°/59 apart.
-    let right = check_tampered(&sampler, &sampler, 0.0, &wos, &brdf);
+    let right = check_tampered(&*sampler, &*sampler, 0.0, &wos, &brdf);
     let wrong = check_tampered(
-        &sampler,
-        &sampler,
+        &*sampler,
+        &*sampler,
         (90.0_f64 / 59.0).to_radians(),
         &wos,
         &brdf,
@@ -265,11 +267,11 @@ fn the_density_of_the_neighbouring_tree_is_rejected() {
 fn a_density_without_the_floor_is_rejected() {
     let brdf = measured("chrome", LookupRule::Floor);
     let without = [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             floor: 0.0,
             ..Default::default()
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             floor: 0.0,
             ..Default::default()
         }),
@@ -284,14 +286,17 @@ fn a_density_without_the_floor_is_rejected() {
         .into_iter()
         .zip(without)
     {
-        let (draws, claims) = (ours.build(&brdf).unwrap(), without.build(&brdf).unwrap());
+        let (draws, claims) = (
+            ours.build(&loaded(&brdf)).unwrap(),
+            without.build(&loaded(&brdf)).unwrap(),
+        );
         let wrong = Tampered {
-            draws: &draws,
-            claims: &claims,
+            draws: &*draws,
+            claims: &*claims,
             shift: 0.0,
         };
         let (right, wrong) = (
-            test.run(&draws, direction(45.0)),
+            test.run(&*draws, direction(45.0)),
             test.run(&wrong, direction(45.0)),
         );
         assert_eq!(right.verdict, Verdict::Pass, "{ours:?}: {right:?}");
@@ -308,9 +313,9 @@ fn a_density_for_another_angle_is_rejected() {
         disc(TableChoice::Mixture),
         rejection_free(TableChoice::Mixture),
     ] {
-        let sampler = spec.build(&brdf).unwrap();
-        let right = check_tampered(&sampler, &sampler, 0.0, &wos, &brdf);
-        let wrong = check_tampered(&sampler, &sampler, 0.5_f64.to_radians(), &wos, &brdf);
+        let sampler = spec.build(&loaded(&brdf)).unwrap();
+        let right = check_tampered(&*sampler, &*sampler, 0.0, &wos, &brdf);
+        let wrong = check_tampered(&*sampler, &*sampler, 0.5_f64.to_radians(), &wos, &brdf);
         assert!(
             right.pass(),
             "{spec:?}: {:#?}",
@@ -334,9 +339,9 @@ fn half_vectors_carried_past_the_horizon_are_accounted_for() {
             disc(TableChoice::Nearest),
             rejection_free(TableChoice::Mixture),
         ] {
-            let sampler = spec.build(&brdf).unwrap();
+            let sampler = spec.build(&loaded(&brdf)).unwrap();
             for degrees in [83.0, 88.0, 89.8] {
-                let result = test.run(&sampler, direction(degrees));
+                let result = test.run(&*sampler, direction(degrees));
                 assert_eq!(
                     (result.verdict, result.failed),
                     (Verdict::Pass, 0),
@@ -351,7 +356,9 @@ fn half_vectors_carried_past_the_horizon_are_accounted_for() {
 #[test]
 fn well_spread_points_serve_the_rejection_free_disc() {
     let brdf = measured("nickel", LookupRule::Floor);
-    let sampler = rejection_free(TableChoice::Mixture).build(&brdf).unwrap();
+    let sampler = rejection_free(TableChoice::Mixture)
+        .build(&loaded(&brdf))
+        .unwrap();
     for wo in [29.75, 60.25].map(direction) {
         let [random, sobol] = [PointSet::Random, PointSet::Sobol].map(|points| {
             // A smooth light that tells directions apart, so that the spread of places counts, not only that of weights.
@@ -385,10 +392,10 @@ fn draws_of_the_nearest_table_with_the_density_of_the_mixture_are_rejected() {
     for (spec, angles) in cases {
         let wos = angles.map(direction);
         let (draws, claims) = (
-            spec(TableChoice::Nearest).build(&brdf).unwrap(),
-            spec(TableChoice::Mixture).build(&brdf).unwrap(),
+            spec(TableChoice::Nearest).build(&loaded(&brdf)).unwrap(),
+            spec(TableChoice::Mixture).build(&loaded(&brdf)).unwrap(),
         );
-        let report = check_tampered(&draws, &claims, 0.0, &wos, &brdf);
+        let report = check_tampered(&*draws, &*claims, 0.0, &wos, &brdf);
         assert_eq!(
             failed(&report, Check::ChiSquare),
             3,
@@ -399,10 +406,10 @@ fn draws_of_the_nearest_table_with_the_density_of_the_mixture_are_rejected() {
 }
 
 fn spreads(spec: SamplerSpec, brdf: &Arc<MerlBrdf>) -> Vec<WeightSpread> {
-    let sampler = spec.build(brdf).unwrap();
+    let sampler = spec.build(&loaded(&brdf)).unwrap();
     let at = |&degrees: &f64| {
         let quadrature = Quadrature::new(direction(degrees), POINTS_PER_BIN);
-        weight_spread(&sampler, &**brdf, &quadrature, Importance::Mean)
+        weight_spread(&*sampler, &**brdf, &quadrature, Importance::Mean)
     };
     LIMIT_ANGLES_DEG.iter().map(at).collect()
 }
@@ -410,11 +417,11 @@ fn spreads(spec: SamplerSpec, brdf: &Arc<MerlBrdf>) -> Vec<WeightSpread> {
 #[test]
 fn the_published_cascade_has_holes() {
     let brdf = measured("teflon", LookupRule::Floor);
-    let sampler = SamplerSpec::CascadeCdf(CascadeCdfSettings::as_published(true))
-        .build(&brdf)
+    let sampler = SamplerSpec::new(CascadeCdfSettings::as_published(true))
+        .build(&loaded(&brdf))
         .unwrap();
     let report = check_sampler(
-        &sampler,
+        &*sampler,
         &*brdf,
         &[direction(29.75), direction(30.0)],
         &settings(1),
@@ -428,13 +435,10 @@ fn the_published_cascade_has_holes() {
 fn the_published_cascade_is_heavy_tailed_and_ours_is_not() {
     let brdf = measured("red-plastic", LookupRule::Floor);
     let published = spreads(
-        SamplerSpec::CascadeCdf(CascadeCdfSettings::as_published(true)),
+        SamplerSpec::new(CascadeCdfSettings::as_published(true)),
         &brdf,
     );
-    let ours = spreads(
-        SamplerSpec::CascadeCdf(CascadeCdfSettings::default()),
-        &brdf,
-    );
+    let ours = spreads(SamplerSpec::new(CascadeCdfSettings::default()), &brdf);
     assert!(published.iter().any(|s| s.relstd > 1.0), "{published:#?}");
     assert!(
         ours.iter().all(|s| s.relstd < 0.3 && s.holes == 0.0),
@@ -445,11 +449,11 @@ fn the_published_cascade_is_heavy_tailed_and_ours_is_not() {
 #[test]
 fn the_published_disc_has_a_density_that_is_off() {
     let brdf = measured("chrome", LookupRule::Floor);
-    let sampler = SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::as_published())
-        .build(&brdf)
+    let sampler = SamplerSpec::new(AdaptiveDiscSettings::as_published())
+        .build(&loaded(&brdf))
         .unwrap();
     let report = check_sampler(
-        &sampler,
+        &*sampler,
         &*brdf,
         &[0.0, 45.0, 75.5].map(direction),
         &settings(1),
@@ -521,10 +525,10 @@ fn batches_are_stratified_and_unbiased() {
         (rejection_free(TableChoice::Mixture), 1.15),
         (cascade(TableChoice::Mixture), 1.15),
     ] {
-        let sampler = spec.build(&brdf).unwrap();
-        let exact = weight_spread(&sampler, &*brdf, &quadrature, Importance::Mean);
+        let sampler = spec.build(&loaded(&brdf)).unwrap();
+        let exact = weight_spread(&*sampler, &*brdf, &quadrature, Importance::Mean);
         let independent = (exact.relstd * exact.mean).powi(2) / BATCH as f64;
-        let many = Batches::of(&brdf, wo, |seed| sampler.sample_many(wo, BATCH, seed));
+        let many = Batches::of(&brdf, wo, |seed| sampler.draw_stratified(wo, BATCH, seed));
         let single = Batches::of(&brdf, wo, |seed| {
             (0..BATCH as u64)
                 .map(|i| sampler.sample(wo, PointSet::Random.point(seed, i, 0)))
@@ -583,10 +587,10 @@ impl DirectionSampler for Batched<'_> {
 fn batches_fall_where_the_density_says() {
     let brdf = measured("chrome", LookupRule::Floor);
     for spec in [disc(TableChoice::Mixture), cascade(TableChoice::Mixture)] {
-        let sampler = spec.build(&brdf).unwrap();
+        let sampler = spec.build(&loaded(&brdf)).unwrap();
         for wo in [29.0, 84.7].map(direction) {
             let draws = (0..200)
-                .flat_map(|seed| sampler.sample_many(wo, 500, seed))
+                .flat_map(|seed| sampler.draw_stratified(wo, 500, seed))
                 .collect();
             let batched = Batched {
                 sampler: &sampler,
@@ -608,16 +612,16 @@ fn builds_do_not_depend_on_threads() {
     let material = Material::resolve("alum-bronze").unwrap();
     let brdf = measured("alum-bronze", LookupRule::Floor);
     let specs = [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings {
             tables: 20,
             ..Default::default()
         }),
         rejection_free(TableChoice::Mixture),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             tables: 7,
             ..Default::default()
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             tables: 7,
             ..CascadeCdfSettings::uniform()
         }),
@@ -628,8 +632,8 @@ fn builds_do_not_depend_on_threads() {
                 .num_threads(threads)
                 .build()
                 .unwrap();
-            let sampler = pool.install(|| spec.build(&brdf)).unwrap();
-            encode(&sampler, &material, LookupRule::Floor).unwrap()
+            let sampler = pool.install(|| spec.build(&loaded(&brdf))).unwrap();
+            encode(&sampler, &material).unwrap()
         });
         assert!(bytes[0] == bytes[1] && bytes[0] == bytes[2], "{spec:?}");
     }
@@ -644,8 +648,8 @@ fn shallow_trees_lose_no_draws() {
         depth: 1,
         ..Default::default()
     };
-    let disc = SamplerSpec::AdaptiveDisc(settings)
-        .build(&measured("nickel", LookupRule::Floor))
+    let disc = SamplerSpec::new(settings)
+        .build(&loaded(&measured("nickel", LookupRule::Floor)))
         .unwrap();
     for i in 0..200 {
         assert!(
@@ -655,7 +659,7 @@ fn shallow_trees_lose_no_draws() {
         );
     }
     assert!(
-        disc.sample_many(Vec3::Z, 200, 1)
+        disc.draw_stratified(Vec3::Z, 200, 1)
             .iter()
             .all(Option::is_some)
     );

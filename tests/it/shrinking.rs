@@ -68,23 +68,11 @@ fn a_sampler_file_and_a_picture_that_shrink_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("s.safetensors");
     let material = Material::resolve("nickel").unwrap();
-    let brdf = material
-        .load(LookupRule::Floor)
-        .unwrap()
-        .table()
-        .unwrap()
-        .clone();
-    let sampler = SamplerSpec::HalfVector(HalfVectorSettings::default())
+    let brdf = material.load(LookupRule::Floor).unwrap();
+    let sampler = SamplerSpec::new(HalfVectorSettings::default())
         .build(&brdf)
         .unwrap();
-    save(
-        &sampler,
-        &material,
-        LookupRule::Floor,
-        &path,
-        Overwrite::Refuse,
-    )
-    .unwrap();
+    save(&sampler, &material, &path, Overwrite::Refuse).unwrap();
     while_shrinking(&path, 300, || SamplerFile::open(&path).map(drop));
     let path = folder.path().join("sky.exr");
     let sky = Image::from_fn(512, 256, |x, y| Rgb::splat((x * y) as f32)).unwrap();

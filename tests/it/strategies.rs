@@ -8,13 +8,12 @@ use merlkit::color::Rgb;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::distribution::Heuristic;
 use merlkit::geometry::{POINTS_PER_BIN, spherical};
-use merlkit::light::{Area, Environment, SkySampling};
+use merlkit::light::{Area, Environment, EnvironmentSource, LightSpec, SkySampling};
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
-    render,
+    Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Strategy, Surface, render,
 };
 use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable};
 use merlkit_evaluate::measure::convergence::{ErrorAt, Incident, LitPoint, Runs, Technique};
@@ -81,25 +80,25 @@ fn lamp() -> LightSpec {
 
 fn film(
     spec: &SceneSpec,
-    plan: &EffectPlan,
+    request: PlanRequest,
     surfaces: &[Surface],
     side: usize,
     samples: u64,
 ) -> Film {
-    let scene = Scene::build(spec, plan, |i, _| Ok(surfaces[i].clone())).unwrap();
+    let scene = Scene::build(spec, request, |i, _| Ok(surfaces[i].clone())).unwrap();
     // Random points: their standard errors are right.
-    let settings = Settings {
+    let settings = RenderSettings {
         width: side,
         height: side,
-        samples,
         seed: 11,
         points: PointSet::Random,
+        budget: Budget::Even(samples),
     };
-    render(&scene, plan, &settings, &|_| {}).unwrap()
+    render(&scene, &settings, &|_| {}).unwrap().film
 }
 
 fn planned(spec: &SceneSpec, surfaces: &[Surface], side: usize, samples: u64) -> Film {
-    film(spec, &EffectPlan::of(spec), surfaces, side, samples)
+    film(spec, PlanRequest::AsNeeded, surfaces, side, samples)
 }
 
 /// How far two films are apart: the largest distance of a block of 4 × 4 pixels in any channel, and the root of the mean of
@@ -199,7 +198,7 @@ fn resampling_beside_all_other_effects_shows_the_same() {
         depth: 3,
         ..row(1, vec![studio(), lamp()], Strategy::Ris { candidates: 4 })
     };
-    let forced = film(&spec, &EffectPlan::everything(&spec), &surfaces, 24, 192);
+    let forced = film(&spec, PlanRequest::Everything, &surfaces, 24, 192);
     assert_same(
         &planned(&spec, &surfaces, 24, 192),
         &forced,
@@ -277,7 +276,7 @@ fn more_candidates_make_less_noise() {
 #[test]
 fn no_candidates_are_refused() {
     let spec = row(1, vec![studio()], Strategy::Ris { candidates: 0 });
-    let built = Scene::build(&spec, &EffectPlan::of(&spec), |_, _| {
+    let built = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| {
         Ok(surfaces("teflon")[0].clone())
     });
     assert!(
@@ -298,7 +297,7 @@ const TECHNIQUES: [Technique; 6] = [
 
 /// Errors of all techniques at 1, 63 and 2¹⁴ samples, of a point under the studio.
 fn point_errors(brdf: &dyn Brdf, sampler: &dyn DirectionSampler) -> [Vec<ErrorAt>; 6] {
-    let sky = merlkit::light::studio(SkySampling::Importance).unwrap();
+    let sky = merlkit::light::studio(SkySampling::Importance);
     let wo = spherical(0.6, 0.8).as_vec3();
     let point = LitPoint {
         brdf,

@@ -66,18 +66,18 @@ fn specs() -> Vec<(&'static str, SamplerSpec)> {
         CascadeCdfSettings::as_published(true),
     );
     vec![
-        ("cosine", SamplerSpec::Cosine),
-        ("disc", SamplerSpec::AdaptiveDisc(disc)),
+        ("cosine", SamplerSpec::new(CosineSettings {})),
+        ("disc", SamplerSpec::new(disc)),
         (
             "disc, leaves by integral",
-            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            SamplerSpec::new(AdaptiveDiscSettings {
                 leaves: LeafChoice::Integral,
                 ..disc
             }),
         ),
         (
             "disc as published",
-            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            SamplerSpec::new(AdaptiveDiscSettings {
                 tables: 3,
                 construction: Construction::Grid(200),
                 ..published_disc
@@ -85,23 +85,23 @@ fn specs() -> Vec<(&'static str, SamplerSpec)> {
         ),
         (
             "one tree",
-            SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+            SamplerSpec::new(AdaptiveDiscSettings {
                 tables: 1,
                 depth: 1,
                 ..disc
             }),
         ),
-        ("cdf", SamplerSpec::CascadeCdf(cdf)),
+        ("cdf", SamplerSpec::new(cdf)),
         (
             "cdf whole",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            SamplerSpec::new(CascadeCdfSettings {
                 tolerance: None,
                 ..cdf
             }),
         ),
         (
             "cdf as published",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            SamplerSpec::new(CascadeCdfSettings {
                 tables: 3,
                 theta_h: 128,
                 phi_h: 64,
@@ -110,7 +110,7 @@ fn specs() -> Vec<(&'static str, SamplerSpec)> {
         ),
         (
             "one cell",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            SamplerSpec::new(CascadeCdfSettings {
                 tables: 1,
                 theta_h: 1,
                 phi_h: 1,
@@ -119,28 +119,28 @@ fn specs() -> Vec<(&'static str, SamplerSpec)> {
         ),
         (
             "infinite tolerance",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            SamplerSpec::new(CascadeCdfSettings {
                 tolerance: Some(f64::INFINITY),
                 ..cdf
             }),
         ),
         (
             "zero tolerance",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings {
+            SamplerSpec::new(CascadeCdfSettings {
                 tolerance: Some(0.0),
                 ..cdf
             }),
         ),
         (
             "half-vector",
-            SamplerSpec::HalfVector(HalfVectorSettings {
+            SamplerSpec::new(HalfVectorSettings {
                 tables: 5,
                 ..Default::default()
             }),
         ),
         (
             "half-vector, least",
-            SamplerSpec::HalfVector(HalfVectorSettings {
+            SamplerSpec::new(HalfVectorSettings {
                 tables: 1,
                 rows: 2,
                 segments: 1,
@@ -150,7 +150,7 @@ fn specs() -> Vec<(&'static str, SamplerSpec)> {
         ),
         (
             "floor only",
-            SamplerSpec::CascadeCdf(CascadeCdfSettings { floor: 1.0, ..cdf }),
+            SamplerSpec::new(CascadeCdfSettings { floor: 1.0, ..cdf }),
         ),
     ]
 }
@@ -237,7 +237,10 @@ fn directions_outside_the_domain_draw_nothing() {
             assert_eq!(sampler.pdf(Vec3::Z, wo), 0.0, "{name} {wo}");
             assert_eq!(brdf.eval(Vec3::Z, wo), Vec3::ZERO);
             assert!(
-                sampler.sample_many(wo, 5, 1).iter().all(Option::is_none),
+                sampler
+                    .draw_stratified(wo, 5, 1)
+                    .iter()
+                    .all(Option::is_none),
                 "{name} {wo}"
             );
         }
@@ -255,25 +258,25 @@ fn settings_out_of_range_are_errors() {
         CascadeCdfSettings::default(),
     );
     for spec in [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { tables: 0, ..disc }),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { n_max: 1.0, ..disc }),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings { tables: 0, ..disc }),
+        SamplerSpec::new(AdaptiveDiscSettings { n_max: 1.0, ..disc }),
+        SamplerSpec::new(AdaptiveDiscSettings {
             n_max: f64::NAN,
             ..disc
         }),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { depth: 40, ..disc }),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings { floor: 1.5, ..disc }),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(AdaptiveDiscSettings { depth: 40, ..disc }),
+        SamplerSpec::new(AdaptiveDiscSettings { floor: 1.5, ..disc }),
+        SamplerSpec::new(AdaptiveDiscSettings {
             construction: Construction::Grid(1),
             ..disc
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings { theta_h: 0, ..cdf }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings { theta_h: 0, ..cdf }),
+        SamplerSpec::new(CascadeCdfSettings {
             phi_h: 100_000,
             ..cdf
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings { floor: -0.1, ..cdf }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings { floor: -0.1, ..cdf }),
+        SamplerSpec::new(CascadeCdfSettings {
             tolerance: Some(f64::NAN),
             ..cdf
         }),
@@ -299,7 +302,7 @@ fn no_weight_is_beyond_all_bounds_where_light_ends_at_an_edge() {
         tables: 3,
         ..Default::default()
     };
-    let disc = SamplerSpec::AdaptiveDisc(settings).build(&brdf).unwrap();
+    let disc = SamplerSpec::new(settings).build(&brdf).unwrap();
     let wo = spherical(60.25f64.to_radians(), 2.5).as_vec3();
     let (mut heaviest, mut lost) = (0.0f32, 0);
     for i in 0..100_000 {

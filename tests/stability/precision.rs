@@ -9,12 +9,11 @@ use merlkit::brdf::Brdf;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::distribution::{Curves, Piecewise2d, WHOLE};
 use merlkit::geometry::{Quadrature, half_vector, spherical};
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::Material;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::{PointSet, Stream};
-use merlkit::render::{
-    EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, render,
-};
+use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, SceneSpec, render};
 use merlkit::sampler::store::encode;
 use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable, Sampler};
 
@@ -242,16 +241,15 @@ fn constant_pixel() -> Row {
         lights,
         ..row
     };
-    let plan = EffectPlan::of(&spec);
-    let scene = Scene::build(&spec, &plan, |_, _| unreachable!()).unwrap();
-    let settings = Settings {
+    let scene = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| unreachable!()).unwrap();
+    let settings = RenderSettings {
         width: 1,
         height: 1,
-        samples: 1 << 22,
         seed: 1,
         points: PointSet::Random,
+        budget: Budget::Even(1 << 22),
     };
-    let film = render(&scene, &plan, &settings, &|_| {}).unwrap();
+    let film = render(&scene, &settings, &|_| {}).unwrap().film;
     let relative = (film.mean(0, 0) / radiance.as_dvec3() - DVec3::ONE)
         .abs()
         .max_element();

@@ -12,13 +12,12 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::distribution::Piecewise2d;
 use merlkit::geometry::spherical;
 use merlkit::image::Image;
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::Material;
 use merlkit::material::merl::HardCase;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
-use merlkit::render::{
-    EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render,
-};
+use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render};
 use merlkit::sampler::store::{SamplerFile, encode};
 use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, Sampler, SamplerSpec,
@@ -52,19 +51,19 @@ fn specs() -> [SamplerSpec; 5] {
         ..Default::default()
     };
     [
-        SamplerSpec::Cosine,
-        SamplerSpec::AdaptiveDisc(disc),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
+        SamplerSpec::new(CosineSettings {}),
+        SamplerSpec::new(disc),
+        SamplerSpec::new(AdaptiveDiscSettings {
             leaves: LeafChoice::Warp,
             ..disc
         }),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings {
+        SamplerSpec::new(CascadeCdfSettings {
             tables: 4,
             theta_h: 128,
             phi_h: 64,
             ..Default::default()
         }),
-        SamplerSpec::HalfVector(HalfVectorSettings::default()),
+        SamplerSpec::new(HalfVectorSettings::default()),
     ]
 }
 
@@ -75,7 +74,7 @@ fn draws(sampler: &Sampler) -> u64 {
         let wo = spherical(degrees.to_radians(), 1.0).as_vec3();
         let points = (0..2000).map(|i| PointSet::Sobol.point(9, i, 0));
         let single = points.map(|u| sampler.sample(wo, u));
-        for draw in single.chain(sampler.sample_many(wo, 500, 3)).flatten() {
+        for draw in single.chain(sampler.draw_stratified(wo, 500, 3)).flatten() {
             hash.floats(&[
                 draw.wi.x,
                 draw.wi.y,
@@ -91,8 +90,8 @@ fn draws(sampler: &Sampler) -> u64 {
 fn picture(brdf: &Arc<MerlBrdf>, sampler: &Arc<Sampler>) -> Image {
     let row = SceneSpec::row(&["left".into(), "right".into()], 1.5);
     let lights = vec![
-        row.row_area(),
-        row.row_point(),
+        row.light("area").unwrap(),
+        row.light("point").unwrap(),
         LightSpec::Environment(EnvironmentSource::Studio),
     ];
     let spec = SceneSpec {
@@ -100,21 +99,21 @@ fn picture(brdf: &Arc<MerlBrdf>, sampler: &Arc<Sampler>) -> Image {
         floor: Some(0.4),
         ..row
     };
-    let plan = EffectPlan::of(&spec);
     let surface = Surface {
         brdf: brdf.clone(),
         sampler: Some(sampler.clone()),
     };
-    let scene = Scene::build(&spec, &plan, |_, _| Ok(surface.clone())).unwrap();
-    let settings = Settings {
+    let scene = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| Ok(surface.clone())).unwrap();
+    let settings = RenderSettings {
         width: 30,
         height: 20,
-        samples: 4,
         seed: 11,
         points: PointSet::Sobol,
+        budget: Budget::Even(4),
     };
-    render(&scene, &plan, &settings, &|_| {})
+    render(&scene, &settings, &|_| {})
         .unwrap()
+        .film
         .to_image()
         .unwrap()
 }

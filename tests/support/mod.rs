@@ -10,9 +10,37 @@ pub mod tampered;
 use crate::ROOT;
 use glam::Vec3;
 use merlkit::geometry::spherical;
-use merlkit::material::merl::{Header, MerlTable};
+use merlkit::material::Loaded;
+use merlkit::material::merl::{Header, MerlBrdf, MerlTable};
 use merlkit::points::Stream;
+use merlkit::sampler::SamplerSpec;
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
+
+/// A table as a material in memory.
+pub fn loaded(brdf: &Arc<MerlBrdf>) -> Loaded {
+    Loaded::from_table(brdf.clone())
+}
+
+/// A sampler and its settings from their text.
+pub fn sampler_spec(text: &str) -> SamplerSpec {
+    text.parse().unwrap()
+}
+
+/// What the tables are compared with besides the cosine.
+pub fn baselines() -> Vec<SamplerSpec> {
+    SamplerSpec::parse_all(&[
+        "lobe:cosine",
+        "lobe:cosine-sphere",
+        "lobe:blinn",
+        "lobe:ward",
+        "lobe:ashikhmin-shirley",
+        "lobe:ggx",
+        "factored",
+        "adaptive-disc:rejection",
+    ])
+    .unwrap()
+}
 
 /// Rows of a CSV in `tests/golden`, without its heading.
 pub fn golden(name: &str) -> Vec<Vec<String>> {

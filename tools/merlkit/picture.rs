@@ -1,18 +1,13 @@
 //! Rendering a scene to files: what `render` and `demo` share.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use merlkit::Error;
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::{Overwrite, check_writable};
 use merlkit::image::{write_exr, write_png};
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
-use merlkit::render::{
-    EffectPlan, Refined, Scene, SceneSpec, Settings, Surface, render, render_allocated,
-    render_to_error,
-};
+use merlkit::render::{PlanRequest, Refinement, RenderSettings, Scene, SceneSpec, Surface, render};
 use merlkit::sampler::SamplerSpec;
 
 use crate::progress::Progress;
@@ -21,67 +16,46 @@ use crate::progress::Progress;
 pub struct Picture<'a> {
     /// The scene; nothing is loaded.
     pub scene: &'a SceneSpec,
-    /// What will be computed.
-    pub plan: &'a EffectPlan,
+    /// Which effects will be computed.
+    pub effects: PlanRequest,
     /// Materials in the order of the scene's.
     pub materials: &'a [Material],
     /// What tables say between their samples.
     pub lookup: LookupRule,
     /// How directions are drawn, where any are.
-    pub sampler: SamplerSpec,
-    /// Size, samples and seed.
-    pub settings: Settings,
-    /// Where its paths go.
-    pub spending: Spending,
+    pub sampler: &'a SamplerSpec,
+    /// Size, seed and budget of paths.
+    pub settings: RenderSettings,
     /// Exposure of the PNG, stops.
     pub exposure: f32,
 }
 
-/// Where a picture's paths go.
-#[derive(Clone, Copy)]
-pub enum Spending {
-    /// As many to every pixel.
-    Even,
-    /// More to where the picture is noisy, about as many in all.
-    Adaptive,
-    /// As many as each tile needs to come down to an error, at most the settings' samples a pixel.
-    ToError(f64),
-}
-
 impl Picture<'_> {
-    /// Loads what the plan calls for, renders, and writes both files; tells how far it came, given a target error.
+    /// Loads what the scene's plan calls for, renders, and writes both files. Returns how far the picture came, given a target
+    /// error.
     ///
     /// # Errors
     /// Those of loading, building, rendering and writing.
-    pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<Option<Refined>, Error> {
-        let scene = Scene::build(self.scene, self.plan, |i, directions| {
-            self.surface(i, directions)
-        })?;
+    pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<Option<Refinement>, Error> {
+        let surface = |i, directions| self.surface(i, directions);
+        let scene = Scene::build(self.scene, self.effects, surface)?;
         let progress = Progress::new("rendering", self.settings.width * self.settings.height);
-        let advance = |pixels| progress.advance_by(pixels);
-        let (plan, settings) = (self.plan, &self.settings);
-        let (image, refined) = match self.spending {
-            Spending::Even => (render(&scene, plan, settings, &advance)?.to_image()?, None),
-            Spending::Adaptive => (
-                render_allocated(&scene, plan, settings, &advance)?.to_image()?,
-                None,
-            ),
-            Spending::ToError(error) => {
-                let refined = render_to_error(&scene, plan, settings, error, &advance)?;
-                (refined.film.to_image()?, Some(refined))
-            }
-        };
+        let rendered = render(&scene, &self.settings, &|pixels| {
+            progress.advance_by(pixels);
+        })?;
         drop(progress);
+        let image = rendered.film.to_image()?;
         write_exr(&files.exr, &image, overwrite)?;
         write_png(&files.png, &image, self.exposure, overwrite)?;
-        Ok(refined)
+        Ok(rendered.refinement)
     }
 
     fn surface(&self, material: usize, directions: bool) -> Result<Surface, Error> {
         let brdf = self.materials[material].load(self.lookup)?;
-        let sampler = match directions {
-            true => Some(Arc::new(self.sampler.build_for(&brdf)?) as Arc<dyn DirectionSampler>),
-            false => None,
+        let sampler = if directions {
+            Some(self.sampler.build(&brdf)?.shared())
+        } else {
+            None
         };
         Ok(Surface {
             brdf: brdf.brdf().clone(),

@@ -1,18 +1,21 @@
 //! The light over a point.
 
-use std::path::Path;
-
 use merlkit::Error;
-use merlkit::image::read_exr;
-use merlkit::light::{Environment, SkySampling, lamps, studio};
+use merlkit::light::{Environment, EnvironmentSource, SkySampling};
 
-/// The option's help is the same wherever it stands.
+/// The option's help is the same wherever it is.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SkyArgs {
-    /// What lights the point, whose normal is the zenith: lamps (two broad ones), studio (with a small sun, which only light
-    /// sampling finds quickly), or the path of an equirectangular .exr file
-    #[arg(long, value_name = "LIGHT", default_value = "lamps")]
+    #[arg(long, value_name = "LIGHT", default_value = "lamps", help = help())]
     pub environment: String,
+}
+
+fn help() -> String {
+    format!(
+        "What lights the point, whose normal is the zenith: {}; lamps are two broad ones, and only light sampling finds the \
+         studio's small sun quickly",
+        EnvironmentSource::words()
+    )
 }
 
 impl SkyArgs {
@@ -21,26 +24,6 @@ impl SkyArgs {
     /// # Errors
     /// [`Error::Argument`] for another name; those of reading the file.
     pub fn load(&self) -> Result<Environment, Error> {
-        match self.environment.as_str() {
-            "lamps" => lamps(SkySampling::Importance),
-            "studio" => studio(SkySampling::Importance),
-            file if Path::new(file)
-                .extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case("exr")) =>
-            {
-                let image = read_exr(Path::new(file))?;
-                let pixels = image.pixels().to_vec();
-                Environment::new(
-                    image.width(),
-                    image.height(),
-                    pixels,
-                    SkySampling::Importance,
-                )
-            }
-            other => Err(Error::argument(
-                format!("no environment is called \"{other}\""),
-                "pass --environment lamps, studio or the path of an .exr file",
-            )),
-        }
+        EnvironmentSource::from_name(&self.environment)?.load_map(SkySampling::Importance)
     }
 }

@@ -9,6 +9,7 @@ use super::lookup::batch;
 use super::lookup::coordinates::CoordinateTables;
 use super::lookup::half_diff_tan2::Tangents;
 use super::lookup::trilinear::Neighbours;
+use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::geometry::{is_unit_upper, unit_upper};
@@ -112,22 +113,16 @@ impl Brdf for MerlBrdf {
         }
     }
 
-    fn eval_many(&self, wo: Vec3, wi: &[Vec3], out: &mut [Rgb]) {
-        batch::evaluate(&self.table, self.rule, wi.iter().map(|&wi| (wo, wi)), out);
+    #[track_caller]
+    fn eval_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
+        wo.assert_lanes(wi.len(), out.len());
+        batch::evaluate(&self.table, self.rule, wo, wi, out);
     }
 
-    fn eval_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
-        batch::evaluate(
-            &self.table,
-            self.rule,
-            wo.iter().copied().zip(wi.iter().copied()),
-            out,
-        );
-    }
-
-    fn eval_cos_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
-        self.eval_pairs(wo, wi, out);
-        for ((out, _), &wi) in out.iter_mut().zip(wo).zip(wi) {
+    #[track_caller]
+    fn eval_cos_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
+        self.eval_batch(wo, wi, out);
+        for (out, &wi) in out.iter_mut().zip(wi) {
             *out *= unit_upper(wi).map_or(0.0, |wi| wi.z);
         }
     }

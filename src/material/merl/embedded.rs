@@ -3,13 +3,14 @@
 //! A network maps the Cartesian half and difference vectors to ln(1 + f_r): 6 → 21 → 21 → 3, rectified. It approximates
 //! the measurement; it is not the measurement.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use byteorder::{ByteOrder, LittleEndian};
 use rayon::prelude::*;
 
-use super::{Header, MerlTable, THETA_D_BINS, THETA_H_BINS};
+use super::{Header, MerlTable, THETA_D_BINS};
+use crate::geometry::merl_axes;
 
 static WEIGHTS: &[u8] = include_bytes!("../../../data/nbrdf/merl.f32le");
 static INDEX: &str = include_str!("../../../data/nbrdf/merl.json");
@@ -92,8 +93,8 @@ impl Network {
 
     /// f_r of bins `phi..phi + LANES`, −1 where a direction is below the horizon.
     fn evaluate(&self, h: usize, d: usize, phi: usize, out: &mut [[f32; 3]; LANES]) {
-        let theta_h = (h as f64 / THETA_H_BINS as f64).powi(2) * FRAC_PI_2;
-        let theta_d = d as f64 / THETA_D_BINS as f64 * FRAC_PI_2;
+        let theta_h = merl_axes::theta_h_edge(h);
+        let theta_d = merl_axes::theta_d(d as f64);
         let ((sh, ch), (sd, cd)) = (theta_h.sin_cos(), theta_d.sin_cos());
         let azimuth: [(f64, f64); LANES] =
             std::array::from_fn(|k| ((phi + k) as f64 / 180.0 * PI).sin_cos());

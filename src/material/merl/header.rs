@@ -3,12 +3,8 @@
 use byteorder::{ByteOrder, LittleEndian};
 use std::path::Path;
 
+use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 use crate::{Error, Result};
-
-/// Bins of θh, spaced as the square root of the angle.
-pub const THETA_H_BINS: usize = 90;
-/// Bins of θd, one a degree.
-pub const THETA_D_BINS: usize = 90;
 
 /// Dimensions that a file declares; only the two known kinds exist as values of this type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

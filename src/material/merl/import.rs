@@ -1,13 +1,11 @@
 //! From any isotropic reflectance to a table.
 
-use std::f64::consts::FRAC_PI_2;
-
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 
-use super::{Header, MerlTable, THETA_D_BINS, THETA_H_BINS};
+use super::{Header, MerlTable, THETA_D_BINS};
 use crate::brdf::Brdf;
-use crate::geometry::{reflect_about, spherical};
+use crate::geometry::{merl_axes, reflect_about, spherical};
 use crate::{Error, Result};
 
 /// Where in a bin the value of a table is taken.
@@ -75,9 +73,8 @@ fn bin_value(brdf: &dyn Brdf, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
 /// The value at `offsets` of a bin's edges, in parts of the bin; `None` below the horizon.
 fn value_within(brdf: &dyn Brdf, bin: [usize; 3], offsets: [f64; 3]) -> Option<DVec3> {
     let [h, d, p] = [0, 1, 2].map(|axis| bin[axis] as f64 + offsets[axis]);
-    // θh = (h/90)²·π/2, θd = (d/90)·π/2, φd = p degrees.
-    let theta_h = (h / THETA_H_BINS as f64).powi(2) * FRAC_PI_2;
-    let theta_d = d / THETA_D_BINS as f64 * FRAC_PI_2;
+    let theta_h = merl_axes::theta_h(h);
+    let theta_d = merl_axes::theta_d(d);
     // The difference vector, turned from the normal to the half vector, is wi; its mirror image is wo.
     let wi = DQuat::from_rotation_y(theta_h) * spherical(theta_d, p.to_radians());
     let wo = reflect_about(wi, spherical(theta_h, 0.0));

@@ -9,7 +9,7 @@ use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::points::{PointSet, Stream};
 
 /// Draws `count` directions whose numbers in every node are their expectation, rounded at random.
-pub(super) fn sample_many(
+pub(super) fn share_draws(
     disc: &AdaptiveDisc,
     forest: &Forest,
     wo: Vec3,

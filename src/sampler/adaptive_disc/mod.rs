@@ -6,174 +6,34 @@
 
 mod bounds;
 mod build;
+mod codec;
 mod many;
+mod settings;
 mod square;
 mod subdivision;
 mod tree;
 mod warp;
 
+pub use settings::{AdaptiveDiscSettings, Carry, Construction, LeafChoice};
 pub use subdivision::{Cell, Subdivision};
 
-pub(super) use square::DEEPEST;
-pub(super) use tree::{Forest, Leaf, MOST_LEAVES, WHOLE};
-pub(super) use warp::{Node, Warps};
-
 use bounds::MaxTable;
+use tree::Forest;
+use warp::Warps;
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
-use crate::brdf::{Brdf, Importance};
-use crate::direction_sampler::{DirectionSample, DirectionSampler, well_spread};
+use super::Settings;
+use super::knots::{Neighbours, ThetaKnots, split_unit};
+use crate::Result;
+use crate::brdf::Brdf;
+use crate::direction_sampler::{DirectionSample, DirectionSampler, draw_stratified};
 use crate::geometry::{cosine_hemisphere, is_upper, unit_upper};
 use crate::material::merl::MerlBrdf;
 use crate::points::Stream;
-use crate::{Error, Result};
-
-/// How the values behind a tree are gathered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Construction {
-    /// Points in each node, finer only where nodes split, and bounds from the BRDF's own table: no value exceeds them.
-    Refined,
-    /// One image of this many pixels a side over the disc (thesis 6.3.3): bounds hold for the pixels only.
-    Grid(u32),
-}
-
-/// In proportion to what a leaf is drawn, and what a rejection does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum LeafChoice {
-    /// Its bound times its area; a rejection starts again from the root. Draws are proportional to f_r whatever the error
-    /// of the leaves' integrals.
-    Envelope,
-    /// Its integral; a rejection stays in the leaf (thesis 6.2.2). An error in a leaf's integral is an error of its share.
-    Integral,
-    /// Without rejection: a hierarchical warp to the leaf and to the place in it, so that two numbers are enough and
-    /// well-spread points stay well spread. The density is that of the warp, constant in each leaf.
-    Warp,
-}
-
-/// What keeps its place when a tree serves a `wo` beside its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Carry {
-    /// The half vector: a direction drawn for the tree's own angle is reflected anew, so that highlights follow `wo`. What
-    /// ends below the horizon is turned up, and the density is the sum over both ways there.
-    HalfVector,
-    /// The direction (thesis 6.3.1): highlights stay where the tree's own angle has them.
-    Direction,
-}
-
-/// Settings of [`AdaptiveDisc::build`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct AdaptiveDiscSettings {
-    /// Trees over the polar angle of `wo`, 1 to 4096.
-    pub tables: usize,
-    /// Mean number of trials allowed in a leaf, > 1; the largest value over the mean where nothing is rejected.
-    pub n_max: f64,
-    /// Subdivisions from the whole disc to the smallest leaf, 0 to 14; without any, draws are rejected on the whole disc.
-    pub depth: u32,
-    /// A leaf is not split when the trials it wastes are less than this share of the whole tree's, or, with
-    /// [`LeafChoice::Warp`], when it adds less than a hundredth of this share to the squared relative deviation of weights; 0
-    /// splits by `n_max` alone.
-    pub waste: f64,
-    /// Where values and bounds come from.
-    pub construction: Construction,
-    /// How leaves are drawn.
-    pub leaves: LeafChoice,
-    /// What serves a `wo` between two trees.
-    pub choice: TableChoice,
-    /// What keeps its place between trees.
-    pub carry: Carry,
-    /// Share of draws that ignore the BRDF and follow the cosine, so that no direction is left out; 0 to 1.
-    pub floor: f64,
-    /// The scalar that draws are proportional to.
-    pub importance: Importance,
-}
-
-impl Default for AdaptiveDiscSettings {
-    fn default() -> Self {
-        Self {
-            tables: 20,
-            n_max: 2.0,
-            depth: 14,
-            waste: 1e-3,
-            construction: Construction::Refined,
-            leaves: LeafChoice::Envelope,
-            choice: TableChoice::Mixture,
-            carry: Carry::HalfVector,
-            floor: 1e-3,
-            importance: Importance::Mean,
-        }
-    }
-}
-
-impl AdaptiveDiscSettings {
-    /// What the thesis used for its tables 6.23 and 6.24.
-    pub fn as_published() -> Self {
-        Self {
-            tables: 60,
-            depth: 10,
-            waste: 0.0,
-            construction: Construction::Grid(800),
-            leaves: LeafChoice::Integral,
-            choice: TableChoice::Nearest,
-            carry: Carry::Direction,
-            floor: 0.0,
-            ..Self::default()
-        }
-    }
-
-    /// Rejection on the whole disc, under the largest value for each tree's `wo` (thesis 5.1.1, 4.3.2): trees without
-    /// subdivisions.
-    pub fn rejection() -> Self {
-        Self {
-            depth: 0,
-            ..Self::default()
-        }
-    }
-
-    fn check(&self) -> Result<()> {
-        let refuse = |what: String, fix: &str| Err(Error::argument(what, fix));
-        if !(self.n_max > 1.0 && self.n_max.is_finite()) {
-            return refuse(
-                format!("n_max is {}", self.n_max),
-                "choose a mean number of trials above 1, such as 2",
-            );
-        }
-        if !(0..=DEEPEST).contains(&self.depth) {
-            return refuse(
-                format!("depth is {}", self.depth),
-                "choose 0 to 14 subdivisions",
-            );
-        }
-        if !(0.0..=1.0).contains(&self.floor) || !(0.0..1.0).contains(&self.waste) {
-            return refuse(
-                format!("floor is {}, waste {}", self.floor, self.waste),
-                "choose shares between 0 and 1",
-            );
-        }
-        if let (Construction::Grid(_), LeafChoice::Warp) = (self.construction, self.leaves) {
-            return refuse(
-                "trees without rejection from a grid of pixels".into(),
-                "leave out the grid, or choose other leaves",
-            );
-        }
-        if let Construction::Grid(side) = self.construction
-            && !(8..=4096).contains(&side)
-        {
-            return refuse(
-                format!("the grid has {side} pixels a side"),
-                "choose 8 to 4096",
-            );
-        }
-        Ok(())
-    }
-}
 
 /// The trees of all knots.
 #[derive(Clone, Debug, PartialEq)]
@@ -242,7 +102,6 @@ impl AdaptiveDisc {
         settings: AdaptiveDiscSettings,
         trees: Trees,
     ) -> Result<Self> {
-        settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
         Ok(Self::new(brdf, settings, knots, trees))
     }
@@ -422,6 +281,21 @@ impl AdaptiveDisc {
         None
     }
 
+    /// Draws `count` directions for one `wo` whose numbers in every node of the tree are their expectation, rounded at random:
+    /// one descent shares them over the leaves (thesis 6.3.2, algorithms 17 and 18). Trees that are warped instead are drawn
+    /// from by [`draw_stratified`]. Each draw alone has the density `pdf`; `None` is a failed draw.
+    pub fn draw_stratified(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Vec<Option<DirectionSample>> {
+        match &self.trees {
+            Trees::Rejecting(forest) => many::share_draws(self, forest, wo, count, seed),
+            Trees::Warped(_) => draw_stratified(self, wo, count, seed),
+        }
+    }
+
     fn finish(&self, view: &View, wi: Vec3) -> Option<DirectionSample> {
         if !is_upper(wi) {
             return None;
@@ -467,13 +341,5 @@ impl DirectionSampler for AdaptiveDisc {
 
     fn bytes(&self) -> usize {
         self.trees.bytes() + size_of_val(self.directions.as_slice())
-    }
-
-    /// One descent that shares the draws over the leaves (thesis 6.3.2, algorithms 17 and 18).
-    fn sample_many(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
-        match &self.trees {
-            Trees::Rejecting(forest) => many::sample_many(self, forest, wo, count, seed),
-            Trees::Warped(_) => self.sample_batch(wo, &well_spread(count, seed)),
-        }
     }
 }

@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec2;
 
 use super::square::Square;
-use super::{AdaptiveDisc, Forest, Trees, WHOLE, Warps};
+use super::tree::WHOLE;
+use super::{AdaptiveDisc, Forest, Trees, Warps};
 use crate::geometry::concentric_disc;
 
 /// A leaf of a tree, or a square beside them in which nothing is drawn.

@@ -2,6 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::geometry::merl_axes::{THETA_H_BINS, theta_h_at_fraction, theta_h_fraction};
+
 /// How cells are spaced over θh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -14,7 +16,7 @@ pub enum ThetaSpacing {
 }
 
 /// MERL's first bin of θh ends here on the axis of √θh.
-const FIRST_BIN: f64 = 1.0 / 90.0;
+const FIRST_BIN: f64 = 1.0 / THETA_H_BINS as f64;
 
 /// A map from a in [0, 1] to θh in [0, π/2].
 ///
@@ -54,7 +56,7 @@ impl ThetaAxis {
             return 2.0 * (a / self.first * self.cap * 0.5).sqrt().asin();
         }
         match self.spacing {
-            ThetaSpacing::Merl => a * a * FRAC_PI_2,
+            ThetaSpacing::Merl => theta_h_at_fraction(a),
             ThetaSpacing::Uniform => a * FRAC_PI_2,
         }
     }
@@ -63,7 +65,7 @@ impl ThetaAxis {
     #[inline]
     pub fn coordinate(&self, theta: f64) -> f64 {
         let a = match self.spacing {
-            ThetaSpacing::Merl => (theta / FRAC_PI_2).sqrt(),
+            ThetaSpacing::Merl => theta_h_fraction(theta),
             ThetaSpacing::Uniform => theta / FRAC_PI_2,
         };
         if a < self.first {

@@ -5,9 +5,12 @@
 
 mod axis;
 mod build;
+mod codec;
+mod settings;
 mod shown;
 
 pub use axis::ThetaSpacing;
+pub use settings::CascadeCdfSettings;
 pub use shown::ShownCdf;
 
 pub(super) use axis::ThetaAxis;
@@ -17,116 +20,12 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
-use super::{DirectionSample, DirectionSampler};
-use crate::brdf::{Brdf, Importance};
+use super::knots::{Neighbours, ThetaKnots, split_unit};
+use super::{DirectionSample, DirectionSampler, Settings};
+use crate::Result;
+use crate::brdf::Brdf;
 use crate::distribution::Curves;
 use crate::geometry::{approx, cosine_hemisphere, is_upper, reflect_about, unit_upper};
-use crate::{Error, Result};
-
-/// Settings of [`CascadeCdf::build`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct CascadeCdfSettings {
-    /// Tables over the polar angle of `wo`, 1 to 4096.
-    pub tables: usize,
-    /// Cells over θh, 1 to 8192.
-    pub theta_h: usize,
-    /// Cells over φh, 1 to 8192.
-    pub phi_h: usize,
-    /// How cells are spaced over θh.
-    pub spacing: ThetaSpacing,
-    /// Largest error of a compressed curve, in probability; `None` stores every knot.
-    pub tolerance: Option<f64>,
-    /// What serves a `wo` between two tables.
-    pub choice: TableChoice,
-    /// Share of draws that ignore the tables and follow the cosine, so that no direction is left out; 0 to 1.
-    pub floor: f64,
-    /// The scalar that draws are proportional to.
-    pub importance: Importance,
-}
-
-impl Default for CascadeCdfSettings {
-    fn default() -> Self {
-        Self {
-            tables: 16,
-            theta_h: 1024,
-            phi_h: 512,
-            spacing: ThetaSpacing::Merl,
-            tolerance: Some(1e-3),
-            choice: TableChoice::Mixture,
-            floor: 1e-3,
-            importance: Importance::Mean,
-        }
-    }
-}
-
-impl CascadeCdfSettings {
-    /// Every knot of 256 × 32 cells a table.
-    pub fn uniform() -> Self {
-        Self {
-            theta_h: 256,
-            phi_h: 32,
-            tolerance: None,
-            ..Self::default()
-        }
-    }
-
-    /// What the thesis used for its tables 6.23 and 6.24; `compressed` starts from 1024 × 512 cells.
-    pub fn as_published(compressed: bool) -> Self {
-        let published = Self {
-            tables: 32,
-            spacing: ThetaSpacing::Uniform,
-            choice: TableChoice::Nearest,
-            floor: 0.0,
-            ..Self::default()
-        };
-        if compressed {
-            published
-        } else {
-            Self {
-                theta_h: 256,
-                phi_h: 32,
-                tolerance: None,
-                ..published
-            }
-        }
-    }
-
-    fn check(&self) -> Result<()> {
-        let refuse = |what: String, fix: &str| Err(Error::argument(what, fix));
-        for (name, cells) in [("θh", self.theta_h), ("φh", self.phi_h)] {
-            if !(1..=8192).contains(&cells) {
-                return refuse(format!("{cells} cells over {name}"), "choose 1 to 8192");
-            }
-        }
-        // Knots are numbered in 32 bits, and without compression there is one at every edge of a cell.
-        let knots = self
-            .tables
-            .saturating_mul((self.theta_h + 1) * (self.phi_h + 2));
-        if u32::try_from(knots).is_err() {
-            return refuse(
-                format!(
-                    "{} tables of {} × {} cells",
-                    self.tables, self.theta_h, self.phi_h
-                ),
-                "choose fewer: at most 4·10⁹ cells in all",
-            );
-        }
-        if !(0.0..=1.0).contains(&self.floor) {
-            return refuse(
-                format!("floor is {}", self.floor),
-                "choose a share between 0 and 1",
-            );
-        }
-        if self.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
-            return refuse(
-                "the tolerance is negative or not a number".into(),
-                "choose 0 or more, such as 1e-3",
-            );
-        }
-        Ok(())
-    }
-}
 
 /// The tables of all knots.
 #[derive(Clone, Debug, PartialEq)]
@@ -185,7 +84,6 @@ impl CascadeCdf {
 
     /// Puts a sampler together from stored tables, which must have been validated.
     pub(super) fn from_parts(settings: CascadeCdfSettings, tables: Tables) -> Result<Self> {
-        settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
         let axis = ThetaAxis::new(settings.spacing, settings.theta_h);
         Ok(Self {

@@ -6,6 +6,10 @@
 //! F_j is interpolated between the angles of `wo` that have a table.
 
 mod build;
+mod codec;
+mod settings;
+
+pub use settings::{FactoredSettings, Factors};
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -13,88 +17,11 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::cascade_cdf::ThetaAxis;
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
-use super::{DirectionSample, DirectionSampler, ThetaSpacing, with_density};
-use crate::brdf::{Brdf, Importance};
+use super::{DirectionSample, DirectionSampler, Settings, ThetaSpacing, with_density};
+use crate::brdf::Brdf;
 use crate::distribution::Curves;
 use crate::geometry::{cosine_hemisphere, reflect_about, spherical, to_spherical, unit_upper};
 use crate::{Error, Result};
-
-/// How many factors there are, and over what.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Factors {
-    /// Products of a function of `wo` and one of w (J), 1 to 64.
-    pub outer: usize,
-    /// Products of a function of θw and one of φw in each (K), 1 to 64.
-    pub inner: usize,
-    /// Cells over θw, 2 to 1024, spaced by its root.
-    pub theta: usize,
-    /// Cells over φw, 2 to 1024.
-    pub phi: usize,
-    /// Whether w is the half vector, or else `wi` itself.
-    pub half: bool,
-    /// Share of draws that follow the cosine, so that no direction is left out; 0 to 1.
-    pub floor: f64,
-}
-
-impl Factors {
-    /// Terms of the sum.
-    pub fn terms(&self) -> usize {
-        self.outer * self.inner
-    }
-}
-
-/// Settings of [`Factored::build`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct FactoredSettings {
-    /// Tables over the polar angle of `wo`, 1 to 256.
-    pub tables: usize,
-    /// The factors; `None` chooses those that make the weights of the material most even.
-    pub factors: Option<Factors>,
-    /// The scalar that draws are proportional to.
-    pub importance: Importance,
-}
-
-impl Default for FactoredSettings {
-    fn default() -> Self {
-        Self {
-            tables: 32,
-            factors: None,
-            importance: Importance::Mean,
-        }
-    }
-}
-
-impl FactoredSettings {
-    pub(super) fn check(&self) -> Result<()> {
-        let refuse = |what: String, fix: &str| Err(Error::argument(what, fix));
-        if !(1..=256).contains(&self.tables) {
-            return refuse(
-                format!("{} tables of factors", self.tables),
-                "choose 1 to 256",
-            );
-        }
-        let Some(factors) = self.factors else {
-            return Ok(());
-        };
-        for (name, cells) in [("θw", factors.theta), ("φw", factors.phi)] {
-            if !(2..=1024).contains(&cells) {
-                return refuse(format!("{cells} cells over {name}"), "choose 2 to 1024");
-            }
-        }
-        for (name, count) in [("J", factors.outer), ("K", factors.inner)] {
-            if !(1..=64).contains(&count) {
-                return refuse(format!("{name} is {count}"), "choose 1 to 64");
-            }
-        }
-        if !(0.0..=1.0).contains(&factors.floor) {
-            return refuse(
-                format!("floor is {}", factors.floor),
-                "choose a share between 0 and 1",
-            );
-        }
-        Ok(())
-    }
-}
 
 /// The terms of the sum.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,7 +59,6 @@ impl Factored {
 
     /// Puts a sampler together from terms that have been validated; the settings must name the factors.
     pub(super) fn from_parts(settings: FactoredSettings, terms: Terms) -> Result<Self> {
-        settings.check()?;
         let factors = settings.factors.ok_or_else(|| {
             Error::argument("a factored sampler without factors", "build it again")
         })?;

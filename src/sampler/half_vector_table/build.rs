@@ -1,15 +1,15 @@
-//! Tabulating a BRDF over the half-vector square and fitting the tables to it.
+//! Tabulating a BRDF over the chart of half vectors, and fitting the tables to it.
 
 use ndarray::{Array2, ArrayView1, Axis};
 use rayon::prelude::*;
 
-use super::quantise::{quantise_nodes, quantise_rows};
-use super::rows;
-use super::square::{Edge, PARTS, Square};
-use super::tables::{SLOPE_UNIT, STEEPEST, Stored};
+use super::row_edges::choose_row_edges;
+use super::tables::{NODE_SUM, ONE, SLOPE_UNIT, STEEPEST, Stored};
 use super::{HalfVectorSettings, knot_cosines};
+use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
+use crate::geometry::half_vector_chart::{ChartEdge, HalfVectorChart, PARTS};
 use crate::geometry::spherical;
 
 /// Points a part over its cap. Each is turned by its share of a column, so that together they resolve the azimuth finer.
@@ -19,7 +19,7 @@ const COLUMNS: usize = 48;
 /// Share of every table that follows the cosine: what a table sees nothing of, its neighbours in angle may still show.
 const COSINE_SHARE: f64 = 1e-4;
 
-/// ∫ f·cosθi dσ(wi) over the square about one `wo`, as shares of the whole.
+/// ∫ f·cosθi dσ(wi) over the chart about one `wo`, as fractions of the whole.
 pub(super) struct Tabulated {
     /// `[part, column]`; > 0.
     pub mass: Array2<f64>,
@@ -32,20 +32,20 @@ pub(super) struct Tabulated {
 }
 
 /// Tables of all knots, in parallel over knots.
-pub(super) fn tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Stored {
+pub(super) fn build_tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Stored {
     let cosines = knot_cosines(settings.tables);
     let tabulated: Vec<Tabulated> = cosines
         .par_iter()
         .map(|&c| tabulate(brdf, settings, f64::from(c).acos()))
         .collect();
-    let edges = rows::choose(&tabulated, settings.rows);
+    let edges = choose_row_edges(&tabulated, settings.rows);
     let fit = Fit::new(columns(settings), settings.segments);
-    let each: Vec<Vec<Row>> = tabulated
+    let each: Vec<Vec<FittedRow>> = tabulated
         .par_iter()
         .map(|t| {
             edges
                 .windows(2)
-                .map(|pair| Row::of(t, pair[0]..pair[1], &fit))
+                .map(|pair| FittedRow::new(t, pair[0]..pair[1], &fit))
                 .collect()
         })
         .collect();
@@ -73,9 +73,10 @@ fn columns(settings: &HalfVectorSettings) -> usize {
 
 fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tabulated {
     let wo = spherical(theta_o, 0.0).as_vec3();
-    let square = Square::about(wo);
-    let edge = |e: usize| f64::from(square.cap(Edge::of_part(e)));
+    let chart = HalfVectorChart::new(wo);
+    let edge = |e: usize| f64::from(chart.edge_cap(ChartEdge::new(e)));
     let width: Vec<f64> = (0..PARTS).map(|p| edge(p + 1) - edge(p)).collect();
+    // Sums of f·cosθi and of cosθi alone, by part and column.
     let mut sums = [(); 2].map(|()| Sums::new(columns(settings)));
     let (mut wi, mut jacobians, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for (part, &width) in width.iter().enumerate() {
@@ -83,13 +84,13 @@ fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tab
         jacobians.clear();
         for x in cap_points() {
             let azimuths = azimuths(columns(settings), settings.fold, x as f32);
-            square.along((edge(part) + width * x) as f32, azimuths, |w, jacobian| {
+            chart.for_each_azimuth((edge(part) + width * x) as f32, azimuths, |w, jacobian| {
                 wi.push(w);
                 jacobians.push(jacobian);
             });
         }
         values.resize(wi.len(), Rgb::ZERO);
-        brdf.eval_many(wo, &wi, &mut values);
+        brdf.eval_batch(Wo::One(wo), &wi, &mut values);
         for (x, place) in cap_points().zip(0..) {
             let points = wi.len() / CAP_POINTS;
             for k in place * points..(place + 1) * points {
@@ -101,7 +102,7 @@ fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tab
         }
     }
     let [f, cosine] = sums;
-    blend(f, cosine, width)
+    add_cosine(f, cosine, width)
 }
 
 /// Positions of points on the cap of a part.
@@ -146,7 +147,7 @@ fn azimuths(columns: usize, fold: bool, x: f32) -> impl Iterator<Item = f32> + C
 }
 
 /// The BRDF's masses and a little of the cosine's; the cosine's alone where the BRDF has none.
-fn blend(f: Sums, cosine: Sums, width: Vec<f64>) -> Tabulated {
+fn add_cosine(f: Sums, cosine: Sums, width: Vec<f64>) -> Tabulated {
     let (total, all) = (f.mass.sum(), cosine.mass.sum());
     let (of_f, of_cosine) = if total > 0.0 && total.is_finite() {
         ((1.0 - COSINE_SHARE) / total, COSINE_SHARE / all)
@@ -170,14 +171,14 @@ fn blend(f: Sums, cosine: Sums, width: Vec<f64>) -> Tabulated {
 }
 
 /// A row before it is quantised.
-struct Row {
+struct FittedRow {
     mass: f64,
     slope: i8,
     density: Vec<f64>,
 }
 
-impl Row {
-    fn of(tabulated: &Tabulated, parts: std::ops::Range<usize>, fit: &Fit) -> Self {
+impl FittedRow {
+    fn new(tabulated: &Tabulated, parts: std::ops::Range<usize>, fit: &Fit) -> Self {
         let span = tabulated.mass.slice(ndarray::s![parts.clone(), ..]);
         let columns = span.sum_axis(Axis(0));
         let mass = columns.sum();
@@ -267,9 +268,59 @@ impl Fit {
     }
 }
 
+// Integers: every row and node gets at least one unit, and sums are exact.
+
+/// Cumulative probabilities of `masses`, which sum to 1 and are ≥ 0, each at least one unit: nothing is left out.
+pub fn quantise_rows(masses: &[f64]) -> Vec<u16> {
+    let (n, mut sum, mut last) = (masses.len(), 0.0, 0u32);
+    let room = |i: usize| u32::from(ONE) - (n - 1 - i) as u32;
+    let step = |(i, mass): (usize, &f64)| {
+        sum += mass;
+        let at = if i + 1 == n {
+            u32::from(ONE)
+        } else {
+            (sum * f64::from(ONE)).round() as u32
+        };
+        last = at.clamp(last + 1, room(i));
+        last as u16
+    };
+    masses.iter().enumerate().map(step).collect()
+}
+
+/// Nodes of a density, ≥ 0 and not all 0, scaled to [`NODE_SUM`] and each at least one unit.
+pub fn quantise_nodes(density: &[f64]) -> Vec<u16> {
+    let last = density.len() - 1;
+    // The two ends count once, the others twice.
+    let weight = |i: usize| if i == 0 || i == last { 1 } else { 2 };
+    let sum: f64 = density
+        .iter()
+        .enumerate()
+        .map(|(i, d)| d * f64::from(weight(i)))
+        .sum();
+    let scale = f64::from(NODE_SUM) / sum;
+    let (mut nodes, mut spent, mut exact) = (Vec::with_capacity(last + 1), 0u32, 0.0);
+    for (i, d) in density[..last].iter().enumerate() {
+        let w = f64::from(weight(i));
+        exact += d * scale * w;
+        // What rounding took from the nodes before goes to this one.
+        let node = ((exact - f64::from(spent)) / w).round().max(1.0) as u32;
+        spent += node * weight(i);
+        nodes.push(node);
+    }
+    // The last node takes the rest; if others at their least have used it up, the largest gives some back.
+    while spent >= NODE_SUM {
+        let largest = (0..last).max_by_key(|&i| nodes[i]).unwrap_or(0);
+        nodes[largest] -= 1;
+        spent -= weight(largest);
+    }
+    nodes.push(NODE_SUM - spent);
+    nodes.into_iter().map(|n| n as u16).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::points::Stream;
     use ndarray::Array1;
 
     #[test]
@@ -302,6 +353,57 @@ mod tests {
             let all: Vec<f32> = azimuths(8, fold, 0.25).collect();
             assert!(all.iter().any(|b| *b < -0.8) && all.iter().any(|b| *b > 0.75));
             assert!(all.iter().all(|b| (-1.0..=1.0).contains(b)));
+        }
+    }
+
+    fn random(count: usize, seed: u64) -> Vec<f64> {
+        let mut stream = Stream::new(seed);
+        (0..count).map(|_| stream.next_f64().powi(8)).collect()
+    }
+
+    #[test]
+    fn rows_rise_to_one_whatever_the_masses() {
+        let spike = |at: usize| {
+            (0..79)
+                .map(|i| f64::from(u8::from(i == at)))
+                .collect::<Vec<_>>()
+        };
+        for masses in [
+            spike(0),
+            spike(40),
+            spike(78),
+            vec![1.0 / 79.0; 79],
+            vec![1.0],
+        ] {
+            let rows = quantise_rows(&masses);
+            assert!(rows[0] > 0 && rows.is_sorted_by(|a, b| a < b));
+            assert_eq!(*rows.last().unwrap(), ONE);
+        }
+        let rows = quantise_rows(&[0.25, 0.0, 0.75]);
+        assert_eq!(rows, [16384, 16385, ONE]);
+    }
+
+    #[test]
+    fn nodes_keep_their_sum_and_their_shape() {
+        for width in [2, 3, 4, 9, 17, 65, 256] {
+            for (seed, end) in [(1, 0.0), (2, 0.0), (3, 1e6)] {
+                let mut density = random(width, seed + 100 * width as u64);
+                density[0] += end + 1e-9;
+                let nodes = quantise_nodes(&density);
+                let sum: u32 = nodes
+                    .windows(2)
+                    .map(|p| u32::from(p[0]) + u32::from(p[1]))
+                    .sum();
+                assert_eq!(sum, NODE_SUM, "{width} {seed}");
+                let total: f64 = density.windows(2).map(|p| p[0] + p[1]).sum();
+                for (n, d) in nodes.iter().zip(&density) {
+                    let exact = d / total * f64::from(NODE_SUM);
+                    assert!(
+                        *n >= 1 && (f64::from(*n) - exact).abs() <= 3.0 + 2.0 * width as f64,
+                        "{width} {seed}: {n} {exact}"
+                    );
+                }
+            }
         }
     }
 }

@@ -1,118 +1,44 @@
-//! Tables over the half-vector square: every draw reflects above the horizon, and well-spread points stay well spread.
+//! Tables over the domain of half vectors: every draw reflects above the horizon, and well-spread points stay well spread.
 //!
-//! For a few angles of `wo`, a density over the square of [`square`]: rows over θh that end where MERL's bins end, each with a
-//! probability, a slope, and a density over the azimuth that is linear between nodes. Between two angles the *probabilities*
-//! are interpolated, not the choice of a table, so (u1, u2) → `wi` is one continuous map a row, which can be inverted, and
-//! Owen-scrambled points keep their stratification. All tables are integers of 16 bits or less; their mixtures are exact.
+//! For a few angles of `wo` there is a density over the chart of [`crate::geometry::half_vector_chart`]: rows over θh that end
+//! where MERL's bins end, each with a probability, a slope, and a density over the azimuth that is linear between nodes.
+//! Between two angles the *probabilities* are interpolated, not the choice of a table, so (u1, u2) → `wi` is one continuous map
+//! in each row, which can be inverted, and Owen-scrambled points keep their stratification. All tables are integers of 16 bits
+//! or less, so the sums of an interpolated table are exact.
 //!
-//! Beside the cascade CDF (thesis 5.6; Lawrence et al. 2005) it differs in the horizon, which ends the square exactly instead
-//! of cutting it, and in what it does between angles.
+//! Unlike the cascade CDF (thesis 5.6; Lawrence et al. 2005), the domain ends exactly at the horizon, so no draw is lost, and
+//! angles between tables are served by one interpolated table instead of a random choice of two.
+//!
+//! `docs/half-vector-table.md` has the method as steps 1 to 24. Comments name the step at its line: [`tables`] has step 4,
+//! [`lookup`] 5, 7, 11 and 12, the chart 1 to 3, 6 and 15 to 20, [`sample`] puts them together, [`batch`] for many lanes.
 
+mod azimuth_shift;
+mod azimuths;
 mod batch;
 mod build;
-mod lanes;
-mod mixed;
-mod mixture;
-mod quantise;
-mod rows;
-mod square;
+mod codec;
+mod lookup;
+mod row_edges;
+mod sample;
+mod settings;
 mod tables;
-mod turn;
 
 use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::{DirectionSample, DirectionSampler};
-use crate::brdf::{Brdf, Importance};
+use super::{DirectionSample, DirectionSampler, Settings};
+use crate::batch::Wo;
+use crate::brdf::Brdf;
+use crate::geometry::half_vector_chart::HalfVectorChart;
 use crate::geometry::unit_upper;
 use crate::{Error, Result};
-use mixture::{Mixture, Row, Segment, below_on_slope, find_in, find_on_slope};
-use square::PARTS;
-use tables::Blend;
+use tables::IndexedTables;
 
-pub(crate) use mixture::{NODE_UNIT, ROW_UNIT};
-pub(crate) use square::Edge;
-pub(super) use square::{MERL_PARTS, PARTS as SQUARE_PARTS, Place, Square};
+pub use azimuths::ByAzimuth;
+pub(crate) use lookup::{NODE_UNIT, ROW_UNIT};
+pub use settings::{HalfVector, HalfVectorSettings};
 pub(crate) use tables::Stored;
-pub(super) use tables::{NODE_SUM, ONE, STEEPEST, Tables};
-pub(super) use turn::Turn;
-
-/// Settings of [`HalfVectorTable::build`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct HalfVectorSettings {
-    /// Tables over the polar angle of `wo`, dense towards the horizon, 1 to 1024.
-    pub tables: usize,
-    /// Rows over θh, 2 to 79. They are put where the material asks for them; with 79, every bin of MERL below 44° has its own.
-    pub rows: usize,
-    /// Segments over the azimuth, each linear, 1 to 256.
-    pub segments: usize,
-    /// One side of the plane of incidence stands for both: half the bytes, and as much as the two differ is lost.
-    pub fold: bool,
-    /// The scalar that draws are proportional to.
-    pub importance: Importance,
-}
-
-impl Default for HalfVectorSettings {
-    fn default() -> Self {
-        Self::PRESETS[5].1
-    }
-}
-
-impl HalfVectorSettings {
-    /// Settings by the size of their tables, smallest first: name and settings.
-    pub const PRESETS: [(&str, Self); 8] = [
-        ("2KB", Self::preset(7, 22, 3, true)),
-        ("4KB", Self::preset(9, 31, 4, true)),
-        ("8KB", Self::preset(14, 41, 4, true)),
-        ("16KB", Self::preset(16, 42, 8, false)),
-        ("32KB", Self::preset(20, 48, 12, false)),
-        ("64KB", Self::preset(28, 53, 16, false)),
-        ("256KB", Self::preset(64, 64, 24, false)),
-        ("1MB", Self::preset(128, 64, 48, false)),
-    ];
-
-    const fn preset(tables: usize, rows: usize, segments: usize, fold: bool) -> Self {
-        Self {
-            tables,
-            rows,
-            segments,
-            fold,
-            importance: Importance::Mean,
-        }
-    }
-
-    /// The same for the mean of the channels: what presets are told by.
-    pub(super) fn with_mean(self) -> Self {
-        Self {
-            importance: Importance::Mean,
-            ..self
-        }
-    }
-
-    /// Bytes of the tables in memory; a file holds some 1 to 15 % less, and a header.
-    pub fn bytes(&self) -> usize {
-        tables::bytes(self.tables, self.rows, self.segments)
-    }
-
-    /// # Errors
-    /// [`Error::Argument`] for a number outside its domain.
-    pub(super) fn check(&self) -> Result<()> {
-        for (name, value, range) in [
-            ("tables", self.tables, 1..=1024),
-            ("rows", self.rows, 2..=PARTS),
-            ("segments", self.segments, 1..=256),
-        ] {
-            if !range.contains(&value) {
-                return Err(Error::argument(
-                    format!("{value} {name}"),
-                    format!("choose {} to {}", range.start(), range.end()),
-                ));
-            }
-        }
-        Ok(())
-    }
-}
 
 /// The last table stands short of the horizon.
 const LAST_KNOT: f64 = 89.0 / 180.0 * PI;
@@ -130,7 +56,7 @@ pub(super) fn knot_cosines(tables: usize) -> Vec<f32> {
 #[derive(Clone, Debug)]
 pub struct HalfVectorTable {
     settings: HalfVectorSettings,
-    tables: Tables,
+    tables: IndexedTables,
 }
 
 impl HalfVectorTable {
@@ -148,14 +74,20 @@ impl HalfVectorTable {
                 "choose another sampler",
             ));
         }
-        Ok(Self::from_parts(settings, build::tables(brdf, &settings)))
+        if settings.azimuths.is_some() {
+            return Err(settings::azimuths_of_isotropic());
+        }
+        Ok(Self::from_parts(
+            settings,
+            build::build_tables(brdf, &settings),
+        ))
     }
 
     /// Puts a sampler together from tables that have been validated.
     pub(super) fn from_parts(settings: HalfVectorSettings, stored: Stored) -> Self {
         Self {
             settings,
-            tables: Tables::new(stored),
+            tables: IndexedTables::new(stored),
         }
     }
 
@@ -171,324 +103,9 @@ impl HalfVectorTable {
     /// The point of the unit square that [`DirectionSampler::sample`] maps to `wi`, up to rounding; `None` unless both
     /// directions are above the horizon.
     pub fn invert(&self, wo: Vec3, wi: Vec3) -> Option<Vec2> {
-        let (wo, wi) = (unit_upper(wo)?, unit_upper(wi)?);
-        let about = self.about(Square::about(wo));
-        let place = about.square.place(wi);
-        let row = about.row(&place);
-        let (low, width) = about.span(row.index);
-        let x = position(place.cap, low, width);
-        let u = row.probability(below_on_slope(about.blend.slope(row.index), x));
-        let y = unit_azimuth(place.b, self.settings.fold);
-        let v = refold(
-            about.blend.azimuth_below(row.index, y),
-            place.b,
-            self.settings.fold,
-        );
-        Some(Vec2::new(u as f32, v as f32))
-    }
-
-    /// A draw about a `wo` that is turned against the azimuth of the table; the density is that of [`Self::pdf_turned`].
-    pub(super) fn draw_turned(&self, square: &Square, u: Vec2, turn: Turn) -> Vec3 {
-        let about = self.about(*square);
-        let (cap, b) = about.point(about.choose(u));
-        raise(square.direction(cap, turn.to_surface(b, square.widest_at(cap))))
-    }
-
-    /// The density of such draws at a `place` of the square; `widest` is the unit of its `b`.
-    pub(super) fn pdf_turned(
-        &self,
-        square: &Square,
-        place: &Place,
-        widest: f32,
-        turn: Turn,
-    ) -> f32 {
-        let about = self.about(*square);
-        let (b, slope) = turn.to_table(place.b, widest);
-        let found = about.find(&Place { b, ..*place });
-        (about.density(place, found) * slope).min(f32::MAX)
-    }
-
-    /// What depends on `wo` alone.
-    #[inline]
-    fn about(&self, square: Square) -> About<'_, Blend<'_>> {
-        self.with(square, self.tables.at(square.cos_o()))
-    }
-
-    #[inline(always)]
-    fn with<'a>(&'a self, square: Square, blend: Blend<'a>) -> About<'a, Blend<'a>> {
-        let (segments, unit) = blend.scale();
-        // The azimuth's share runs over [−1, 1]: half the density on [0, 1].
-        About {
-            table: self,
-            square,
-            blend,
-            per_segment: 1.0 / segments,
-            unit: 0.5 * unit,
-        }
-    }
-}
-
-/// The table about one `wo`. Mixing its tables beforehand halves the time of a draw and takes as long as some hundred (`cargo
-/// bench --bench sample`): for large batches.
-#[derive(Clone, Copy)]
-struct About<'a, M> {
-    table: &'a HalfVectorTable,
-    square: Square,
-    blend: M,
-    per_segment: f32,
-    /// Unit of densities at nodes, per unit of the azimuth's share.
-    unit: f32,
-}
-
-/// What a point of the unit square chooses, before arithmetic: the part of a draw that looks things up.
-#[derive(Clone, Copy)]
-struct Choice {
-    /// Cap where the row begins, and its width.
-    low: f32,
-    width: f32,
-    slope: f32,
-    /// Share of the row's probability.
-    share: f32,
-    segment: Segment,
-    /// Rest of the segment's probability.
-    rest: f32,
-    side: f32,
-}
-
-/// What the density at a place depends on: the part that looks things up.
-#[derive(Clone, Copy)]
-struct Found {
-    low: f32,
-    width: f32,
-    slope: f32,
-    mass: f32,
-    segment: Segment,
-    /// Position within the segment.
-    share: f32,
-}
-
-impl Choice {
-    #[inline(always)]
-    fn to_array(self) -> [f32; 9] {
-        let Self {
-            low,
-            width,
-            slope,
-            share,
-            segment,
-            rest,
-            side,
-        } = self;
-        [
-            low,
-            width,
-            slope,
-            share,
-            segment.index,
-            segment.low,
-            segment.high,
-            rest,
-            side,
-        ]
-    }
-
-    #[inline(always)]
-    fn from_array([low, width, slope, share, index, first, second, rest, side]: [f32; 9]) -> Self {
-        let segment = Segment {
-            index,
-            low: first,
-            high: second,
-        };
-        Self {
-            low,
-            width,
-            slope,
-            share,
-            segment,
-            rest,
-            side,
-        }
-    }
-}
-
-impl Found {
-    #[inline(always)]
-    fn to_array(self) -> [f32; 8] {
-        let Self {
-            low,
-            width,
-            slope,
-            mass,
-            segment,
-            share,
-        } = self;
-        [
-            low,
-            width,
-            slope,
-            mass,
-            segment.index,
-            segment.low,
-            segment.high,
-            share,
-        ]
-    }
-
-    #[inline(always)]
-    fn from_array([low, width, slope, mass, index, first, second, share]: [f32; 8]) -> Self {
-        let segment = Segment {
-            index,
-            low: first,
-            high: second,
-        };
-        Self {
-            low,
-            width,
-            slope,
-            mass,
-            segment,
-            share,
-        }
-    }
-}
-
-impl<M: Mixture> About<'_, M> {
-    /// Where a row begins, and its width, in caps.
-    #[inline(always)]
-    fn span(&self, row: usize) -> (f32, f32) {
-        let [low, high] = self.table.tables.edges(row);
-        let low = self.square.cap(low);
-        (low, self.square.cap(high) - low)
-    }
-
-    /// The row that holds a place.
-    #[inline(always)]
-    fn row(&self, place: &Place) -> Row {
-        self.blend
-            .row(self.table.tables.row_of(self.square.part(place)))
-    }
-
-    #[inline(always)]
-    fn choose(&self, u: Vec2) -> Choice {
-        let (row, share) = self.blend.find_row(u.x);
-        self.choose_in(row.index, share, u.y)
-    }
-
-    /// What `u` chooses in a row that is chosen at a share of its probability.
-    #[inline(always)]
-    fn choose_in(&self, row: usize, share: f32, u: f32) -> Choice {
-        let (low, width) = self.span(row);
-        let (v, side) = unfold(u, self.table.settings.fold);
-        let (segment, rest) = self.blend.find_segment(row, v);
-        Choice {
-            low,
-            width,
-            slope: self.blend.slope(row),
-            share,
-            segment,
-            rest,
-            side,
-        }
-    }
-
-    /// The point of the square that was chosen: cap and azimuth.
-    #[inline(always)]
-    fn point(&self, choice: Choice) -> (f32, f32) {
-        let cap = choice.low + choice.width * find_on_slope(choice.slope, choice.share);
-        let y = (choice.segment.index + find_in(choice.segment, choice.rest)) * self.per_segment;
-        let b = if self.table.settings.fold {
-            y * choice.side
-        } else {
-            2.0 * y - 1.0
-        };
-        (cap, b.clamp(-1.0, 1.0))
-    }
-
-    #[inline(always)]
-    fn direction(&self, choice: Choice) -> Vec3 {
-        let (cap, b) = self.point(choice);
-        raise(self.square.direction(cap, b))
-    }
-
-    #[inline(always)]
-    fn find(&self, place: &Place) -> Found {
-        let row = self.row(place);
-        let (low, width) = self.span(row.index);
-        let y = unit_azimuth(place.b, self.table.settings.fold);
-        let (segment, share) = self.blend.segment_at(row.index, y);
-        Found {
-            low,
-            width,
-            slope: self.blend.slope(row.index),
-            mass: row.mass(),
-            segment,
-            share,
-        }
-    }
-
-    #[inline(always)]
-    fn density(&self, place: &Place, found: Found) -> f32 {
-        let x = position(place.cap, found.low, found.width);
-        let along = found.mass * (1.0 + found.slope * (2.0 * x - 1.0));
-        let across = found.segment.low + (found.segment.high - found.segment.low) * found.share;
-        (along * across * self.unit / (found.width * place.jacobian)).min(f32::MAX)
-    }
-
-    #[inline]
-    fn pdf(&self, wi: Vec3) -> f32 {
-        let place = self.square.place(wi);
-        self.density(&place, self.find(&place))
-    }
-
-    #[inline]
-    fn sample(&self, u: Vec2) -> DirectionSample {
-        let wi = self.direction(self.choose(u));
-        DirectionSample {
-            wi,
-            pdf: self.pdf(wi),
-        }
-    }
-}
-
-/// A cap's position within a row, 0 to 1.
-#[inline(always)]
-fn position(cap: f32, low: f32, width: f32) -> f32 {
-    ((cap - low) / width).clamp(0.0, 1.0)
-}
-
-/// Directions at the very end of the square lie on the horizon; rounding may put them below it, by less than f32 tells the
-/// length of a direction. They are moved to the nearest one above it.
-#[inline(always)]
-fn raise(wi: Vec3) -> Vec3 {
-    Vec3::new(wi.x, wi.y, wi.z.max(LOWEST))
-}
-
-/// Cosine of the lowest direction drawn.
-const LOWEST: f32 = 1e-9;
-
-/// The coordinate on [0, 1] of the azimuth's share `b` in [−1, 1]: folded at the plane of incidence, or whole.
-#[inline(always)]
-fn unit_azimuth(b: f32, fold: bool) -> f32 {
-    if fold { b.abs() } else { 0.5 * (b + 1.0) }
-}
-
-/// A number in [0, 1) as the azimuth's probability and its side: folded, both sides meet in the middle.
-#[inline(always)]
-fn unfold(u: f32, fold: bool) -> (f32, f32) {
-    let side = 2.0 * u - 1.0;
-    if fold {
-        (side.abs(), 1f32.copysign(side))
-    } else {
-        (u, 1.0)
-    }
-}
-
-/// The inverse of [`unfold`], the side being that of `b`.
-fn refold(v: f64, b: f32, fold: bool) -> f64 {
-    if fold {
-        0.5 + 0.5 * v.copysign(f64::from(b))
-    } else {
-        v
+        let wo = unit_upper(wo)?;
+        let wi = unit_upper(wi)?;
+        Some(self.view(HalfVectorChart::new(wo)).invert(wi))
     }
 }
 
@@ -496,35 +113,31 @@ impl DirectionSampler for HalfVectorTable {
     /// Never fails for a `wo` above the horizon.
     #[inline]
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        unit_upper(wo).map(|wo| self.about(Square::about(wo)).sample(u))
+        let wo = unit_upper(wo)?;
+        Some(self.view(HalfVectorChart::new(wo)).sample(u))
     }
 
     #[inline]
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        unit_upper(wo)
-            .zip(unit_upper(wi))
-            .map_or(0.0, |(wo, wi)| self.about(Square::about(wo)).pdf(wi))
+        let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
+            return 0.0;
+        };
+        self.view(HalfVectorChart::new(wo)).pdf(wi)
     }
 
     fn bytes(&self) -> usize {
         self.tables.bytes()
     }
 
-    fn sample_batch(&self, wo: Vec3, points: &[Vec2]) -> Vec<Option<DirectionSample>> {
-        let square = unit_upper(wo).map(Square::about);
-        square.map_or_else(
-            || vec![None; points.len()],
-            |square| batch::sample(&self.about(square), points),
-        )
+    #[track_caller]
+    fn sample_batch(&self, wo: Wo<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
+        wo.assert_lanes(u.len(), out.len());
+        batch::sample_batch(self, wo, u, out);
     }
 
-    fn sample_pairs(&self, wo: &[Vec3], points: &[Vec2], out: &mut [Option<DirectionSample>]) {
-        let count = wo.len().min(points.len()).min(out.len());
-        batch::sample_pairs(self, &wo[..count], &points[..count], &mut out[..count]);
-    }
-
-    fn pdf_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
-        let count = wo.len().min(wi.len()).min(out.len());
-        batch::pdf_pairs(self, &wo[..count], &wi[..count], &mut out[..count]);
+    #[track_caller]
+    fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
+        wo.assert_lanes(wi.len(), out.len());
+        batch::pdf_batch(self, wo, wi, out);
     }
 }

@@ -5,8 +5,8 @@
 
 use std::hint::select_unpredictable;
 
-use super::mixture::{Mixture, NODE_UNIT, Row, Segment};
-use super::square::{Edge, PARTS};
+use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable, NODE_UNIT};
+use crate::geometry::half_vector_chart::{ChartEdge, PARTS};
 
 /// Probability 1 of a cumulative table.
 pub const ONE: u16 = u16::MAX;
@@ -17,15 +17,15 @@ pub const SLOPE_UNIT: f32 = 1.0 / 128.0;
 /// The steepest slope: densities stay above 0 at both ends of a row.
 pub const STEEPEST: i8 = 122;
 
-/// Shares of two tables are in units of 2⁻¹⁶.
-pub const SHARES: u32 = 1 << 16;
+/// Weight 1 of a table: weights are in units of 2⁻¹⁶.
+pub const WEIGHT_ONE: u32 = 1 << 16;
 
 /// What a file holds: one table for each of a few `wo`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stored {
     /// cos θo of each table, falling from 1; the last is above 0.
     pub cosines: Vec<f32>,
-    /// Edges of the rows, as edges of the square's parts; one more than rows.
+    /// Edges of the rows, as numbers of the chart's edges; one more than rows.
     pub edges: Vec<u16>,
     /// `[table, row]`: probability of the rows up to and with this one, in units of 1/[`ONE`]; rises to [`ONE`].
     pub rows: Vec<u16>,
@@ -37,14 +37,14 @@ pub struct Stored {
     pub width: usize,
 }
 
-/// Tables and what speeds up their use.
+/// Tables and the indices that speed up their use.
 #[derive(Clone, Debug)]
-pub struct Tables {
+pub struct IndexedTables {
     stored: Stored,
     /// Edges of the rows.
-    lines: Vec<Edge>,
-    /// The row that holds each part of the square.
-    row_of: [u8; PARTS],
+    edges: Vec<ChartEdge>,
+    /// The row that holds each part of the chart.
+    part_rows: [u8; PARTS],
     /// `[table, row, block]`: sum of the nodes at both ends of the segments up to and with a block, but for the last.
     blocks: Vec<u16>,
     /// Blocks that have a sum.
@@ -62,28 +62,28 @@ const fn blocks_of(segments: usize) -> usize {
 /// Bytes of all arrays of so many tables, rows and segments.
 pub const fn bytes(tables: usize, rows: usize, segments: usize) -> usize {
     let row = size_of::<u16>() * (1 + segments + 1 + blocks_of(segments)) + size_of::<i8>();
-    let edge = size_of::<u16>() + size_of::<Edge>();
+    let edge = size_of::<u16>() + size_of::<ChartEdge>();
     tables * (size_of::<f32>() + rows * row) + (rows + 1) * edge + PARTS
 }
 
-/// Two tables and their shares.
+/// Two tables, and the weight of the second: the table that is interpolated between them.
 #[derive(Clone, Copy, Debug)]
-pub struct Blend<'a> {
-    pub(super) tables: &'a Tables,
+pub struct TablePair<'a> {
+    pub(super) tables: &'a IndexedTables,
     first: usize,
     second: usize,
-    share: u32,
+    weight: u32,
 }
 
-impl Tables {
+impl IndexedTables {
     /// Adds the derived tables to arrays that keep the rules of [`Stored`].
     pub fn new(stored: Stored) -> Self {
-        let lines = stored
+        let edges = stored
             .edges
             .iter()
-            .map(|&e| Edge::of_part(usize::from(e)))
+            .map(|&e| ChartEdge::new(usize::from(e)))
             .collect();
-        let row_of = std::array::from_fn(|part| {
+        let part_rows = std::array::from_fn(|part| {
             stored.edges[1..].partition_point(|&e| usize::from(e) <= part) as u8
         });
         let block_count = blocks_of(stored.width - 1);
@@ -99,8 +99,8 @@ impl Tables {
         let blocks = stored.nodes.chunks(stored.width).flat_map(sums).collect();
         Self {
             stored,
-            lines,
-            row_of,
+            edges,
+            part_rows,
             blocks,
             block_count,
         }
@@ -123,24 +123,25 @@ impl Tables {
     /// Number of rows.
     #[inline]
     pub(super) fn row_count(&self) -> usize {
-        self.lines.len() - 1
+        self.edges.len() - 1
     }
 
-    /// The row that holds a part of the square.
+    /// The row that holds a part of the chart.
     #[inline]
-    pub fn row_of(&self, part: usize) -> usize {
-        usize::from(self.row_of[part])
+    pub fn row_of_part(&self, part: usize) -> usize {
+        usize::from(self.part_rows[part])
     }
 
     /// The edges of a row.
     #[inline]
-    pub fn edges(&self, row: usize) -> [Edge; 2] {
-        [self.lines[row], self.lines[row + 1]]
+    pub fn edges(&self, row: usize) -> [ChartEdge; 2] {
+        [self.edges[row], self.edges[row + 1]]
     }
 
-    /// The tables about a polar angle, with shares that are linear in its cosine; beyond the last one, the last.
+    /// The tables about a polar angle, with weights that are linear in its cosine; beyond the last one, the last.
     #[inline]
-    pub fn at(&self, cos_o: f32) -> Blend<'_> {
+    pub fn interpolate(&self, cos_o: f32) -> TablePair<'_> {
+        // Step 4: b = number of cosines above cosO, at most T − 1; a = max(b − 1, 0).
         let cosines = &self.stored.cosines;
         let last = cosines.len() - 1;
         // Counting all is sooner done than searching: comparisons don't wait for each other.
@@ -148,31 +149,32 @@ impl Tables {
             (cosines.iter().map(|&c| u32::from(c > cos_o)).sum::<u32>() as usize).min(last);
         let first = second.saturating_sub(1);
         let (high, low) = (cosines[first], cosines[second]);
-        let share = if high > low {
+        // Step 4: w = ⌊65536·clamp((knot[a] − cosO)/(knot[a] − knot[b]), 0, 1) + ½⌋, the weight of table b.
+        let weight = if high > low {
             ((high - cos_o) / (high - low)).clamp(0.0, 1.0)
         } else {
             0.0
         };
-        Blend {
+        TablePair {
             tables: self,
             first,
             second,
-            share: (share * SHARES as f32 + 0.5) as u32,
+            weight: (weight * WEIGHT_ONE as f32 + 0.5) as u32,
         }
     }
 }
 
-impl Blend<'_> {
-    /// `first · (SHARES − share) + second · share`, which fits 32 bits: exact, by one product modulo 2³².
+impl TablePair<'_> {
+    /// Step 5, mix(a, b): `first · (WEIGHT_ONE − weight) + second · weight`, which fits 32 bits: exact, by one product modulo 2³².
     #[inline(always)]
     pub(super) fn mix(&self, first: u16, second: u16) -> u32 {
         let (first, second) = (u32::from(first), u32::from(second));
-        (first * SHARES).wrapping_add(second.wrapping_sub(first).wrapping_mul(self.share))
+        (first * WEIGHT_ONE).wrapping_add(second.wrapping_sub(first).wrapping_mul(self.weight))
     }
 
     /// Row `row` of both tables, of `values` that hold `rows` of `width` for every table.
     #[inline(always)]
-    fn both<'b, T>(
+    fn rows<'b, T>(
         &self,
         values: &'b [T],
         rows: usize,
@@ -186,10 +188,11 @@ impl Blend<'_> {
         )
     }
 
+    /// Nodes of a row of both tables.
     #[inline(always)]
     pub(super) fn nodes(&self, row: usize) -> (&[u16], &[u16]) {
         let tables = self.tables;
-        self.both(
+        self.rows(
             &tables.stored.nodes,
             tables.row_count(),
             row,
@@ -197,12 +200,12 @@ impl Blend<'_> {
         )
     }
 
-    /// The block in which the sum passes `target`, and the sum below it.
+    /// Step 12, coarse: the block of segments in which the sum passes `target`, and the sum below it.
     #[inline(always)]
     fn find_block(&self, row: usize, target: u32) -> (usize, u32) {
         let tables = self.tables;
         let (first, second) =
-            self.both(&tables.blocks, tables.row_count(), row, tables.block_count);
+            self.rows(&tables.blocks, tables.row_count(), row, tables.block_count);
         let (mut block, mut below) = (0, 0);
         for (&a, &b) in first.iter().zip(second) {
             let sum = self.mix(a, b);
@@ -213,6 +216,12 @@ impl Blend<'_> {
         (block, below)
     }
 
+    /// Nodes of all rows.
+    #[inline]
+    pub fn node_count(&self) -> usize {
+        self.tables.row_count() * self.tables.stored.width
+    }
+
     /// Segments a row, and the unit that makes densities at nodes 1 on average over [0, 1].
     #[inline]
     pub fn scale(&self) -> (f32, f32) {
@@ -221,16 +230,16 @@ impl Blend<'_> {
     }
 }
 
-impl Mixture for Blend<'_> {
+impl InterpolatedTable for TablePair<'_> {
     #[inline(always)]
     fn segments(&self) -> usize {
         self.tables.stored.width - 1
     }
 
     #[inline(always)]
-    fn index_of(&self, target: u32) -> usize {
+    fn find_row_index(&self, target: u32) -> usize {
         let n = self.tables.row_count();
-        let (first, second) = self.both(&self.tables.stored.rows, 1, 0, n);
+        let (first, second) = self.rows(&self.tables.stored.rows, 1, 0, n);
         // Bisection of as many steps for every draw: nothing to mispredict, and draws of a batch don't wait for each other.
         let (mut index, mut left) = (0, n);
         while left > 1 {
@@ -244,14 +253,14 @@ impl Mixture for Blend<'_> {
     }
 
     #[inline(always)]
-    fn row(&self, index: usize) -> Row {
-        let (first, second) = self.both(&self.tables.stored.rows, 1, 0, self.tables.row_count());
+    fn row(&self, index: usize) -> InterpolatedRow {
+        let (first, second) = self.rows(&self.tables.stored.rows, 1, 0, self.tables.row_count());
         let below = if index == 0 {
             0
         } else {
             self.mix(first[index - 1], second[index - 1])
         };
-        Row {
+        InterpolatedRow {
             index,
             below,
             mass: self.mix(first[index], second[index]) - below,
@@ -261,15 +270,16 @@ impl Mixture for Blend<'_> {
     #[inline(always)]
     fn slope(&self, row: usize) -> f32 {
         let (first, second) =
-            self.both(&self.tables.stored.slopes, self.tables.row_count(), row, 1);
+            self.rows(&self.tables.stored.slopes, self.tables.row_count(), row, 1);
         let (first, second) = (i32::from(first[0]), i32::from(second[0]));
-        let mixed = first * (SHARES - self.share) as i32 + second * self.share as i32;
-        mixed as f32 * (SLOPE_UNIT / SHARES as f32)
+        let mixed = first * (WEIGHT_ONE - self.weight) as i32 + second * self.weight as i32;
+        mixed as f32 * (SLOPE_UNIT / WEIGHT_ONE as f32)
     }
 
     #[inline(always)]
-    fn segment_of(&self, row: usize, target: u32) -> (usize, u32) {
+    fn find_segment_index(&self, row: usize, target: u32) -> (usize, u32) {
         let (first, second) = self.nodes(row);
+        // Step 12: the block, then the segment within it.
         let (block, mut below) = self.find_block(row, target);
         let mut index = block * BLOCK;
         let (mut low, mut sum) = (self.mix(first[index], second[index]), below);
@@ -287,11 +297,11 @@ impl Mixture for Blend<'_> {
     }
 
     #[inline(always)]
-    fn segment(&self, row: usize, index: usize) -> Segment {
+    fn segment(&self, row: usize, index: usize) -> AzimuthSegment {
         let (first, second) = self.nodes(row);
         let low = self.mix(first[index], second[index]) as f32;
         let high = self.mix(first[index + 1], second[index + 1]) as f32;
-        Segment {
+        AzimuthSegment {
             index: index as u32 as f32,
             low,
             high,
@@ -301,9 +311,8 @@ impl Mixture for Blend<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mixed::Mixed;
-    use super::super::mixture::{below_on_slope, find_in, find_on_slope};
-    use super::super::quantise::{quantise_nodes, quantise_rows};
+    use super::super::build::{quantise_nodes, quantise_rows};
+    use super::super::lookup::{PremixedTable, invert_segment, invert_slope, slope_cdf};
     use super::*;
     use crate::points::Stream;
 
@@ -312,7 +321,7 @@ mod tests {
         (0..count).map(|_| stream.next_f64().powi(8)).collect()
     }
 
-    fn example() -> Tables {
+    fn example() -> IndexedTables {
         let rows: Vec<u16> = [random(11, 1), random(11, 2), random(11, 3)]
             .iter()
             .flat_map(|m| {
@@ -326,7 +335,7 @@ mod tests {
         let nodes = (0..33)
             .flat_map(|i| quantise_nodes(&random(12, 10 + i)))
             .collect();
-        Tables::new(Stored {
+        IndexedTables::new(Stored {
             cosines: vec![1.0, 0.5, 0.1],
             edges: (0..=11).collect(),
             rows,
@@ -340,23 +349,23 @@ mod tests {
     fn searches_invert_probabilities() {
         let tables = example();
         for cos_o in [1.0, 0.9, 0.5, 0.333, 0.1, 1e-9] {
-            let blend = tables.at(cos_o);
+            let pair = tables.interpolate(cos_o);
             for i in 0..1000 {
                 let u = i as f32 / 1000.0;
-                let (row, share) = blend.find_row(u);
+                let (row, fraction) = pair.find_row(u);
                 assert!(
-                    (row.probability(f64::from(share)) - f64::from(u)).abs() < 1e-6,
+                    (row.cdf(f64::from(fraction)) - f64::from(u)).abs() < 1e-6,
                     "{cos_o} {u}: {row:?}"
                 );
-                let (segment, rest) = blend.find_segment(row.index, u);
-                let y = (segment.index + find_in(segment, rest)) / 11.0;
-                let back = blend.azimuth_below(row.index, y);
+                let (segment, rest) = pair.find_segment(row.index, u);
+                let y = (segment.index + invert_segment(segment, rest)) / 11.0;
+                let back = pair.azimuth_cdf(row.index, y);
                 assert!(
                     (back - f64::from(u)).abs() < 1e-5,
                     "{cos_o} {u} {y}: {back}"
                 );
-                let slope = blend.slope(row.index);
-                let back = below_on_slope(slope, find_on_slope(slope, u));
+                let slope = pair.slope(row.index);
+                let back = slope_cdf(slope, invert_slope(slope, u));
                 assert!((back - f64::from(u)).abs() < 1e-6, "{slope} {u}: {back}");
             }
         }
@@ -366,29 +375,29 @@ mod tests {
     fn mixing_beforehand_changes_no_bit() {
         let tables = example();
         for cos_o in [1.0, 0.77, 0.3, 0.01] {
-            let blend = tables.at(cos_o);
-            let mixed = &Mixed::new(&blend);
+            let pair = tables.interpolate(cos_o);
+            let premixed = &PremixedTable::<1024>::new(&pair);
             for i in 0..2000 {
                 let u = if i == 1999 {
                     1f32.next_down()
                 } else {
                     i as f32 / 2000.0
                 };
-                let ((a, x), (b, y)) = (blend.find_row(u), mixed.find_row(u));
+                let ((a, x), (b, y)) = (pair.find_row(u), premixed.find_row(u));
                 assert_eq!(
                     (a.index, a.below, a.mass, x),
                     (b.index, b.below, b.mass, y),
                     "{u}"
                 );
-                assert_eq!(blend.slope(a.index), mixed.slope(a.index));
+                assert_eq!(pair.slope(a.index), premixed.slope(a.index));
                 assert_eq!(
-                    blend.find_segment(i % 11, u),
-                    mixed.find_segment(i % 11, u),
+                    pair.find_segment(i % 11, u),
+                    premixed.find_segment(i % 11, u),
                     "{u}"
                 );
                 assert_eq!(
-                    blend.segment_at(i % 11, u),
-                    mixed.segment_at(i % 11, u),
+                    pair.locate_segment(i % 11, u),
+                    premixed.locate_segment(i % 11, u),
                     "{u}"
                 );
             }
@@ -396,19 +405,19 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_linear_in_the_cosine() {
+    fn weights_are_linear_in_the_cosine() {
         let tables = example();
-        for (cos_o, first, second, share) in [
+        for (cos_o, first, second, weight) in [
             (1.0, 0, 0, 0),
-            (0.75, 0, 1, SHARES / 2),
-            (0.5, 0, 1, SHARES),
-            (0.1, 1, 2, SHARES),
-            (0.01, 1, 2, SHARES),
+            (0.75, 0, 1, WEIGHT_ONE / 2),
+            (0.5, 0, 1, WEIGHT_ONE),
+            (0.1, 1, 2, WEIGHT_ONE),
+            (0.01, 1, 2, WEIGHT_ONE),
         ] {
-            let b = tables.at(cos_o);
+            let b = tables.interpolate(cos_o);
             assert_eq!(
-                (b.first, b.second, b.share),
-                (first, second, share),
+                (b.first, b.second, b.weight),
+                (first, second, weight),
                 "{cos_o}"
             );
         }
@@ -422,8 +431,8 @@ mod tests {
             + size_of_val(&s.rows[..])
             + size_of_val(&s.slopes[..])
             + size_of_val(&s.nodes[..])
-            + size_of_val(&t.lines[..])
-            + size_of_val(&t.row_of)
+            + size_of_val(&t.edges[..])
+            + size_of_val(&t.part_rows)
             + size_of_val(&t.blocks[..]);
         assert_eq!(t.bytes(), arrays);
     }
@@ -432,11 +441,11 @@ mod tests {
     #[test]
     fn densities_integrate_to_one() {
         let tables = example();
-        let blend = tables.at(0.4);
-        let (_, unit) = blend.scale();
+        let pair = tables.interpolate(0.4);
+        let (_, unit) = pair.scale();
         let density = |row: usize, y: f32| {
-            let (s, share) = blend.segment_at(row, y);
-            f64::from((s.low + (s.high - s.low) * share) * unit)
+            let (s, position) = pair.locate_segment(row, y);
+            f64::from((s.low + (s.high - s.low) * position) * unit)
         };
         for row in 0..11 {
             let sum: f64 = (0..5500)

@@ -4,110 +4,23 @@
 //! the variance of weights is infinite, where measured materials still reflect. The density is that of the mixture (one-sample
 //! MIS with the balance heuristic; Veach 1997, 9.2.4). Draws that end below the horizon fail.
 
+mod codec;
 mod fit;
+mod settings;
 mod shape;
 
 pub(super) use fit::Nodes;
+pub use settings::{LEAST_DIFFUSE, LobeKind, LobeParameters, LobeSettings};
 
 use std::f64::consts::FRAC_1_PI;
 
 use glam::{DVec2, Vec2, Vec3};
 
 use super::knots::split_unit;
-use super::{DirectionSample, DirectionSampler, with_density};
-use crate::brdf::{Brdf, Importance};
+use super::{DirectionSample, DirectionSampler, Settings, with_density};
+use crate::Result;
+use crate::brdf::Brdf;
 use crate::geometry::{cosine_hemisphere, unit_upper};
-use crate::{Error, Result};
-
-/// Which lobe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LobeKind {
-    /// (n+1)/2π·cosⁿα about the mirror direction, over its half space (thesis 5.2.1, "hemisphere").
-    CosineLobe,
-    /// (n+1)/4π·((1+cosα)/2)ⁿ about the mirror direction, over the whole sphere (thesis 5.2.1, "sphere").
-    CosineLobeSphere,
-    /// Half vectors of density (n+1)/2π·cosⁿθh (Blinn 1977; thesis 5.2.2.1).
-    Blinn,
-    /// Half vectors whose slope is Gaussian: exp(−tan²θh/α²)/(πα²cos³θh) (Ward 1992, Walter 2005; thesis 5.2.2.2).
-    Ward,
-    /// Half vectors of density √((ex+1)(ey+1))/2π·cosθh^(ex·cos²φh + ey·sin²φh), with φh from the plane of incidence
-    /// (Ashikhmin and Shirley 2000; thesis 5.4).
-    AshikhminShirley,
-    /// Normals of the GGX distribution visible from `wo` (Walter 2007, Heitz 2018), drawn by spherical caps (Dupuy and
-    /// Benyoub 2023).
-    Ggx,
-}
-
-impl LobeKind {
-    /// All of them, in the order of the thesis.
-    pub const ALL: [Self; 6] = [
-        Self::CosineLobe,
-        Self::CosineLobeSphere,
-        Self::Blinn,
-        Self::Ward,
-        Self::AshikhminShirley,
-        Self::Ggx,
-    ];
-
-    /// The name on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::CosineLobe => "cosine-lobe",
-            Self::CosineLobeSphere => "cosine-lobe-sphere",
-            Self::Blinn => "blinn",
-            Self::Ward => "ward",
-            Self::AshikhminShirley => "ashikhmin-shirley",
-            Self::Ggx => "ggx",
-        }
-    }
-
-    /// Domain of the shape: exponents, or for Ward and GGX roughness.
-    pub fn domain(self) -> [f32; 2] {
-        match self {
-            Self::Ward | Self::Ggx => [1e-4, 2.0],
-            Self::CosineLobe | Self::CosineLobeSphere | Self::Blinn | Self::AshikhminShirley => {
-                [0.1, 1e7]
-            }
-        }
-    }
-}
-
-/// Least share of draws that follow the cosine.
-pub const LEAST_DIFFUSE: f32 = 1e-3;
-
-/// The numbers that a lobe is fitted by.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct LobeParameters {
-    /// Exponent or roughness, along the plane of incidence, within [`LobeKind::domain`].
-    pub along: f32,
-    /// The same across that plane. Only Ashikhmin and Shirley's lobe tells them apart; for all others it equals `along`.
-    pub across: f32,
-    /// Share of draws that follow the cosine, [`LEAST_DIFFUSE`] to 1.
-    pub diffuse: f32,
-}
-
-/// Settings of [`Lobe::build`].
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct LobeSettings {
-    /// Which lobe.
-    pub kind: LobeKind,
-    /// Its parameters; `None` fits them to the material.
-    pub parameters: Option<LobeParameters>,
-    /// The scalar whose weights the fit makes even.
-    pub importance: Importance,
-}
-
-impl LobeSettings {
-    /// A lobe to be fitted.
-    pub fn fitted(kind: LobeKind) -> Self {
-        Self {
-            kind,
-            parameters: None,
-            importance: Importance::default(),
-        }
-    }
-}
 
 /// A lobe and its share of cosine.
 #[derive(Clone, Debug)]
@@ -137,40 +50,14 @@ impl Lobe {
     /// # Errors
     /// [`Error::Argument`] for parameters outside their domains.
     pub(super) fn with(settings: LobeSettings, parameters: LobeParameters) -> Result<Self> {
-        let (
-            kind,
-            LobeParameters {
-                along,
-                across,
-                diffuse,
-            },
-        ) = (settings.kind, parameters);
-        let [low, high] = kind.domain();
-        let inside = |v: f32| (low..=high).contains(&v);
-        if !inside(along) || !inside(across) || !(LEAST_DIFFUSE..=1.0).contains(&diffuse) {
-            return Err(Error::argument(
-                format!(
-                    "{} with parameters {along}, {across} and {diffuse}",
-                    kind.name()
-                ),
-                format!(
-                    "choose shapes from {low} to {high} and a diffuse share from {LEAST_DIFFUSE} to 1"
-                ),
-            ));
-        }
-        if along != across && kind != LobeKind::AshikhminShirley {
-            return Err(Error::argument(
-                format!("{} with shapes {along} and {across}", kind.name()),
-                "give the same shape along and across the plane of incidence",
-            ));
-        }
         let settings = LobeSettings {
             parameters: Some(parameters),
             ..settings
         };
+        settings.check()?;
         Ok(Self {
+            kind: settings.kind,
             settings,
-            kind,
             parameters,
         })
     }

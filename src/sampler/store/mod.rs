@@ -2,27 +2,28 @@
 //!
 //! A file holds the tensors of one sampler and one metadata entry, `merlkit`: JSON of [`Record`]. Reading checks structure,
 //! version, checksum and every invariant that sampling relies on; the sampler then draws the same bits as the one that was
-//! saved.
+//! saved. Which tensors a method has, and what they must be, is in the method's own `codec.rs`.
 
-mod parts;
+mod curves;
 mod tensors;
 
 use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::{Sampler, SamplerSpec};
 use crate::files::{Overwrite, RegularFile, write_new};
 use crate::material::Loaded;
-use crate::material::merl::{LookupRule, MerlBrdf};
+use crate::material::merl::LookupRule;
 use crate::material::{Material, Origin};
 use crate::{Error, Result};
-use tensors::{Tensors, TensorsOut};
+
+pub(super) use curves::{read_curves, write_curves};
+pub use tensors::{Element, TensorWriter, Tensors};
 
 /// Layout version written and read.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const KEY: &str = "merlkit";
 /// Bytes of the longest file that is read.
 const LONGEST: u64 = 1 << 32;
@@ -32,16 +33,18 @@ const LONGEST: u64 = 1 << 32;
 pub struct Record {
     /// Layout version.
     pub version: u32,
-    /// Sampler and settings.
+    /// The sampler and settings asked for, as text.
     pub spec: SamplerSpec,
+    /// The settings of `spec`, one by one, with what was fitted to the material.
+    settings: serde_json::Value,
     /// Name of the material.
     pub material: String,
     /// Path of the material's file as it was named when building, or its formula; `None` for an embedded material.
     pub path: Option<String>,
     /// SHA-256 of the material's defining bytes.
     pub source_sha256: String,
-    /// Lookup rule the sampler was built under; without a meaning to a material that is no table.
-    pub lookup: LookupRule,
+    /// Lookup rule the sampler was built under; `None` for a material that has no table.
+    pub lookup: Option<LookupRule>,
     /// SHA-256 over all tensors.
     payload_sha256: String,
 }
@@ -63,18 +66,17 @@ pub struct SamplerFile {
     tensors: Tensors,
 }
 
-/// Saves `sampler`, built for `material` under `lookup`; returns the file's length in bytes.
+/// Saves `sampler`, built for `material`; returns the file's length in bytes.
 ///
 /// # Errors
 /// As [`encode`] and [`write_new`].
 pub fn save(
     sampler: &Sampler,
     material: &Material,
-    lookup: LookupRule,
     path: &Path,
     overwrite: Overwrite,
 ) -> Result<u64> {
-    let bytes = encode(sampler, material, lookup)?;
+    let bytes = encode(sampler, material)?;
     write_new(path, overwrite, |file| {
         file.write_all(&bytes)
             .map_err(|e| Error::io(path, "write", e))
@@ -85,34 +87,14 @@ pub fn save(
 /// The bytes of a sampler file; the same for the same sampler.
 ///
 /// # Errors
-/// [`Error::Argument`] for the cosine sampler, which has nothing to store, and for the density of a `.bsdf` file, which is
-/// stored there; [`Error::Io`] if the material's file is gone.
-pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Result<Vec<u8>> {
-    // Only tables have a lookup rule: for other materials the bytes are the same whichever was asked for.
-    let lookup = if material.facts()?.has_table {
-        lookup
-    } else {
-        LookupRule::default()
-    };
-    let mut out = TensorsOut::default();
-    match sampler {
-        Sampler::Cosine(_) => {
-            return Err(Error::argument(
-                "the cosine sampler has no tables to store",
-                "choose another sampler",
-            ));
-        }
-        Sampler::File(_) => return Err(in_the_file()),
-        Sampler::ByAzimuth(s) => parts::write_half_vectors(&s.stored(), &mut out),
-        Sampler::AdaptiveDisc(s) => parts::write_trees(s.trees(), &mut out),
-        Sampler::CascadeCdf(s) => parts::write_tables(s.tables(), &mut out),
-        Sampler::HalfVector(s) => parts::write_half_vectors(&[s.stored()], &mut out),
-        Sampler::Lobe(s) => parts::write_lobe(s.parameters(), &mut out),
-        Sampler::Factored(s) => parts::write_factors(s.terms(), &mut out),
-    }
+/// [`Error::Argument`] for a sampler that has nothing to store; [`Error::Io`] if the material's file is gone.
+pub fn encode(sampler: &Sampler, material: &Material) -> Result<Vec<u8>> {
+    let mut out = TensorWriter::default();
+    sampler.write(&mut out)?;
     let record = Record {
         version: VERSION,
-        spec: sampler.spec(),
+        spec: sampler.spec().clone(),
+        settings: sampler.fitted().to_json()?,
         material: material.name().into(),
         path: match material.origin() {
             Origin::File(path) => Some(path.to_string_lossy().into_owned()),
@@ -120,7 +102,7 @@ pub fn encode(sampler: &Sampler, material: &Material, lookup: LookupRule) -> Res
             Origin::Formula(text) => Some(text.clone()),
         },
         source_sha256: material.sha256()?,
-        lookup,
+        lookup: sampler.rule(),
         payload_sha256: out.sha256(),
     };
     let json = serde_json::to_string(&record)
@@ -172,57 +154,19 @@ impl SamplerFile {
         &self.record
     }
 
-    /// The sampler, for a BRDF whose table is the recorded material's and whose lookup rule is the recorded one.
+    /// The sampler, for the material that is recorded, loaded with the lookup rule that is recorded.
     ///
     /// # Errors
-    /// [`Error::Argument`] if the lookup rule differs, [`Error::Invalid`] if a tensor breaks an invariant.
-    pub fn into_sampler(self, brdf: &Arc<MerlBrdf>) -> Result<Sampler> {
-        if brdf.rule() != self.record.lookup {
-            return Err(Error::argument(
-                format!(
-                    "the sampler was built for the {} lookup",
-                    self.record.lookup.name()
-                ),
-                format!(
-                    "pass --lookup {}, or build it again",
-                    self.record.lookup.name()
-                ),
-            ));
+    /// [`Error::Argument`] if the lookup rule differs, or the material is not of a kind that the sampler can serve;
+    /// [`Error::Invalid`] if a tensor breaks an invariant.
+    pub fn into_sampler(self, material: &Loaded) -> Result<Sampler> {
+        if material.rule() != self.record.lookup {
+            return Err(another_rule(self.record.lookup));
         }
-        match self.record.spec {
-            SamplerSpec::AdaptiveDisc(settings) => {
-                let disc = parts::read_disc(&self.tensors, brdf.clone(), settings)?;
-                Ok(Sampler::AdaptiveDisc(disc))
-            }
-            _ => self.read_isotropic(),
-        }
-    }
-
-    /// A sampler of an isotropic material that does not need it to draw.
-    fn read_isotropic(&self) -> Result<Sampler> {
-        let tensors = &self.tensors;
-        Ok(match self.record.spec {
-            SamplerSpec::Cosine => return Err(tensors.invalid("a sampler with tables", "cosine")),
-            SamplerSpec::File => return Err(in_the_file()),
-            SamplerSpec::ByAzimuth(_) => {
-                let found = "one of an anisotropic material";
-                return Err(tensors.invalid("a sampler of an isotropic material", found));
-            }
-            SamplerSpec::AdaptiveDisc(_) => {
-                let found = "adaptive-disc, which draws from a MERL table";
-                return Err(tensors.invalid("a sampler that needs no table", found));
-            }
-            SamplerSpec::CascadeCdf(settings) => {
-                Sampler::CascadeCdf(parts::read_cascade(tensors, settings)?)
-            }
-            SamplerSpec::HalfVector(settings) => {
-                Sampler::HalfVector(parts::read_half_vector(tensors, settings)?)
-            }
-            SamplerSpec::Lobe(settings) => Sampler::Lobe(parts::read_lobe(tensors, settings)?),
-            SamplerSpec::Factored(settings) => {
-                Sampler::Factored(parts::read_factored(tensors, settings)?)
-            }
-        })
+        self.record.spec.check_supports(&material.facts())?;
+        self.record
+            .spec
+            .read(&self.tensors, &self.record.settings, material)
     }
 
     /// The recorded material; a relative path starts from the current folder, which may have changed since.
@@ -256,30 +200,23 @@ impl SamplerFile {
                 "build the sampler again, or name the material it was built from",
             ));
         }
-        let material = material.load(self.record.lookup)?;
-        let sampler =
-            match (material.table(), self.record.spec) {
-                (Some(measured), _) => self.into_sampler(measured)?,
-                (None, _) if material.facts().is_isotropic() => self.read_isotropic()?,
-                (None, SamplerSpec::ByAzimuth(settings)) => Sampler::ByAzimuth(
-                    parts::read_by_azimuth(&self.tensors, settings, material.symmetry())?,
-                ),
-                (None, _) => {
-                    let found = self.record.spec.name();
-                    return Err(self
-                        .tensors
-                        .invalid("a sampler of an anisotropic material", found));
-                }
-            };
-        Ok((sampler, material))
+        let material = material.load(self.record.lookup.unwrap_or_default())?;
+        Ok((self.into_sampler(&material)?, material))
     }
 }
 
-fn in_the_file() -> Error {
-    Error::argument(
-        "the sampler file is stored in the .bsdf file already",
-        "name that file in its place",
-    )
+/// The error for a material that is loaded by another lookup rule than the sampler was built for.
+fn another_rule(recorded: Option<LookupRule>) -> Error {
+    match recorded {
+        Some(rule) => Error::argument(
+            format!("the sampler was built for the {} lookup", rule.name()),
+            format!("pass --lookup {}, or build it again", rule.name()),
+        ),
+        None => Error::argument(
+            "the sampler was built for a material without a table",
+            "name that material, or build it again",
+        ),
+    }
 }
 
 fn parse_record(json: &str, tensors: &Tensors) -> Result<Record> {

@@ -11,12 +11,12 @@ use sha2::{Digest, Sha256};
 use crate::{Error, Result};
 
 /// One-dimensional tensors to be written, by name, as bytes.
-#[derive(Default)]
-pub(super) struct TensorsOut(BTreeMap<String, (Dtype, Vec<u8>)>);
+#[derive(Debug, Default)]
+pub struct TensorWriter(BTreeMap<String, (Dtype, Vec<u8>)>);
 
 /// Tensors in a file's bytes, and where these came from.
 #[derive(Debug)]
-pub(super) struct Tensors {
+pub struct Tensors {
     path: PathBuf,
     bytes: Vec<u8>,
     /// Where the ranges below count from.
@@ -24,10 +24,15 @@ pub(super) struct Tensors {
     map: BTreeMap<String, (Dtype, Range<usize>)>,
 }
 
-/// Numbers that tensors hold.
-pub(super) trait Element: Sized {
+/// Numbers that tensors hold: `f32`, `u32`, `u16` and `i8`.
+pub trait Element: Sized {
+    /// The type's name in a file.
     const DTYPE: Dtype;
+
+    /// Appends the number's bytes.
     fn put(&self, out: &mut Vec<u8>);
+
+    /// The number of so many bytes; `None` if their count is not its own.
     fn get(bytes: &[u8]) -> Option<Self>;
 }
 
@@ -49,14 +54,16 @@ element!(u32, Dtype::U32);
 element!(u16, Dtype::U16);
 element!(i8, Dtype::I8);
 
-impl TensorsOut {
+impl TensorWriter {
+    /// Adds a tensor, or replaces that of the same name.
     pub fn add<T: Element>(&mut self, name: &str, values: impl IntoIterator<Item = T>) {
         let mut bytes = Vec::new();
         values.into_iter().for_each(|v| v.put(&mut bytes));
         self.0.insert(name.into(), (T::DTYPE, bytes));
     }
 
-    pub fn sha256(&self) -> String {
+    /// SHA-256 over names, types and bytes, in hexadecimal.
+    pub(super) fn sha256(&self) -> String {
         sha256(
             self.0
                 .iter()
@@ -64,7 +71,8 @@ impl TensorsOut {
         )
     }
 
-    pub fn serialize(&self, metadata: HashMap<String, String>) -> Result<Vec<u8>> {
+    /// The bytes of a file.
+    pub(super) fn serialize(&self, metadata: HashMap<String, String>) -> Result<Vec<u8>> {
         let failed =
             |e: safetensors::SafeTensorError| Error::argument(e.to_string(), "report this");
         let views = self
@@ -86,7 +94,7 @@ impl Tensors {
     ///
     /// The header is checked here rather than by `SafeTensors::deserialize`, which adds to an offset that a file may choose,
     /// and so overflows.
-    pub fn read(bytes: Vec<u8>, path: &Path) -> Result<(Self, HashMap<String, String>)> {
+    pub(super) fn read(bytes: Vec<u8>, path: &Path) -> Result<(Self, HashMap<String, String>)> {
         let (data_start, header) = read_header(&bytes, path)?;
         let metadata = header.metadata().clone().unwrap_or_default();
         let map = header
@@ -110,7 +118,8 @@ impl Tensors {
         &self.path
     }
 
-    pub fn sha256(&self) -> String {
+    /// SHA-256 over names, types and bytes, in hexadecimal.
+    pub(super) fn sha256(&self) -> String {
         sha256(
             self.map
                 .iter()
@@ -119,6 +128,9 @@ impl Tensors {
     }
 
     /// An array of the file.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if there is none of that name and type.
     pub fn get<T: Element>(&self, name: &str) -> Result<Vec<T>> {
         Ok(self
             .raw::<T>(name)?
@@ -145,6 +157,9 @@ impl Tensors {
     }
 
     /// Part `k` of the `count` of `length` values each that an array of the file must have.
+    ///
+    /// # Errors
+    /// As [`Self::get`], and [`Error::Invalid`] for an array of another length.
     pub fn get_nth<T: Element>(
         &self,
         name: &str,

@@ -16,7 +16,6 @@ use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::progress::Progress;
 use crate::sampler_args;
-use crate::sampler_args::{DEFAULT, SamplerArgs};
 use crate::{args, output};
 
 /// Build samplers and store them as files
@@ -27,9 +26,9 @@ use crate::{args, output};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
-    /// Sampler to build
-    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = sampler_args::storable_name())]
-    sampler: String,
+    /// Sampler to build, with its settings (`merlkit samplers`)
+    #[arg(long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
+    sampler: SamplerSpec,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
@@ -39,12 +38,17 @@ pub struct Args {
     /// Replace existing files [default: refuse]
     #[arg(long)]
     force: bool,
-    #[command(flatten)]
-    settings: SamplerArgs,
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let spec = args.settings.spec(&args.sampler)?;
+    let spec = &args.sampler;
+    if !spec.is_stored() {
+        return Err(Error::argument(
+            format!("the sampler {spec} has no tables of its own to store"),
+            "choose another sampler",
+        )
+        .into());
+    }
     let materials = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
     materials
@@ -101,7 +105,7 @@ fn destinations(
         true => args.output.clone(),
         false => args
             .output
-            .join(format!("{}.{}.safetensors", m.name(), args.sampler)),
+            .join(format!("{}.{}.safetensors", m.name(), args.sampler.name())),
     };
     Ok(materials
         .into_iter()
@@ -114,21 +118,20 @@ fn destinations(
 
 fn build(
     material: &Material,
-    spec: SamplerSpec,
+    spec: &SamplerSpec,
     lookup: LookupRule,
     path: &Path,
     overwrite: Overwrite,
 ) -> Result<String, Error> {
     let brdf = material.load(lookup)?;
-    let sampler = spec.build_for(&brdf)?;
-    let bytes = store::save(&sampler, material, lookup, path, overwrite)?;
+    let sampler = spec.build(&brdf)?;
+    let bytes = store::save(&sampler, material, path, overwrite)?;
     let lookup = brdf
         .rule()
         .map_or_else(String::new, |rule| format!(" {} lookup,", rule.name()));
     Ok(format!(
-        "{}: {} for {},{lookup} {bytes} bytes",
+        "{}: {spec} for {},{lookup} {bytes} bytes",
         path.display(),
-        spec.name(),
         material.name()
     ))
 }

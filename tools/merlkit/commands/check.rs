@@ -19,7 +19,6 @@ use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
 use crate::sampler_args;
-use crate::sampler_args::{COMPARED, SamplerArgs};
 use crate::{args, table};
 
 /// Prove that samplers are right: densities, draws and estimates
@@ -36,10 +35,10 @@ pub struct Args {
     /// rule and light, under a minute on two cores; with --all every combination, some ten minutes
     #[arg(long, conflicts_with_all = ["materials", "samplers", "draws", "significance", "lookup"])]
     hard: bool,
-    /// Sampler to check; may be repeated [default: all, the half-vector table at 2KB, 64KB and 1MB,
-    /// the cascade CDF both whole and compressed]
-    #[arg(long = "sampler", value_name = "NAME", value_parser = sampler_args::any_name_or_file())]
-    samplers: Vec<String>,
+    /// Sampler to check, with its settings (`merlkit samplers`); may be repeated [default: the half-vector table at 2KB, 64KB and
+    /// 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file, where the material supports them]
+    #[arg(long = "sampler", value_name = sampler_args::VALUE)]
+    samplers: Vec<SamplerSpec>,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
@@ -58,8 +57,6 @@ pub struct Args {
     /// Replace an existing FILE [default: refuse]
     #[arg(long)]
     force: bool,
-    #[command(flatten)]
-    settings: SamplerArgs,
 }
 
 /// With fewer draws nothing would fail; with more, nobody would wait.
@@ -96,12 +93,11 @@ pub fn run(args: &Args) -> Outcome {
         let brdf = material.load(args.lookup)?;
         let directions = check_directions_of(brdf.brdf().symmetry());
         for spec in specs {
-            let sampler = spec.build_for(&brdf)?;
-            let report = check_sampler(&sampler, &**brdf.brdf(), &directions, &settings);
-            let (material, sampler) = (material.name().into(), sampler.spec().label());
+            let sampler = spec.build(&brdf)?;
+            let report = check_sampler(&*sampler, &**brdf.brdf(), &directions, &settings);
             let result = CheckResult {
-                material,
-                sampler,
+                material: material.name().into(),
+                sampler: spec.to_string(),
                 report,
             };
             lock(&results).push(result);
@@ -125,7 +121,7 @@ pub fn run(args: &Args) -> Outcome {
 fn of_each(materials: &[Material], args: &Args) -> Result<Vec<Vec<SamplerSpec>>, Error> {
     materials
         .iter()
-        .map(|m| args.settings.specs_of(m, &args.samplers, &COMPARED))
+        .map(|m| sampler_args::samplers_for(m, &args.samplers))
         .collect()
 }
 
@@ -148,10 +144,6 @@ fn write_finished(
 }
 
 fn hard(args: &Args) -> Outcome {
-    if let Some(option) = args.settings.first_given() {
-        let what = format!("{option} has no effect on --hard, which has samplers of its own");
-        return Err(Error::argument(what, "leave it out").into());
-    }
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {
         destination.check(overwrite)?;

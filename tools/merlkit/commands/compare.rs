@@ -7,10 +7,11 @@ use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::light::Environment;
 use merlkit::material::{Loaded, LookupRule, Material, MaterialFacts};
+use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::compare::{
-    Comparison, ComparisonPlan, MATERIALS, MaterialComparison, PictureComparison, PicturePlan,
-    PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors, curve, knobs,
-    picture_competitors, picture_reference, pictures, references, setting, verdict,
+    Comparison, ComparisonPlan, Competitor, Knob, MATERIALS, MaterialComparison, PictureComparison,
+    PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors,
+    curve, knobs, picture_competitors, picture_reference, pictures, references, setting, verdict,
 };
 use merlkit_evaluate::measure::cost::time;
 use merlkit_evaluate::report::{
@@ -21,6 +22,7 @@ use crate::failure::Outcome;
 use crate::journal::Journal;
 use crate::output;
 use crate::progress::Progress;
+use crate::sampler_args;
 use crate::sky::SkyArgs;
 use crate::{args, table};
 
@@ -36,6 +38,10 @@ pub struct Args {
     /// red-plastic and teflon]
     #[arg(value_name = "MATERIAL")]
     materials: Vec<String>,
+    /// Sampler to compare, with its settings (`merlkit samplers`); may be repeated. Its directions are compared without those
+    /// of the light, and no other settings are tried [default: all that are worth it]
+    #[arg(long = "sampler", value_name = sampler_args::VALUE)]
+    samplers: Vec<SamplerSpec>,
     /// Fewer samplers, angles, seeds and settings: a minute for three materials on two cores, instead of an hour
     #[arg(long)]
     quick: bool,
@@ -157,7 +163,10 @@ impl Run {
             .iter()
             .map(Material::facts)
             .collect::<Result<Vec<_>, _>>()?;
-        let parts = parts(&plan, &facts);
+        for spec in &plan.samplers {
+            facts.iter().try_for_each(|f| spec.check_supports(f))?;
+        }
+        let parts = parts(&plan, &facts)?;
         let progress = Progress::new("comparing", parts);
         let sky = args.sky.load()?;
         Ok(Self {
@@ -217,16 +226,16 @@ impl Run {
         let key = format!("references/{name}");
         let references = journal.recall_or(&key, || Ok(references(brdf, sky, &plan.point)))?;
         let mut curves = Vec::new();
-        for (number, competitor) in competitors(plan.quick, &[material.facts()])
+        for (number, competitor) in point_competitors(plan, &[material.facts()])?
             .into_iter()
             .enumerate()
         {
             curves.push(journal.recall_or(&format!("point/{name}/{number}"), || {
-                let (sampler, seconds) = time(|| competitor.spec.build_for(material));
+                let (sampler, seconds) = time(|| competitor.spec.build(material));
                 let measured = (&plan.point, &references[..]);
                 Ok(curve(
                     competitor,
-                    &sampler?,
+                    &*sampler?,
                     seconds.wall,
                     brdf,
                     sky,
@@ -262,10 +271,7 @@ impl Run {
             Ok(reference)
         })?;
         let mut results: Vec<PictureResult> = Vec::new();
-        for (number, competitor) in picture_competitors(plan.quick, &facts)
-            .into_iter()
-            .enumerate()
-        {
+        for (number, competitor) in drawn_competitors(plan, &facts)?.into_iter().enumerate() {
             let one = journal.recall_or(&format!("{key}/{number}"), || {
                 // A run that goes on renders the reference again if it is still needed; it is the same.
                 let rendered = match film.take() {
@@ -301,10 +307,7 @@ impl Run {
         } = self;
         let (name, facts) = (material.name(), material.facts());
         let mut settings = Vec::new();
-        for (number, knob) in knobs(plan.quick, plan.lookup, &facts)
-            .into_iter()
-            .enumerate()
-        {
+        for (number, knob) in tried_settings(plan, &facts).into_iter().enumerate() {
             settings.push(journal.recall_or(&format!("setting/{name}/{number}"), || {
                 setting(material, sky, knob, &plan.point)
             })?);
@@ -325,10 +328,47 @@ fn plan(args: &Args) -> ComparisonPlan {
     ComparisonPlan {
         schema: SCHEMA,
         quick: args.quick,
+        samplers: args.samplers.clone(),
         lookup: args.lookup,
         sky: args.sky.environment.clone(),
         point,
         picture,
+    }
+}
+
+/// Who competes at the lit point.
+fn point_competitors(
+    plan: &ComparisonPlan,
+    facts: &[MaterialFacts],
+) -> Result<Vec<Competitor>, Error> {
+    if plan.samplers.is_empty() {
+        return competitors(plan.quick, facts);
+    }
+    Ok(plan
+        .samplers
+        .iter()
+        .cloned()
+        .map(Competitor::brdf)
+        .collect())
+}
+
+/// Who competes in pictures.
+fn drawn_competitors(
+    plan: &ComparisonPlan,
+    facts: &[MaterialFacts],
+) -> Result<Vec<Competitor>, Error> {
+    if plan.samplers.is_empty() {
+        return picture_competitors(plan.quick, facts);
+    }
+    point_competitors(plan, facts)
+}
+
+/// Settings that are tried, unless samplers are named, whose settings are given.
+fn tried_settings(plan: &ComparisonPlan, facts: &MaterialFacts) -> Vec<Knob> {
+    if plan.samplers.is_empty() {
+        knobs(plan.quick, plan.lookup, facts)
+    } else {
+        Vec::new()
     }
 }
 
@@ -358,19 +398,19 @@ fn settings_of(plan: &ComparisonPlan, materials: usize) -> usize {
 }
 
 /// Measurements in all, for the progress bar.
-fn parts(plan: &ComparisonPlan, materials: &[MaterialFacts]) -> usize {
+fn parts(plan: &ComparisonPlan, materials: &[MaterialFacts]) -> Result<usize, Error> {
     let mut parts = 0;
     for scene in scenes(plan.quick) {
         for group in groups(scene, materials) {
-            parts += picture_competitors(plan.quick, group).len();
+            parts += drawn_competitors(plan, group)?.len();
         }
     }
     for facts in &materials[..settings_of(plan, materials.len())] {
-        parts += knobs(plan.quick, plan.lookup, facts).len();
+        parts += tried_settings(plan, facts).len();
     }
     for facts in materials {
         // The lit point, and one for the charts.
-        parts += competitors(plan.quick, &[*facts]).len() + 1;
+        parts += point_competitors(plan, &[*facts])?.len() + 1;
     }
-    parts
+    Ok(parts)
 }

@@ -6,11 +6,12 @@ use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable};
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::material::merl::write;
 use merlkit::points::PointSet;
-use merlkit::render::{EffectPlan, EnvironmentSource, LightSpec, SceneSpec, Settings};
+use merlkit::render::{Budget, PlanRequest, RenderSettings, SceneSpec};
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
 use merlkit_evaluate::report::{SamplerReport, thesis_legend};
@@ -18,9 +19,8 @@ use merlkit_evaluate::report::{SamplerReport, thesis_legend};
 use super::render::GREY;
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::picture::{Files, Picture, Spending};
+use crate::picture::{Files, Picture};
 use crate::progress::Progress;
-use crate::sampler_args::SamplerArgs;
 use crate::table;
 
 /// Show everything on three embedded materials: files, samplers, report and pictures, in less than a minute
@@ -72,21 +72,24 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Samplers that are shown.
+const SHOWN: [&str; 5] = [
+    "half-vector:64KB",
+    "cosine",
+    "adaptive-disc",
+    "cascade-cdf:uniform",
+    "cascade-cdf",
+];
+
 /// Each sampler and the files of its picture.
 fn samplers(folder: &Path) -> Result<Vec<(SamplerSpec, Files)>, Error> {
-    let names = [
-        "half-vector",
-        "cosine",
-        "adaptive-disc",
-        "cascade-cdf-whole",
-        "cascade-cdf-compressed",
-    ];
-    let specs = SamplerArgs::default().specs(&[], &["64KB"])?;
-    Ok(specs
-        .into_iter()
-        .zip(names)
-        .map(|(spec, name)| (spec, Files::named(&folder.join(format!("spheres-{name}")))))
-        .collect())
+    let mut all = Vec::new();
+    for spec in SamplerSpec::parse_all(&SHOWN)? {
+        let name = spec.to_string().replace(':', "-");
+        let files = Files::named(&folder.join(format!("spheres-{name}")));
+        all.push((spec, files));
+    }
+    Ok(all)
 }
 
 /// Writes the binaries and resolves them as a user's files would be.
@@ -106,7 +109,7 @@ fn report(
     samplers: &[(SamplerSpec, Files)],
     seed: u64,
 ) -> Result<(), Failure> {
-    let specs: Vec<SamplerSpec> = samplers.iter().map(|s| s.0).collect();
+    let specs: Vec<SamplerSpec> = samplers.iter().map(|s| s.0.clone()).collect();
     let settings = ProfileSettings {
         draws: 50_000,
         timed_calls: 50_000,
@@ -138,28 +141,26 @@ fn pictures(
     samplers: &[(SamplerSpec, Files)],
     overwrite: Overwrite,
 ) -> Result<(), Failure> {
-    let settings = Settings {
+    let settings = RenderSettings {
         width: 600,
         height: 240,
-        samples: args.spp,
         seed: args.seed,
         points: PointSet::Lattice,
+        budget: Budget::Even(args.spp),
     };
     let names: Vec<String> = NAMES.map(String::from).to_vec();
     let mut scene = SceneSpec::row(&names, settings.width as f64 / settings.height as f64);
     scene.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
     scene.floor = Some(GREY);
-    let plan = EffectPlan::of(&scene);
     for (sampler, files) in samplers {
         let started = Instant::now();
         let picture = Picture {
             scene: &scene,
-            plan: &plan,
+            effects: PlanRequest::AsNeeded,
             materials,
             lookup: LOOKUP,
-            sampler: *sampler,
+            sampler,
             settings,
-            spending: Spending::Even,
             exposure: 0.0,
         };
         picture.render(files, overwrite)?;
@@ -167,9 +168,8 @@ fn pictures(
         output::stdout(|out| {
             writeln!(
                 out,
-                "{}: {}, {} paths a pixel, {seconds:.1} s",
+                "{}: {sampler}, {} paths a pixel, {seconds:.1} s",
                 files.png.display(),
-                sampler.label(),
                 args.spp
             )
         })?;

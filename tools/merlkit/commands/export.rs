@@ -9,7 +9,7 @@ use merlkit::export::{Export, refuse_same_identifier};
 use merlkit::files::check_writable;
 use merlkit::material::rgl::{BsdfFile, BsdfSize, RglBrdf, tabulate};
 use merlkit::material::{Loaded, LookupRule, Material};
-use merlkit::sampler::HalfVectorSettings;
+use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
 use merlkit_evaluate::measure::{colour_error, draw_quality, size_within, value_errors};
 use merlkit_evaluate::report::{Sheet, drawn_row, export_row, export_sheet, table_sheet};
 
@@ -43,9 +43,9 @@ pub struct Args {
     /// bsdf: take the smallest size whose median error is at most this, as in 0.001 or 0.1% [default: none]
     #[arg(long, value_name = "SHARE", value_parser = args::share)]
     target_error: Option<f64>,
-    /// header, npz: size of the half-vector table [default: 64KB]
-    #[arg(long, value_name = "BYTES", ignore_case = true, value_parser = sampler_args::preset())]
-    table_size: Option<HalfVectorSettings>,
+    /// header, npz: the half-vector table, with its settings (`merlkit samplers half-vector`) [default: half-vector:64KB]
+    #[arg(long, value_name = sampler_args::VALUE)]
+    sampler: Option<SamplerSpec>,
     /// What the table says between its samples; a .bsdf file is linear between its own [default: bsdf linear, others floor]
     #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
@@ -135,7 +135,7 @@ impl Args {
             (self.size.is_some(), "--size"),
             (self.target_error.is_some(), "--target-error"),
         ];
-        let of_tables = [(self.table_size.is_some(), "--table-size")];
+        let of_tables = [(self.sampler.is_some(), "--sampler")];
         let (foreign, others) = match self.format {
             Format::Bsdf => (&of_tables[..], "header or npz"),
             Format::Npz | Format::Header => (&of_bsdf[..], "bsdf"),
@@ -147,6 +147,21 @@ impl Args {
                 format!("leave it out, or choose --format {others}"),
             )),
         }
+    }
+
+    /// The settings of the table that is exported.
+    fn table_settings(&self) -> Result<HalfVectorSettings, Error> {
+        let Some(spec) = &self.sampler else {
+            return Ok(HalfVectorSettings::default());
+        };
+        spec.settings().copied().ok_or_else(|| {
+            let what = format!(
+                "--format {} has the half-vector table, and no {}",
+                self.format_name(),
+                spec.name()
+            );
+            Error::argument(what, "choose --sampler half-vector with any settings")
+        })
     }
 
     fn format_name(&self) -> &'static str {
@@ -223,7 +238,7 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error
 }
 
 fn table_and_values(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
-    let export = Export::new(material, args.lookup(), args.table_size.unwrap_or_default())?;
+    let export = Export::new(material, args.lookup(), args.table_settings()?)?;
     let draws = draw_quality(export.table(), export.brdf());
     let overwrite = output::overwrite(args.force);
     for path in args.paths(material) {

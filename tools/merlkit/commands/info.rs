@@ -126,23 +126,12 @@ impl SamplerDescription {
         })
     }
 
-    /// Whether its material is a table, which a lookup rule has a meaning for; a material that is not found any more counts as
-    /// one.
-    fn is_of_table(&self) -> bool {
-        let facts = self.record.material().and_then(|material| material.facts());
-        facts.map_or(true, |facts| facts.has_table)
-    }
-
     fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&["sampler file", &self.sampler_file]);
         let source = self.record.path.as_deref().unwrap_or("embedded");
-        let lookup = if self.is_of_table() {
-            self.record.lookup.name()
-        } else {
-            "none"
-        };
+        let lookup = self.record.lookup.map_or("none", LookupRule::name);
         for (name, value) in [
-            ("sampler", self.record.spec.label()),
+            ("sampler", self.record.spec.to_string()),
             ("material", format!("{} ({source})", self.record.material)),
             ("lookup", lookup.to_owned()),
             ("bytes", self.file_bytes.to_string()),

@@ -14,6 +14,7 @@ mod plot;
 mod render;
 mod report;
 mod sample;
+mod samplers;
 mod tune;
 
 use crate::failure::Outcome;
@@ -23,6 +24,7 @@ use crate::failure::Outcome;
 pub enum Command {
     Demo(demo::Args),
     List(list::Args),
+    Samplers(samplers::Args),
     Info(info::Args),
     Eval(eval::Args),
     Decode(decode::Args),
@@ -44,6 +46,7 @@ impl Command {
         match self {
             Self::Demo(args) => demo::run(&args),
             Self::List(args) => list::run(&args),
+            Self::Samplers(args) => samplers::run(&args),
             Self::Info(args) => info::run(&args),
             Self::Eval(args) => eval::run(&args),
             Self::Decode(args) => decode::run(&args),

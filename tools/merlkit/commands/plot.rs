@@ -13,7 +13,6 @@ use crate::failure::Outcome;
 use crate::output::{Destination, overwrite};
 use crate::raster;
 use crate::sampler_args;
-use crate::sampler_args::SamplerArgs;
 
 /// What to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -53,8 +52,9 @@ impl Kind {
     /// Whether an option named so has an effect.
     fn takes(self, option: &str) -> bool {
         match option {
-            "--theta" | "--lookup" => !matches!(self, Self::Slice | Self::SliceRgb | Self::Albedo),
-            "--sampler" => matches!(self, Self::Lobe | Self::LobePolar | Self::Disc),
+            "--theta" | "--lookup" | "--sampler" => {
+                !matches!(self, Self::Slice | Self::SliceRgb | Self::Albedo)
+            }
             _ => self == Self::Disc,
         }
     }
@@ -81,9 +81,9 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     theta: Vec<f64>,
-    /// Sampler whose density or directions are shown [default: lobes none, disc adaptive-disc]
-    #[arg(long, value_name = "NAME", value_parser = sampler_args::any_name())]
-    sampler: Option<String>,
+    /// Sampler that is shown, with its settings (`merlkit samplers`) [default: lobes none, disc adaptive-disc, CDFs cascade-cdf]
+    #[arg(long, value_name = sampler_args::VALUE)]
+    sampler: Option<SamplerSpec>,
     /// What the table says between its samples [default: floor]
     #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
@@ -99,8 +99,6 @@ pub struct Args {
     /// Replace an existing FILE [default: refuse]
     #[arg(long)]
     force: bool,
-    #[command(flatten)]
-    settings: SamplerArgs,
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -179,26 +177,11 @@ impl Args {
         let idle = given
             .iter()
             .find(|(option, given)| *given && !self.kind.takes(option));
-        let setting = self
-            .settings
-            .first_given()
-            .filter(|_| self.sampler_name().is_none());
-        match idle.map(|i| i.0).or(setting) {
-            Some(option) => {
-                let what = format!(
-                    "{option} has no effect on --kind {} as it is",
-                    self.kind.name()
-                );
-                let lobe = matches!(self.kind, Kind::Lobe | Kind::LobePolar);
-                Err(Error::argument(
-                    what,
-                    if lobe {
-                        "name a --sampler, or leave it out"
-                    } else {
-                        "leave it out"
-                    },
-                ))
-            }
+        match idle {
+            Some((option, _)) => Err(Error::argument(
+                format!("{option} has no effect on --kind {}", self.kind.name()),
+                "leave it out",
+            )),
             None => Ok(()),
         }
     }
@@ -225,17 +208,12 @@ impl Args {
     }
 
     /// The sampler that is shown.
-    fn sampler_name(&self) -> Option<&str> {
-        match self.kind {
-            Kind::Cdf | Kind::CdfAzimuth => Some("cascade-cdf"),
-            Kind::Disc => Some(self.sampler.as_deref().unwrap_or("adaptive-disc")),
-            _ => self.sampler.as_deref(),
-        }
-    }
-
     fn spec(&self) -> Result<Option<SamplerSpec>, Error> {
-        self.sampler_name()
-            .map(|name| self.settings.spec(name))
-            .transpose()
+        match (&self.sampler, self.kind) {
+            (Some(spec), _) => Ok(Some(spec.clone())),
+            (None, Kind::Cdf | Kind::CdfAzimuth) => "cascade-cdf".parse().map(Some),
+            (None, Kind::Disc) => "adaptive-disc".parse().map(Some),
+            (None, _) => Ok(None),
+        }
     }
 }

@@ -1,24 +1,25 @@
 //! `merlkit render`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::distribution::Heuristic;
+use merlkit::light::LightSpec;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Decision, Effect, EffectPlan, EnvironmentSource, LEAST_ALLOCATED, LightSpec, Refined,
-    SceneSpec, Settings, Strategy,
+    Budget, Decision, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings, SceneSpec,
+    Strategy,
 };
+use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::report::Sheet;
 
 use crate::failure::Outcome;
-use crate::picture::{Files, Picture, Spending};
+use crate::picture::{Files, Picture};
 use crate::sampler_args;
-use crate::sampler_args::{DEFAULT, SamplerArgs};
 use crate::{args, output, table};
 
 /// Path-trace a row of spheres, one a material, to NAME.exr (linear RGB) and NAME.png (tone-mapped sRGB)
@@ -30,24 +31,22 @@ pub struct Args {
     /// Paths to MERL binaries or .bsdf files, names of embedded materials, or formulas; one sphere each, from left to right
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
-    /// point, directional, area, environment (the built-in studio) or FILE.exr (equirectangular); may be repeated
-    #[arg(long = "light", value_name = "LIGHT", default_value = "environment")]
+    #[arg(long = "light", value_name = "LIGHT", default_value = "environment", help = light_help())]
     lights: Vec<String>,
-    /// How directions are drawn from the BRDF
-    #[arg(long, value_name = "NAME", default_value = DEFAULT, value_parser = sampler_args::any_name_or_file())]
-    sampler: String,
+    /// How directions are drawn from the BRDF (`merlkit samplers`)
+    #[arg(long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
+    sampler: SamplerSpec,
     /// Paths a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
-    /// Take more paths where the picture is noisy, found out by the first of them, and fewer elsewhere: about as many in all. Wants
-    /// --spp of 16 or more
+    /// Spend more paths on noisy pixels and fewer on clean ones, keeping the total about the same. Needs --spp 16 or more
     #[arg(long, conflicts_with = "target_error")]
     adaptive: bool,
     /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as lattices of as many
-    /// points as the pixel has paths [default: lattice; with --target-error sobol, as numbers are not known beforehand]
+    /// points as the pixel has paths [default: lattice; with --target-error sobol, because the number of paths is not known in advance]
     #[arg(long, value_name = "SET", value_parser = args::named(&POINTS))]
     points: Option<PointSet>,
-    /// Take as many paths in each tile of 16 × 16 pixels as its relative error needs to come down to E: 0.05 or 5%
+    /// Keep sampling each tile of 16 × 16 pixels until its estimated relative error is at most E: 0.05 or 5%
     ///
     /// The error is the root of the mean squared error of the tile's pixels over their mean, pixels without an object left
     /// out; it is estimated from independent replicates.
@@ -96,8 +95,6 @@ pub struct Args {
     /// Output without extension; .exr and .png are appended
     #[arg(short, long, value_name = "NAME", default_value = "render")]
     output: PathBuf,
-    #[command(flatten)]
-    settings: SamplerArgs,
 }
 
 const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
@@ -118,69 +115,70 @@ pub fn run(args: &Args) -> Outcome {
     let files = Files::named(&args.output);
     let overwrite = output::overwrite(args.force);
     files.check(overwrite)?;
-    let sampler = args.settings.spec(&args.sampler)?;
     let settings = settings(args)?;
+    settings.check()?;
     let (scene, materials) = describe(args, &settings)?;
-    let plan = if args.all_effects {
-        EffectPlan::everything(&scene)
+    let effects = if args.all_effects {
+        PlanRequest::Everything
     } else {
-        EffectPlan::of(&scene)
+        PlanRequest::AsNeeded
     };
     if args.explain {
-        let sheet = explanation(&scene, &plan);
+        let sheet = explanation(&scene, &EffectPlan::for_scene(&scene, effects));
         output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
     }
     let picture = Picture {
         scene: &scene,
-        plan: &plan,
+        effects,
         materials: &materials,
         lookup: args.lookup,
-        sampler,
+        sampler: &args.sampler,
         settings,
-        spending: spending(args),
         exposure: args.exposure,
     };
-    let refined = picture.render(&files, overwrite)?;
+    let refinement = picture.render(&files, overwrite)?;
     output::stdout(|out| {
         writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
-        let (w, h, seconds) = (
-            settings.width,
-            settings.height,
-            start.elapsed().as_secs_f64(),
-        );
-        let even = || format!("{}{}", if args.adaptive { "about " } else { "" }, args.spp);
-        let paths = refined.as_ref().map_or_else(even, |r| paths(r, &settings));
+        let (w, h) = (settings.width, settings.height);
+        let paths = paths_a_pixel(&settings, refinement.as_ref());
+        let seconds = start.elapsed().as_secs_f64();
         writeln!(
             out,
             "{w} × {h} pixels, {paths} paths a pixel, {seconds:.2} s in all"
         )?;
-        refined.map_or(Ok(()), |refined| {
-            writeln!(out, "{}", reached(&refined, settings.samples))
-        })
+        match (refinement, settings.budget) {
+            (Some(refinement), Budget::ToError { most, .. }) => {
+                writeln!(out, "{}", error_reached(&refinement, most))
+            }
+            _ => Ok(()),
+        }
     })?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Mean paths a pixel, and with those that only served decisions.
-fn paths(refined: &Refined, settings: &Settings) -> String {
-    let pixels = (settings.width * settings.height) as f64;
-    let (kept, traced) = (
-        refined.paths as f64 / pixels,
-        refined.traced as f64 / pixels,
-    );
-    format!("{kept:.1} (traced: {traced:.1})")
+/// How many paths a pixel has; of a target error the mean, and with those that only served decisions.
+fn paths_a_pixel(settings: &RenderSettings, refinement: Option<&Refinement>) -> String {
+    match (settings.budget, refinement) {
+        (Budget::Even(paths), _) => paths.to_string(),
+        (Budget::Adaptive(paths), _) => format!("about {paths}"),
+        (Budget::ToError { most, .. }, None) => format!("at most {most}"),
+        (Budget::ToError { .. }, Some(refinement)) => {
+            let pixels = (settings.width * settings.height) as f64;
+            let kept = refinement.paths as f64 / pixels;
+            let traced = refinement.traced as f64 / pixels;
+            format!("{kept:.1} (traced: {traced:.1})")
+        }
+    }
 }
 
 /// The error that was estimated, and whether all tiles came down to the target.
-fn reached(refined: &Refined, most: u64) -> String {
-    let worst = refined.tiles.iter().map(|t| t.error).fold(0.0, f64::max);
-    let (tiles, short) = (
-        refined.tiles.len(),
-        refined.tiles.iter().filter(|t| !t.reached).count(),
-    );
+fn error_reached(refinement: &Refinement, most: u64) -> String {
+    let worst = refinement.tiles.iter().map(|t| t.error).fold(0.0, f64::max);
+    let tiles = refinement.tiles.len();
+    let short = refinement.tiles.iter().filter(|t| !t.reached).count();
     let errors = format!(
         "estimated relative error {:.2} %, worst tile {:.2} %",
-        100.0 * refined.error(),
+        100.0 * refinement.error(),
         100.0 * worst
     );
     match short {
@@ -199,29 +197,17 @@ fn stops(argument: &str) -> Result<f32, String> {
         .ok_or_else(|| "expected a finite number of stops".into())
 }
 
-fn spending(args: &Args) -> Spending {
-    match args.target_error {
-        Some(error) => Spending::ToError(error),
-        None if args.adaptive => Spending::Adaptive,
-        None => Spending::Even,
-    }
-}
-
-fn settings(args: &Args) -> Result<Settings, Error> {
-    let (width, height) = args
-        .size
-        .unwrap_or(((320 * args.materials.len()).max(480), 360));
-    let samples = args
-        .target_error
-        .map_or(args.spp, |_| args.max_spp.unwrap_or(MAX_SPP));
-    if args.adaptive && samples < LEAST_ALLOCATED {
-        let fix =
-            format!("give --spp {LEAST_ALLOCATED} or more: some paths look where to send the rest");
-        return Err(Error::argument(
-            format!("--adaptive with --spp {samples}"),
-            fix,
-        ));
-    }
+fn settings(args: &Args) -> Result<RenderSettings, Error> {
+    let default_size = ((320 * args.materials.len()).max(480), 360);
+    let (width, height) = args.size.unwrap_or(default_size);
+    let budget = match args.target_error {
+        Some(error) => Budget::ToError {
+            error,
+            most: args.max_spp.unwrap_or(MAX_SPP),
+        },
+        None if args.adaptive => Budget::Adaptive(args.spp),
+        None => Budget::Even(args.spp),
+    };
     let points = match (args.points, args.target_error) {
         (Some(PointSet::Lattice), Some(_)) => {
             let what = "lattices are for numbers of paths that are known beforehand";
@@ -233,17 +219,17 @@ fn settings(args: &Args) -> Result<Settings, Error> {
         (None, Some(_)) => PointSet::Sobol,
         (points, _) => points.unwrap_or(PointSet::Lattice),
     };
-    Ok(Settings {
+    Ok(RenderSettings {
         width,
         height,
-        samples,
         seed: args.seed,
         points,
+        budget,
     })
 }
 
 /// The scene, and its materials in the order of [`SceneSpec::materials`]; nothing is loaded.
-fn describe(args: &Args, settings: &Settings) -> Result<(SceneSpec, Vec<Material>), Error> {
+fn describe(args: &Args, settings: &RenderSettings) -> Result<(SceneSpec, Vec<Material>), Error> {
     let mut spec = SceneSpec::row(
         &args.materials,
         settings.width as f64 / settings.height as f64,
@@ -252,7 +238,7 @@ fn describe(args: &Args, settings: &Settings) -> Result<(SceneSpec, Vec<Material
     spec.lights = args
         .lights
         .iter()
-        .map(|l| light(l, &spec))
+        .map(|name| spec.light(name))
         .collect::<Result<_, _>>()?;
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
@@ -279,23 +265,11 @@ fn strategy(args: &Args) -> Result<Strategy, Error> {
     }
 }
 
-fn light(name: &str, spec: &SceneSpec) -> Result<LightSpec, Error> {
-    match name {
-        "point" => Ok(spec.row_point()),
-        "directional" => Ok(spec.row_directional()),
-        "area" => Ok(spec.row_area()),
-        "environment" => Ok(LightSpec::Environment(EnvironmentSource::Studio)),
-        file if Path::new(file)
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("exr")) =>
-        {
-            Ok(LightSpec::Environment(EnvironmentSource::File(file.into())))
-        }
-        _ => Err(Error::argument(
-            format!("no light is called \"{name}\""),
-            "pass --light point, directional, area, environment or the path of an .exr file",
-        )),
-    }
+fn light_help() -> String {
+    format!(
+        "{}: an equirectangular map; may be repeated",
+        LightSpec::words()
+    )
 }
 
 /// One line an effect, then one a material and a light.
@@ -315,7 +289,7 @@ fn explanation(spec: &SceneSpec, plan: &EffectPlan) -> Sheet {
         row(format!("load material {name}"), *decision);
     }
     for (light, decision) in spec.lights.iter().zip(plan.lights()) {
-        row(format!("load light {}", light.kind()), *decision);
+        row(format!("load light {}", light.describe()), *decision);
     }
     sheet
 }

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use merlkit::Error;
 use merlkit::files::Overwrite;
 use merlkit::material::merl::LookupRule;
+use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
 use merlkit_evaluate::report::{SamplerReport, summary, thesis_legend, write_json};
 
@@ -15,7 +16,6 @@ use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
 use crate::sampler_args;
-use crate::sampler_args::{COMPARED, SamplerArgs};
 use crate::{args, table};
 
 /// Measure memory, time and accuracy of samplers, with the thesis's figures beside them
@@ -28,10 +28,10 @@ use crate::{args, table};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
-    /// Sampler to measure; may be repeated [default: all, the half-vector table at 2KB, 64KB and
-    /// 1MB, the cascade CDF both whole and compressed]
-    #[arg(long = "sampler", value_name = "NAME", value_parser = sampler_args::any_name_or_file())]
-    samplers: Vec<String>,
+    /// Sampler to measure, with its settings (`merlkit samplers`); may be repeated [default: the half-vector table at 2KB, 64KB
+    /// and 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file, where the material supports them]
+    #[arg(long = "sampler", value_name = sampler_args::VALUE)]
+    samplers: Vec<SamplerSpec>,
     /// What the table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
@@ -50,8 +50,6 @@ pub struct Args {
     /// Replace existing files [default: refuse]
     #[arg(long)]
     force: bool,
-    #[command(flatten)]
-    settings: SamplerArgs,
 }
 
 /// No bias can be told from no draws, and JSON and CSV in one file are neither.
@@ -73,8 +71,10 @@ fn refuse_meaningless(args: &Args) -> Result<(), Error> {
 
 pub fn run(args: &Args) -> Outcome {
     let materials = args.materials.resolve()?;
-    let of = |m| args.settings.specs_of(m, &args.samplers, &COMPARED);
-    let specs = materials.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    let specs = materials
+        .iter()
+        .map(|m| sampler_args::samplers_for(m, &args.samplers))
+        .collect::<Result<Vec<_>, _>>()?;
     let overwrite = output::overwrite(args.force);
     let destinations = [&args.json, &args.csv];
     refuse_meaningless(args)?;

@@ -8,15 +8,16 @@ use glam::{Vec2, Vec3};
 use merlkit::Error;
 use merlkit::brdf::Brdf;
 use merlkit::color;
-use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
-use merlkit::material::{Loaded, LookupRule, Material};
+use merlkit::direction_sampler::DirectionSample;
+use merlkit::material::Loaded;
+use merlkit::material::Material;
+use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
-use merlkit::sampler::Sampler;
-use merlkit::sampler::store::{SamplerFile, looks_like_sampler_file};
+use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
+use merlkit::sampler::{Sampler, SamplerSpec};
 
 use crate::failure::Outcome;
 use crate::sampler_args;
-use crate::sampler_args::{DEFAULT, SamplerArgs};
 use crate::{args, output};
 
 /// Draw directions and print them with density and value
@@ -29,9 +30,9 @@ pub struct Args {
     /// Path to a MERL binary, a .bsdf file or a sampler file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]
     source: String,
-    /// Sampler to build [default: half-vector; a sampler file brings its own]
-    #[arg(long, value_name = "NAME", value_parser = sampler_args::any_name_or_file())]
-    sampler: Option<String>,
+    /// Sampler to build, with its settings (`merlkit samplers`) [default: half-vector:64KB; a sampler file brings its own]
+    #[arg(long, value_name = sampler_args::VALUE)]
+    sampler: Option<SamplerSpec>,
     /// Material of a sampler file [default: the one it names]
     #[arg(long, value_name = "MATERIAL")]
     material: Option<String>,
@@ -64,8 +65,6 @@ pub struct Args {
     /// Begin each line with what it was drawn from, wo_x,wo_y,wo_z,u_x,u_y, to compare another implementation
     #[arg(long, conflicts_with = "fit")]
     with_points: bool,
-    #[command(flatten)]
-    settings: SamplerArgs,
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -105,25 +104,7 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
     let path = Path::new(&args.source);
     if path.is_file() && looks_like_sampler_file(path) {
         let file = SamplerFile::open(path)?;
-        if args
-            .sampler
-            .as_deref()
-            .is_some_and(|s| s != file.record().spec.name())
-        {
-            let what = format!(
-                "{} holds a sampler of kind {}",
-                args.source,
-                file.record().spec.name()
-            );
-            return Err(Error::argument(what, "leave --sampler out"));
-        }
-        if let Some(option) = args.settings.first_given() {
-            let what = format!(
-                "{option} has no effect on {}, which is built already",
-                args.source
-            );
-            return Err(Error::argument(what, "leave it out"));
-        }
+        refuse_other_sampler(args, file.record())?;
         let name = file.record().material.clone();
         let material = args
             .material
@@ -131,13 +112,6 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
             .map(Material::resolve)
             .transpose()?;
         let (sampler, brdf) = file.load(material)?;
-        if let (Some(built), Some(asked)) = (brdf.rule(), args.lookup)
-            && built != asked
-        {
-            let what = format!("{} was built for the {} lookup", args.source, built.name());
-            let fix = "leave --lookup out, or build the sampler again";
-            return Err(Error::argument(what, fix));
-        }
         return Ok((name, sampler, brdf));
     }
     if args.material.is_some() {
@@ -147,11 +121,33 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
         ));
     }
     let material = Material::resolve(&args.source)?;
-    let spec = args
-        .settings
-        .spec(args.sampler.as_deref().unwrap_or(DEFAULT))?;
+    let spec = match &args.sampler {
+        Some(spec) => spec.clone(),
+        None => sampler_args::DEFAULT.parse()?,
+    };
     let brdf = material.load(args.lookup.unwrap_or_default())?;
-    Ok((material.name().into(), spec.build_for(&brdf)?, brdf))
+    Ok((material.name().into(), spec.build(&brdf)?, brdf))
+}
+
+/// What a sampler file holds is built already.
+fn refuse_other_sampler(args: &Args, record: &Record) -> Result<(), Error> {
+    if args.sampler.as_ref().is_some_and(|s| *s != record.spec) {
+        return Err(Error::argument(
+            format!("{} holds the sampler {}", args.source, record.spec),
+            "leave --sampler out",
+        ));
+    }
+    match (record.lookup, args.lookup) {
+        (Some(recorded), Some(given)) if recorded != given => Err(Error::argument(
+            format!(
+                "{} was built for the {} lookup",
+                args.source,
+                recorded.name()
+            ),
+            "leave --lookup out, or build the sampler again",
+        )),
+        _ => Ok(()),
+    }
 }
 
 struct Draws {

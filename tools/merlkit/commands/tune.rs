@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use merlkit::material::{LookupRule, Material};
-use merlkit::sampler::store;
+use merlkit::Error;
+use merlkit::material::{Loaded, LookupRule, Material};
+use merlkit::sampler::{SamplerSpec, store};
 use merlkit_evaluate::measure::compare::{PointPlan, Tuning, Wish, tunable, tune};
 use merlkit_evaluate::report::{tuning_sheet, tuning_summary, write_json};
 
@@ -12,6 +13,7 @@ use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
+use crate::sampler_args;
 use crate::sky::SkyArgs;
 use crate::{args, table};
 
@@ -26,6 +28,9 @@ pub struct Args {
     /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL")]
     material: String,
+    /// Sampler to try, with its settings (`merlkit samplers`); may be repeated [default: those named above]
+    #[arg(long = "sampler", value_name = sampler_args::VALUE)]
+    samplers: Vec<SamplerSpec>,
     /// Relative error of one estimate, root of the mean square: 0.01 or 1%
     #[arg(long, value_name = "E", value_parser = args::share)]
     target_error: f64,
@@ -79,7 +84,7 @@ pub fn run(args: &Args) -> Outcome {
     let material = Material::resolve(&args.material)?;
     let sky = args.sky.load()?;
     let loaded = material.load(args.lookup)?;
-    let specs = tunable(&loaded.facts(), args.output.is_some());
+    let specs = candidates(args, &loaded)?;
     let progress = Progress::new("trying", specs.len());
     let plan = PointPlan::quick(args.seed);
     let tuning = tune(&loaded, &sky, wish(args), &specs, &plan, &|| {
@@ -103,16 +108,29 @@ pub fn run(args: &Args) -> Outcome {
         return Ok(ExitCode::from(1));
     };
     if let Some(path) = &args.output {
-        let bytes = store::save(
-            &spec.build_for(&loaded)?,
-            &material,
-            args.lookup,
-            path,
-            overwrite,
-        )?;
+        let bytes = store::save(&spec.build(&loaded)?, &material, path, overwrite)?;
         output::message(&format!("{}: {bytes} bytes", path.display()));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The samplers given, or all that are worth a try.
+fn candidates(args: &Args, material: &Loaded) -> Result<Vec<SamplerSpec>, Error> {
+    let facts = material.facts();
+    let stored = args.output.is_some();
+    if args.samplers.is_empty() {
+        return tunable(&facts, stored);
+    }
+    for spec in &args.samplers {
+        spec.check_supports(&facts)?;
+        if stored && !spec.is_stored() {
+            return Err(Error::argument(
+                format!("the sampler {spec} has no tables of its own to store"),
+                "leave out --output, or that sampler",
+            ));
+        }
+    }
+    Ok(args.samplers.clone())
 }
 
 fn wish(args: &Args) -> Wish {
@@ -131,7 +149,7 @@ fn wish(args: &Args) -> Wish {
 }
 
 /// The choice, if it was proved.
-fn chosen(tuning: &Tuning) -> Option<merlkit::sampler::SamplerSpec> {
+fn chosen(tuning: &Tuning) -> Option<&SamplerSpec> {
     tuning.proof?;
-    Some(tuning.tried.get(tuning.chosen?)?.curve.competitor.spec)
+    Some(&tuning.tried.get(tuning.chosen?)?.curve.competitor.spec)
 }

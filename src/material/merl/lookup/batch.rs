@@ -5,12 +5,14 @@
 
 use glam::Vec3;
 
-use super::bins::BinTables;
+use super::bins::find_bins;
 use super::coordinates::CoordinateTables;
 use super::half_diff_tan2::Tangents;
 use super::trilinear::Neighbours;
+use crate::batch::Wo;
 use crate::color::Rgb;
-use crate::geometry::{is_unit_upper, unit_upper};
+use crate::geometry::merl_axes::AxisBins;
+use crate::lanes::{Columns, UnitDirections};
 use crate::material::merl::LookupRule;
 use crate::material::merl::MerlTable;
 
@@ -18,109 +20,83 @@ use crate::material::merl::MerlTable;
 /// few that it has no use for.
 const LANES: usize = 32;
 
-/// Squared tangents of some pairs, and the directions they came from.
-pub(in crate::material::merl) struct Batch {
-    wo: [[f32; LANES]; 3],
-    wi: [[f32; LANES]; 3],
-    theta_h: [f64; LANES],
-    theta_d: [f64; LANES],
-    phi_d: [f64; LANES],
-    half_turn: [f64; LANES],
+/// A block of pairs and the squared tangents of their half and difference angles.
+struct Block {
+    wo: UnitDirections<LANES>,
+    wi: UnitDirections<LANES>,
+    tan2: Columns<f64, 4, LANES>,
 }
 
-/// Evaluates `pairs` into `out`, as many as the shorter of them.
+/// f_r of each pair into `out`; the slices are of one length.
 pub(in crate::material::merl) fn evaluate(
     table: &MerlTable,
     rule: LookupRule,
-    mut pairs: impl Iterator<Item = (Vec3, Vec3)>,
+    wo: Wo<'_>,
+    wi: &[Vec3],
     out: &mut [Rgb],
 ) {
-    let mut batch = Batch::new();
-    for out in out.chunks_mut(LANES) {
-        let count = batch.fill(&mut pairs, out.len());
-        let out = &mut out[..count];
+    let mut block = Block::new(wo);
+    for (number, out) in out.chunks_mut(LANES).enumerate() {
+        let lanes = number * LANES..number * LANES + out.len();
+        block.load(wo.lanes(lanes.clone()), &wi[lanes]);
         match rule {
-            LookupRule::Floor => batch.floor(table, out),
-            LookupRule::Linear => batch.trilinear(table, 0.0, out),
-            LookupRule::Centred => batch.trilinear(table, 0.5, out),
+            LookupRule::Floor => block.floor(table, out),
+            LookupRule::Linear => block.trilinear(table, 0.0, out),
+            LookupRule::Centred => block.trilinear(table, 0.5, out),
         }
     }
 }
 
-impl Batch {
-    fn new() -> Self {
-        let (directions, tangents) = ([[0.0; LANES]; 3], [0.0; LANES]);
+impl Block {
+    /// A block without pairs; with its `wo`, if that is the same for all blocks.
+    fn new(wo: Wo<'_>) -> Self {
+        let wo = match wo {
+            Wo::One(wo) => UnitDirections::load(&[wo; LANES]),
+            Wo::Each(_) => UnitDirections::load(&[]),
+        };
         Self {
-            wo: directions,
-            wi: directions,
-            theta_h: tangents,
-            theta_d: tangents,
-            phi_d: tangents,
-            half_turn: tangents,
+            wo,
+            wi: UnitDirections::load(&[]),
+            tan2: Columns::splat([0.0; 4]),
         }
     }
 
-    /// Takes up to `limit` pairs and computes their tangents; returns their number.
+    /// Takes up to [`LANES`] pairs and computes their squared tangents, NaN for a pair that is not above the horizon.
     #[inline(always)]
-    fn fill(&mut self, pairs: &mut impl Iterator<Item = (Vec3, Vec3)>, limit: usize) -> usize {
-        let mut count = 0;
-        for (k, (wo, wi)) in (0..limit.min(LANES)).zip(pairs) {
-            for axis in 0..3 {
-                self.wo[axis][k] = wo[axis];
-                self.wi[axis][k] = wi[axis];
-            }
-            count = k + 1;
+    fn load(&mut self, wo: Wo<'_>, wi: &[Vec3]) {
+        if let Wo::Each(wo) = wo {
+            self.wo = UnitDirections::load(wo);
         }
-        // Nearly all are unit directions: one count for all of them, without a branch for each.
-        let unit = |k: usize| is_unit_upper(at(&self.wo, k)) & is_unit_upper(at(&self.wi, k));
-        if (0..count.min(LANES))
-            .map(|k| u32::from(!unit(k)))
-            .sum::<u32>()
-            > 0
-        {
-            self.renormalise(count);
-        }
-        for k in 0..count.min(LANES) {
-            let tan2 = Tangents::of(at(&self.wo, k), at(&self.wi, k));
-            self.theta_h[k] = tan2.theta_h;
-            self.theta_d[k] = tan2.theta_d;
-            self.phi_d[k] = tan2.phi_d;
-            self.half_turn[k] = tan2.half_turn;
-        }
-        count
-    }
-
-    /// Brings all to unit length, and what is no direction to NaN.
-    #[cold]
-    fn renormalise(&mut self, count: usize) {
-        for k in 0..count.min(LANES) {
-            for w in [&mut self.wo, &mut self.wi] {
-                let unit = unit_upper(at(w, k)).unwrap_or(Vec3::NAN);
-                for axis in 0..3 {
-                    w[axis][k] = unit[axis];
-                }
-            }
+        self.wi = UnitDirections::load(wi);
+        for lane in 0..wi.len().min(LANES) {
+            let tan2 = Tangents::of(self.wo.get(lane), self.wi.get(lane));
+            let upper = self.wo.is_upper(lane) & self.wi.is_upper(lane);
+            let theta_h = if upper { tan2.theta_h } else { f64::NAN };
+            let columns = [theta_h, tan2.theta_d, tan2.phi_d, tan2.half_turn];
+            self.tan2.set(lane, columns);
         }
     }
 
     #[inline(always)]
-    fn tangents(&self, k: usize) -> Tangents {
+    fn tangents(&self, lane: usize) -> Tangents {
+        let [theta_h, theta_d, phi_d, half_turn] = self.tan2.get(lane);
         Tangents {
-            theta_h: self.theta_h[k],
-            theta_d: self.theta_d[k],
-            phi_d: self.phi_d[k],
-            half_turn: self.half_turn[k],
+            theta_h,
+            theta_d,
+            phi_d,
+            half_turn,
         }
     }
 
+    /// The value of the bin that holds each pair.
     fn floor(&self, table: &MerlTable, out: &mut [Rgb]) {
-        let tables = BinTables::get();
+        let axes = AxisBins::get();
         let bins = table.phi_d_bins();
         // Past the end of the table for a pair that has no bin.
         let mut cells = [usize::MAX; LANES];
         let count = out.len().min(LANES);
-        for (k, cell) in cells[..count].iter_mut().enumerate() {
-            if let Some(b) = tables.bins(self.tangents(k), at(&self.wi, k), bins) {
+        for (lane, cell) in cells[..count].iter_mut().enumerate() {
+            if let Some(b) = find_bins(axes, self.tangents(lane), self.wi.get(lane), bins) {
                 *cell = table.index(b.theta_h, b.theta_d, b.phi_d);
             }
         }
@@ -129,21 +105,17 @@ impl Batch {
         }
     }
 
+    /// The mean of each pair's neighbours, whose values are taken to be at `bin + offset`.
     fn trilinear(&self, table: &MerlTable, offset: f64, out: &mut [Rgb]) {
         let tables = CoordinateTables::get();
         let bins = table.phi_d_bins();
         let mut neighbours = [None; LANES];
         let count = out.len().min(LANES);
-        for (k, n) in neighbours[..count].iter_mut().enumerate() {
-            *n = Neighbours::of(tables, self.tangents(k), at(&self.wi, k), bins, offset);
+        for (lane, n) in neighbours[..count].iter_mut().enumerate() {
+            *n = Neighbours::of(tables, self.tangents(lane), self.wi.get(lane), bins, offset);
         }
         for (out, n) in out.iter_mut().zip(&neighbours) {
             *out = n.as_ref().map_or(Rgb::ZERO, |n| n.mean(table));
         }
     }
-}
-
-#[inline(always)]
-fn at(w: &[[f32; LANES]; 3], k: usize) -> Vec3 {
-    Vec3::new(w[0][k], w[1][k], w[2][k])
 }

@@ -1,11 +1,10 @@
 //! From squared tangents to coordinates in bins, by cubics.
 
-use std::f64::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
 use super::half_diff_tan2::Tangents;
-use super::tan2_cells::{self, CELLS};
-use crate::material::merl::{THETA_D_BINS, THETA_H_BINS};
+use crate::geometry::merl_axes::{degree_coordinate, theta_h_coordinate};
+use crate::geometry::tan2_cells::{self, CELLS};
 
 /// A pair's place in a table, in units of bins from the lower edge of bin 0 on each axis.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +28,8 @@ impl CoordinateTables {
     #[inline(always)]
     pub fn get() -> &'static Self {
         static TABLES: LazyLock<CoordinateTables> = LazyLock::new(|| CoordinateTables {
-            theta_h: Cubics::new(theta_h),
-            degrees: Cubics::new(degrees),
+            theta_h: Cubics::new(theta_h_coordinate),
+            degrees: Cubics::new(degree_coordinate),
         });
         &TABLES
     }
@@ -57,14 +56,6 @@ impl CoordinateTables {
             phi_d,
         }
     }
-}
-
-fn theta_h(tan2: f64) -> f64 {
-    (tan2.sqrt().atan() / FRAC_PI_2).sqrt() * THETA_H_BINS as f64
-}
-
-fn degrees(tan2: f64) -> f64 {
-    tan2.sqrt().atan() / FRAC_PI_2 * THETA_D_BINS as f64
 }
 
 /// A function of a squared tangent, as a cubic in each cell.
@@ -131,8 +122,8 @@ mod tests {
         for i in 0..=400_000 {
             // Squared tangents from 2⁻⁶⁰ to 2²⁰, past both ends of the tables.
             let t = (f64::from(i) / 5000.0 - 60.0).exp2();
-            worst[0] = worst[0].max((tables.theta_h.at(t) - theta_h(t)).abs());
-            worst[1] = worst[1].max((tables.degrees.at(t) - degrees(t)).abs());
+            worst[0] = worst[0].max((tables.theta_h.at(t) - theta_h_coordinate(t)).abs());
+            worst[1] = worst[1].max((tables.degrees.at(t) - degree_coordinate(t)).abs());
         }
         assert!(worst.iter().all(|&e| e < 7e-7), "{worst:?}");
     }

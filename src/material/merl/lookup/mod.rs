@@ -4,7 +4,6 @@ pub(super) mod batch;
 mod bins;
 pub(super) mod coordinates;
 pub(super) mod half_diff_tan2;
-mod tan2_cells;
 pub(super) mod trilinear;
 
 pub use bins::BinIndex;

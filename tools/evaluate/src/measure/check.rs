@@ -11,7 +11,7 @@ use super::accuracy::{Moments, SCALAR, mean_weight};
 use super::chi_square::{ChiSquare, ChiSquareTest, Verdict, sidak};
 use super::probe::{self, Probe};
 use merlkit::brdf::{Brdf, Importance};
-use merlkit::direction_sampler::DirectionSampler;
+use merlkit::direction_sampler::{DirectionSampler, draw_stratified};
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, Symmetry, spherical, to_spherical};
 use merlkit::points::{PointSet, mix};
 
@@ -94,7 +94,7 @@ pub enum Check {
     ChiSquare,
     /// The mean weight of independent draws is the albedo by quadrature. Value: relative deviation.
     Bias,
-    /// Under a uniform sky of radiance 1, `sample_many` estimates the albedo of each channel. Value: relative deviation of the
+    /// Under a uniform sky of radiance 1, a stratified batch of draws estimates the albedo of each channel. Value: relative deviation of the
     /// worst channel.
     Furnace,
 }
@@ -296,7 +296,7 @@ impl<'a> Subject<'a> {
 
     fn furnace(&self, fine: &Moments, coarse: &Moments) -> Outcome {
         let count = (self.settings.draws / 4).max(1);
-        let draws = self.sampler.sample_many(self.wo, count, self.seed ^ 4);
+        let draws = draw_stratified(self.sampler, self.wo, count, self.seed ^ 4);
         let estimate = mean_weight(
             self.brdf,
             self.wo,

@@ -15,7 +15,7 @@ use statrs::function::gamma::checked_gamma_ur;
 
 use super::expected::{Expected, Grid, Mass, expected};
 use merlkit::direction_sampler::DirectionSampler;
-use merlkit::geometry::{HalfVectors, is_upper};
+use merlkit::geometry::{HalfVectorDomain, is_upper};
 use merlkit::points::PointSet;
 
 /// Cells of fewer expected draws are pooled.
@@ -121,7 +121,7 @@ impl ChiSquareTest {
     ///
     /// For an invalid `wo` every draw must fail.
     pub fn run(&self, sampler: &dyn DirectionSampler, wo: Vec3) -> ChiSquare {
-        let grid = HalfVectors::about(wo).map(|domain| Grid {
+        let grid = HalfVectorDomain::new(wo).map(|domain| Grid {
             domain,
             theta_cells: self.theta_cells.max(1),
             phi_cells: self.phi_cells.max(1),

@@ -3,13 +3,13 @@
 use glam::Vec3;
 
 use merlkit::direction_sampler::DirectionSampler;
-use merlkit::geometry::{FibonacciLattice, HalfVectors, is_upper};
+use merlkit::geometry::{FibonacciLattice, HalfVectorDomain, is_upper};
 
 /// A grid over the half vectors about `wo`: uniform in √θh and in the share of the azimuth, both odd so that no cell edge
 /// falls on the plane of symmetry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
-    pub domain: HalfVectors,
+    pub domain: HalfVectorDomain,
     pub theta_cells: usize,
     pub phi_cells: usize,
 }

@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 use serde::Serialize;
-use std::f64::consts::FRAC_PI_2;
 
 use super::{albedo_by_degree, directional_albedo_with_error};
 use merlkit::brdf::Importance;
 use merlkit::color::Rgb;
 use merlkit::geometry::Symmetry;
+use merlkit::geometry::merl_axes::{theta_d, theta_h_edge};
 use merlkit::material::merl::{Census, THETA_D_BINS, THETA_H_BINS};
 use merlkit::material::{Loaded, LookupRule, MerlTable};
 
@@ -149,7 +149,7 @@ fn invalid_above_horizon(table: &MerlTable) -> u64 {
     let mut count = 0;
     for (h, d) in rows() {
         let (sin_h, cos_h) = theta_h_edge(h).sin_cos();
-        let (sin_d, cos_d) = theta_d_edge(d).sin_cos();
+        let (sin_d, cos_d) = theta_d(d as f64).sin_cos();
         for p in 0..table.phi_d_bins() {
             // The two directions' heights are cosθh cosθd ± sinθh sinθd cosφd.
             let slope = sin_h * sin_d * (p as f64).to_radians().cos();
@@ -164,7 +164,7 @@ fn peak_to_mean(table: &MerlTable) -> f64 {
     for (h, d) in rows() {
         // dω(wo) dω(wi) = 4 cosθd dω(h) dω(d), integrated over the bin.
         let share = (theta_h_edge(h).cos() - theta_h_edge(h + 1).cos())
-            * (theta_d_edge(d + 1).sin().powi(2) - theta_d_edge(d).sin().powi(2));
+            * (theta_d((d + 1) as f64).sin().powi(2) - theta_d(d as f64).sin().powi(2));
         for p in (0..table.phi_d_bins()).filter(|&p| table.is_valid(h, d, p)) {
             let f = scalar(table, h, d, p);
             peak = peak.max(f);
@@ -244,14 +244,6 @@ fn scalar(table: &MerlTable, h: usize, d: usize, p: usize) -> f64 {
 
 fn rows() -> impl Iterator<Item = (usize, usize)> {
     (0..THETA_H_BINS).flat_map(|h| (0..THETA_D_BINS).map(move |d| (h, d)))
-}
-
-fn theta_h_edge(bin: usize) -> f64 {
-    (bin as f64 / THETA_H_BINS as f64).powi(2) * FRAC_PI_2
-}
-
-fn theta_d_edge(bin: usize) -> f64 {
-    bin as f64 / THETA_D_BINS as f64 * FRAC_PI_2
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, Symmetry, spherical};
 use merlkit::material::{Loaded, LookupRule, Material};
-use merlkit::sampler::{Sampler, SamplerSpec, store};
+use merlkit::sampler::{SamplerSpec, store};
 
 /// How much to measure.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -51,8 +51,10 @@ pub struct AngleFigures {
 /// Figures of one sampler.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct SamplerFigures {
-    /// Method and settings.
+    /// Method and settings, as asked for.
     pub spec: SamplerSpec,
+    /// The same with what was fitted to the material.
+    pub fitted: SamplerSpec,
     /// Bytes its tables hold, counted.
     pub table_bytes: usize,
     /// Bytes of its file; `None` for a sampler that is not stored.
@@ -160,29 +162,31 @@ fn sampler_figures(
     spec: &SamplerSpec,
     settings: &ProfileSettings,
 ) -> Result<SamplerFigures> {
-    let (sampler, build) = time(|| spec.build_for(brdf));
+    let (sampler, build) = time(|| spec.build(brdf));
     let sampler = sampler?;
-    let file_bytes = match (&sampler, brdf.rule()) {
-        (Sampler::Cosine(_) | Sampler::File(_), _) => None,
-        (_, rule) => Some(store::encode(&sampler, material, rule.unwrap_or_default())?.len()),
+    let file_bytes = if spec.is_stored() {
+        Some(store::encode(&sampler, material)?.len())
+    } else {
+        None
     };
     let symmetry = brdf.symmetry();
     Ok(SamplerFigures {
-        spec: sampler.spec(),
+        spec: sampler.spec().clone(),
+        fitted: sampler.fitted(),
         table_bytes: sampler.bytes(),
         file_bytes,
         build,
         threads: rayon::current_num_threads(),
-        calls: call_times(&sampler, settings.timed_calls, settings.seed),
+        calls: call_times(&*sampler, settings.timed_calls, settings.seed),
         angles: limit_directions(symmetry)
             .par_iter()
-            .map(|&angles| angle_figures(&sampler, &**brdf.brdf(), angles, settings))
+            .map(|&angles| angle_figures(&*sampler, &**brdf.brdf(), angles, settings))
             .collect(),
     })
 }
 
 fn angle_figures(
-    sampler: &Sampler,
+    sampler: &dyn DirectionSampler,
     brdf: &dyn Brdf,
     [theta_o_deg, phi_o_deg]: [f64; 2],
     settings: &ProfileSettings,

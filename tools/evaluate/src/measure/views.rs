@@ -10,11 +10,12 @@ use glam::{DVec2, Vec3};
 use super::{albedo_by_degree, directional_albedo};
 use merlkit::brdf::Brdf;
 use merlkit::color;
-use merlkit::direction_sampler::DirectionSampler;
+use merlkit::direction_sampler::{DirectionSampler, draw_stratified};
+use merlkit::geometry::merl_axes::theta_h_degrees;
 use merlkit::geometry::spherical;
 use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
 use merlkit::material::{LookupRule, MerlBrdf, MerlTable};
-use merlkit::sampler::AdaptiveDisc;
+use merlkit::sampler::{AdaptiveDisc, Cosine, Sampler};
 
 /// A curve over the angle in the plane of incidence: (degrees, value).
 pub type Curve = Vec<(f64, f64)>;
@@ -58,8 +59,9 @@ fn over_plane(theta_o: f64, value: impl Fn(Vec3, Vec3) -> f32) -> Curve {
 /// Every half degree, and, where MERL's bins of θh are finer, three angles in each of them around the mirror direction.
 fn angles(theta_o: f64) -> Vec<f64> {
     let even = (-179..=179).map(|i| f64::from(i) * 0.5);
+    // wi turns by twice as much as the half vector.
     let steps =
-        (0..=3 * 40).map(|i| 2.0 * 90.0 * (f64::from(i) / (3.0 * THETA_H_BINS as f64)).powi(2));
+        (0..=3 * 40).map(|i| 2.0 * theta_h_degrees(f64::from(i) / (3.0 * THETA_H_BINS as f64)));
     let near = steps.flat_map(|step| [theta_o - step, theta_o + step]);
     let mut all: Vec<f64> = even.chain(near).filter(|a| a.abs() < 90.0).collect();
     all.sort_by(f64::total_cmp);
@@ -113,15 +115,19 @@ fn disc_wo(theta_o: f64) -> Vec3 {
     spherical(-theta_o.to_radians(), 0.0).as_vec3()
 }
 
-/// The first `count` draws of a seed for `wo` at `theta_o` degrees: their feet on the unit disc, `wo` at x < 0, and how many
-/// of the draws failed.
+/// `count` draws of a seed, spread together as well as the sampler can, by the cosine if there is none, for `wo` at `theta_o`
+/// degrees: their feet on the unit disc, `wo` at x < 0, and how many of the draws failed.
 pub fn sampled_directions(
-    sampler: &dyn DirectionSampler,
+    sampler: Option<&Sampler>,
     theta_o: f64,
     count: usize,
     seed: u64,
 ) -> (Vec<DVec2>, usize) {
-    let draws = sampler.sample_many(disc_wo(theta_o), count, seed);
+    let wo = disc_wo(theta_o);
+    let draws = match sampler {
+        Some(sampler) => sampler.draw_stratified(wo, count, seed),
+        None => draw_stratified(&Cosine, wo, count, seed),
+    };
     let feet: Vec<DVec2> = draws
         .iter()
         .flatten()

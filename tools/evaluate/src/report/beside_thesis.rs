@@ -6,7 +6,9 @@ use super::Sheet;
 use super::thesis::{THESIS_KB, cost_rows, thesis_uniform_memory};
 use crate::measure::compare::{Comparison, Curve, MaterialComparison, Setting};
 use crate::measure::convergence::Technique;
-use merlkit::sampler::{AdaptiveDiscSettings, HalfVectorSettings, LeafChoice, SamplerSpec};
+use merlkit::sampler::{
+    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
+};
 
 /// One table of the thesis and what stands beside it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -74,7 +76,7 @@ impl From<&Curve> for Ours {
 
 impl From<&Setting> for Ours {
     fn from(s: &Setting) -> Self {
-        let label = s.knob.spec.label();
+        let label = s.knob.spec.to_string();
         Self {
             label,
             table_bytes: s.table_bytes,
@@ -96,8 +98,7 @@ fn whole_cdfs<'a>(comparison: &'a Comparison, material: Option<&str>) -> Vec<&'a
         .settings
         .iter()
         .find(|s| material.is_none_or(|m| s.material == m));
-    let whole =
-        |s: &&Setting| matches!(s.knob.spec, SamplerSpec::CascadeCdf(c) if c.tolerance.is_none());
+    let whole = |s: &&Setting| is_cascade(&s.knob.spec, |c| c.tolerance.is_none());
     let mut all: Vec<&Setting> = of.iter().flat_map(|s| &s.settings).filter(whole).collect();
     all.sort_by_key(|s| s.table_bytes);
     all
@@ -119,21 +120,25 @@ fn counterpart(
             .map(Ours::from)
     };
     match method {
-        "uniform" => curve(&|s| matches!(s, SamplerSpec::Cosine)),
+        "uniform" => curve(&|s| s.name() == "cosine"),
         "uniform CDF" => whole_cdfs(comparison, Some(&material.material))
             .last()
             .map(|s| Ours::from(*s)),
-        "compressed CDF" => {
-            curve(&|s| matches!(s, SamplerSpec::CascadeCdf(c) if c.tolerance.is_some()))
-        }
-        "adaptive disc" => curve(&|s| matches!(s, SamplerSpec::AdaptiveDisc(d) if is_plain(d))),
-        _ => curve(&|s| *s == SamplerSpec::HalfVector(HalfVectorSettings::default())),
+        "compressed CDF" => curve(&|s| is_cascade(s, |c| c.tolerance.is_some())),
+        "adaptive disc" => curve(&is_plain_disc),
+        _ => curve(&|s| s.settings() == Some(&HalfVectorSettings::default())),
     }
 }
 
-/// The thesis's own kind of adaptive disc.
-pub(super) fn is_plain(settings: &AdaptiveDiscSettings) -> bool {
-    settings.depth > 0 && settings.leaves != LeafChoice::Warp
+/// Whether it is the thesis's own kind of adaptive disc.
+pub(super) fn is_plain_disc(spec: &SamplerSpec) -> bool {
+    spec.settings::<AdaptiveDiscSettings>()
+        .is_some_and(|s| s.depth > 0 && s.leaves != LeafChoice::Warp)
+}
+
+/// Whether it is a cascade CDF of such settings.
+fn is_cascade(spec: &SamplerSpec, matches: impl Fn(&CascadeCdfSettings) -> bool) -> bool {
+    spec.settings().is_some_and(matches)
 }
 
 fn uniform_memory(comparison: &Comparison) -> Option<ThesisTable> {
@@ -146,9 +151,10 @@ fn uniform_memory(comparison: &Comparison) -> Option<ThesisTable> {
         "ratio",
     ]);
     for (theta, phi, kb) in thesis_uniform_memory() {
-        let fine = |s: &&&Setting| match s.knob.spec {
-            SamplerSpec::CascadeCdf(c) => c.theta_h >= theta as usize && c.phi_h >= phi as usize,
-            _ => false,
+        let fine = |s: &&&Setting| {
+            is_cascade(&s.knob.spec, |c| {
+                c.theta_h >= theta as usize && c.phi_h >= phi as usize
+            })
         };
         let Some(ours) = whole.iter().find(fine).map(|s| Ours::from(*s)) else {
             continue;

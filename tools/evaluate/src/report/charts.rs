@@ -14,8 +14,7 @@ use merlkit::image::Image;
 use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
 use merlkit::material::{Loaded, LookupRule};
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, HalfVectorSettings, Sampler,
-    SamplerSpec, ShownCdf,
+    AdaptiveDisc, CascadeCdf, CascadeCdfSettings, CosineSettings, Sampler, SamplerSpec, ShownCdf,
 };
 use merlkit::{Error, Result};
 
@@ -42,7 +41,7 @@ impl ChartSubject {
     /// # Errors
     /// Those of building the sampler.
     pub fn new(material: &Loaded, thetas: Vec<f64>, spec: Option<SamplerSpec>) -> Result<Self> {
-        let sampler = spec.map(|s| s.build_for(material)).transpose()?;
+        let sampler = spec.map(|s| s.build(material)).transpose()?;
         Ok(Self {
             material: material.clone(),
             thetas,
@@ -110,7 +109,7 @@ impl ChartSubject {
     fn lobe_caption(&self) -> Caption {
         let shown = match &self.sampler {
             Some(sampler) => {
-                let label = sampler.spec().label();
+                let label = sampler.spec();
                 format!("the ideal density, f·cos θi over the albedo, and the density of {label}")
             }
             None => "f·cos θi, the mean of red, green and blue".into(),
@@ -248,11 +247,12 @@ impl ChartSubject {
     /// adaptive disc, the leaves as well.
     pub fn disc(&self, samples: usize, seed: u64) -> String {
         let theta = self.thetas.first().copied().unwrap_or(0.0);
-        let sampler = self.sampler.as_ref().unwrap_or(&Sampler::Cosine(Cosine));
-        let (points, failed) = views::sampled_directions(sampler.as_dyn(), theta, samples, seed);
-        let (cells, tree) = match sampler {
-            Sampler::AdaptiveDisc(disc) => views::leaf_outlines(disc, theta),
-            _ => (Vec::new(), theta),
+        let sampler = self.sampler.as_ref();
+        let (points, failed) = views::sampled_directions(sampler, theta, samples, seed);
+        let disc: Option<&AdaptiveDisc> = sampler.and_then(Sampler::downcast);
+        let (cells, tree) = match disc {
+            Some(disc) => views::leaf_outlines(disc, theta),
+            None => (Vec::new(), theta),
         };
         let leaves = match cells.len() {
             0 => String::new(),
@@ -270,12 +270,12 @@ impl ChartSubject {
         } else {
             format!("{} directions drawn{lost}", points.len())
         };
-        let spec = sampler.spec();
+        let cosine = SamplerSpec::new(CosineSettings::default());
+        let spec = sampler.map_or(&cosine, Sampler::spec);
         let caption = Caption::new(
             format!("{}: {} at θ = {theta}°", self.name(), spec.name()),
             format!(
-                "The hemisphere of light directions from above, {}, {}, seed {seed}.",
-                spec.label(),
+                "The hemisphere of light directions from above, {spec}, {}, seed {seed}.",
                 self.reading()
             ),
         );
@@ -345,7 +345,8 @@ impl ChartSubject {
         curve: impl Fn(&CascadeCdf, f64) -> ShownCdf,
         span: impl Fn(&ShownCdf) -> String,
     ) -> Result<(Vec<Series>, String)> {
-        let Some(Sampler::CascadeCdf(stored)) = &self.sampler else {
+        let stored: Option<&CascadeCdf> = self.sampler.as_ref().and_then(Sampler::downcast);
+        let Some(stored) = stored else {
             return Err(Error::argument(
                 "a CDF of another sampler",
                 "choose cascade-cdf",
@@ -388,7 +389,7 @@ impl ChartSubject {
                 ..line(label, &after.knots, 5 * i + 1)
             });
         }
-        let label = SamplerSpec::CascadeCdf(settings).label();
+        let label = SamplerSpec::new(settings);
         Ok((
             series,
             format!(
@@ -523,13 +524,8 @@ pub fn material_charts(material: &Loaded) -> Result<MaterialCharts> {
         densities: Vec::new(),
         discs: Vec::new(),
     };
-    let shown = [
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings::default()),
-        SamplerSpec::HalfVector(HalfVectorSettings::default()),
-        SamplerSpec::Cosine,
-    ];
-    for spec in shown {
+    let shown = ["adaptive-disc", "cascade-cdf", "half-vector", "cosine"];
+    for spec in SamplerSpec::parse_all(&shown)? {
         if !supported(&spec, &[material.facts()]) {
             continue;
         }

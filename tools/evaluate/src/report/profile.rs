@@ -116,7 +116,7 @@ impl SamplerReport {
                     m.material.clone(),
                     m.lookup.map_or("", LookupRule::name).into(),
                     "measured".into(),
-                    s.spec.label(),
+                    s.spec.to_string(),
                     s.table_bytes.to_string(),
                     s.file_bytes.map(|b| b.to_string()).unwrap_or_default(),
                     m.load.wall.to_string(),
@@ -169,7 +169,7 @@ pub fn thesis_legend() -> String {
 fn measured_line(s: &SamplerFigures) -> Vec<String> {
     let bias = s.worst_bias();
     vec![
-        s.spec.label(),
+        s.spec.to_string(),
         kilobytes(s.table_bytes),
         s.file_bytes.map_or_else(|| "–".into(), kilobytes),
         format!("{:.3}", s.build.wall),

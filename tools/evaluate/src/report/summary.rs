@@ -23,8 +23,9 @@ pub fn summary(reports: &[SamplerReport]) -> Sheet {
     ]);
     let mut labels: Vec<String> = Vec::new();
     for s in reports.iter().flat_map(|r| &r.measured.samplers) {
-        if !labels.contains(&s.spec.label()) {
-            labels.push(s.spec.label());
+        let label = s.spec.to_string();
+        if !labels.contains(&label) {
+            labels.push(label);
         }
     }
     for label in labels {
@@ -36,7 +37,7 @@ pub fn summary(reports: &[SamplerReport]) -> Sheet {
                     .iter()
                     .map(|s| (r.measured.material.as_str(), s))
             })
-            .filter(|(_, s)| s.spec.label() == label)
+            .filter(|(_, s)| s.spec.to_string() == label)
             .collect();
         sheet.push(line(label, &all));
     }

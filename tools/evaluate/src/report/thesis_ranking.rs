@@ -1,11 +1,11 @@
 //! The shape of the thesis's rankings, tables 6.14 and 6.22, beside those of our pictures.
 
 use super::Sheet;
-use super::beside_thesis::{ThesisTable, is_plain};
+use super::beside_thesis::{ThesisTable, is_plain_disc};
 use super::thesis::{SCENE_2, SCENE_6, errors_by_samples};
 use crate::measure::compare::{Comparison, Competitor, PictureComparison, SceneKind};
 use crate::measure::convergence::Technique;
-use merlkit::sampler::{HalfVectorSettings, LobeKind, SamplerSpec};
+use merlkit::sampler::{HalfVectorSettings, LobeKind, LobeSettings, SamplerSpec};
 
 /// The thesis's name for a sampler, empty for one that is new; what stands beside it here, and how that is told.
 struct Pair {
@@ -27,28 +27,23 @@ fn brdf(c: &Competitor, of: impl Fn(&SamplerSpec) -> bool) -> bool {
 }
 
 fn lobe(c: &Competitor, kind: LobeKind) -> bool {
-    brdf(c, |s| matches!(s, SamplerSpec::Lobe(l) if l.kind == kind))
+    brdf(c, |s| {
+        s.settings::<LobeSettings>().is_some_and(|l| l.kind == kind)
+    })
 }
 
 fn is_half_vector(spec: &SamplerSpec) -> bool {
-    *spec == SamplerSpec::HalfVector(HalfVectorSettings::default())
+    spec.settings() == Some(&HalfVectorSettings::default())
 }
 
 const FACTORED: Pair = pair("factored", "factored", |c| {
-    brdf(c, |s| matches!(s, SamplerSpec::Factored(_)))
+    brdf(c, |s| s.name() == "factored")
 });
-const DISC: Pair = pair("adaptive_disc", "adaptive disc", |c| {
-    brdf(
-        c,
-        |s| matches!(s, SamplerSpec::AdaptiveDisc(d) if is_plain(d)),
-    )
-});
+const DISC: Pair = pair("adaptive_disc", "adaptive disc", |c| brdf(c, is_plain_disc));
 const HALF_VECTOR: Pair = pair("", "half-vector", |c| brdf(c, is_half_vector));
 
 const OF_SCENE_2: [Pair; 6] = [
-    pair("uniform", "cosine", |c| {
-        brdf(c, |s| *s == SamplerSpec::Cosine)
-    }),
+    pair("uniform", "cosine", |c| brdf(c, |s| s.name() == "cosine")),
     pair("lobe_sphere", "lobe on the sphere", |c| {
         lobe(c, LobeKind::CosineLobeSphere)
     }),
@@ -62,7 +57,7 @@ const OF_SCENE_2: [Pair; 6] = [
 
 const OF_SCENE_6: [Pair; 7] = [
     pair("uniform_ris", "cosine with RIS", |c| {
-        matches!(c.technique, Technique::Ris(_)) && c.spec == SamplerSpec::Cosine
+        matches!(c.technique, Technique::Ris(_)) && c.spec.name() == "cosine"
     }),
     FACTORED,
     pair("factored_ris", "factored with RIS", |_| false),

@@ -3,13 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measure::convergence::Technique;
+use merlkit::Result;
 use merlkit::distribution::Heuristic;
 use merlkit::material::MaterialFacts;
 use merlkit::render::Strategy;
-use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, FactoredSettings, HalfVectorSettings, LeafChoice,
-    LobeKind, LobeSettings, Sampler, SamplerSpec,
-};
+use merlkit::sampler::{FactoredSettings, SamplerSpec};
 
 /// Materials that methods are compared on unless others are asked for: metals, paints, plastics and a diffuse one.
 pub const MATERIALS: [&str; 8] = [
@@ -24,9 +22,9 @@ pub const MATERIALS: [&str; 8] = [
 ];
 
 /// A sampler and how it is used.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Competitor {
-    /// What draws from the BRDF, as asked for: parameters that are fitted stand in the label.
+    /// What draws from the BRDF.
     pub spec: SamplerSpec,
     /// How its draws are combined with the light's.
     pub technique: Technique,
@@ -41,73 +39,73 @@ impl Competitor {
         }
     }
 
-    /// Its name for people, with what the built `sampler` was fitted to.
-    pub fn label_of(&self, sampler: &Sampler) -> String {
+    /// Its name in tables and plots: that of the sampler, and how it is combined with the light's directions.
+    pub fn label(&self) -> String {
         match self.technique {
             Technique::Light => "light sampling".into(),
-            Technique::Brdf => sampler.spec().label(),
-            technique => format!("{} of light and {}", technique.name(), self.spec.name()),
+            Technique::Brdf => self.spec.to_string(),
+            technique => format!("{} of light and {}", technique.name(), self.spec),
         }
     }
 }
 
-/// The half-vector table of a preset's name.
-fn half_vector(name: &str) -> SamplerSpec {
-    let preset = HalfVectorSettings::PRESETS.iter().find(|p| p.0 == name);
-    SamplerSpec::HalfVector(preset.map_or_else(HalfVectorSettings::default, |p| p.1))
-}
+/// Samplers that are compared in every case.
+const USUAL: [&str; 8] = [
+    "half-vector:2KB",
+    "half-vector:64KB",
+    "cascade-cdf",
+    "adaptive-disc",
+    "adaptive-disc:rejection-free",
+    "cosine",
+    "lobe:cosine",
+    "lobe:ggx",
+];
+
+/// Samplers that nobody would choose between, or that say little more than others.
+const UNUSUAL: [&str; 6] = [
+    "lobe:cosine-sphere",
+    "lobe:blinn",
+    "lobe:ward",
+    "lobe:ashikhmin-shirley",
+    "half-vector:1MB",
+    "adaptive-disc:rejection",
+];
+
+/// The sampler that is combined with the light's directions.
+const WITH_LIGHT: &str = "half-vector:64KB";
 
 /// All that are compared for materials of these facts, as far as every one of the materials supports them; `quick` leaves out
 /// those that nobody would choose between.
-pub fn competitors(quick: bool, facts: &[MaterialFacts]) -> Vec<Competitor> {
-    let warp = AdaptiveDiscSettings {
-        leaves: LeafChoice::Warp,
-        ..Default::default()
-    };
-    let mut specs = vec![
-        half_vector("2KB"),
-        half_vector("64KB"),
-        SamplerSpec::CascadeCdf(CascadeCdfSettings::default()),
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::default()),
-        SamplerSpec::AdaptiveDisc(warp),
-        SamplerSpec::Cosine,
-    ];
-    let lobes = if quick {
-        vec![LobeKind::CosineLobe, LobeKind::Ggx]
-    } else {
-        LobeKind::ALL.to_vec()
-    };
-    specs.extend(
-        lobes
-            .into_iter()
-            .map(|kind| SamplerSpec::Lobe(LobeSettings::fitted(kind))),
-    );
+///
+/// # Errors
+/// As [`SamplerSpec::parse_all`].
+pub fn competitors(quick: bool, facts: &[MaterialFacts]) -> Result<Vec<Competitor>> {
+    let mut specs = SamplerSpec::parse_all(&USUAL)?;
     if !quick {
-        specs.push(half_vector("1MB"));
-        specs.push(SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings::rejection()));
+        specs.extend(SamplerSpec::parse_all(&UNUSUAL)?);
     }
-    specs.push(SamplerSpec::Factored(FactoredSettings::default()));
-    specs.push(SamplerSpec::File);
+    specs.extend(SamplerSpec::parse_all(&["factored", "file"])?);
     specs.retain(|spec| supported(spec, facts));
     let mut all: Vec<Competitor> = specs.into_iter().map(Competitor::brdf).collect();
-    all.extend(with_light(half_vector("64KB"), quick));
-    all
+    all.extend(with_light(&WITH_LIGHT.parse()?, quick));
+    Ok(all)
 }
 
 /// All whose pictures are compared: as [`competitors`], and resampling, which saves rays in a picture; `quick` leaves out the
 /// factored BRDF, which takes seconds to fit.
-pub fn picture_competitors(quick: bool, facts: &[MaterialFacts]) -> Vec<Competitor> {
-    let resampled = [half_vector("64KB"), SamplerSpec::Cosine];
-    let ris = |spec| Competitor {
-        spec,
-        technique: Technique::Ris(Strategy::CANDIDATES),
-    };
-    let slow = |c: &Competitor| quick && matches!(c.spec, SamplerSpec::Factored(_));
-    competitors(quick, facts)
-        .into_iter()
-        .filter(|c| !slow(c))
-        .chain(resampled.map(ris))
-        .collect()
+///
+/// # Errors
+/// As [`competitors`].
+pub fn picture_competitors(quick: bool, facts: &[MaterialFacts]) -> Result<Vec<Competitor>> {
+    let mut all = competitors(quick, facts)?;
+    all.retain(|c| !quick || c.spec.settings::<FactoredSettings>().is_none());
+    for spec in SamplerSpec::parse_all(&[WITH_LIGHT, "cosine"])? {
+        all.push(Competitor {
+            spec,
+            technique: Technique::Ris(Strategy::CANDIDATES),
+        });
+    }
+    Ok(all)
 }
 
 /// Whether every material supports a sampler: those that need a table, know no azimuth, or are a file's own, not all do.
@@ -116,13 +114,16 @@ pub fn supported(spec: &SamplerSpec, facts: &[MaterialFacts]) -> bool {
 }
 
 /// Ways to take the light into account.
-fn with_light(spec: SamplerSpec, quick: bool) -> Vec<Competitor> {
+fn with_light(spec: &SamplerSpec, quick: bool) -> Vec<Competitor> {
     let mut techniques = vec![Technique::Light, Technique::Mis(Heuristic::Power)];
     if !quick {
         techniques.push(Technique::Mis(Heuristic::Balance));
     }
     techniques
         .into_iter()
-        .map(|technique| Competitor { spec, technique })
+        .map(|technique| Competitor {
+            spec: spec.clone(),
+            technique,
+        })
         .collect()
 }

@@ -31,9 +31,10 @@ pub use verdict::{Verdict, verdict};
 use serde::{Deserialize, Serialize};
 
 use merlkit::material::merl::LookupRule;
+use merlkit::sampler::SamplerSpec;
 
 /// Version of [`Comparison`]'s shape.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// What a run compares, and how: two runs of equal plans may share their measurements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +43,8 @@ pub struct ComparisonPlan {
     pub schema: u32,
     /// Whether this is the quick run.
     pub quick: bool,
+    /// The samplers asked for; if none are, all that are worth a comparison.
+    pub samplers: Vec<SamplerSpec>,
     /// Lookup rule of every table.
     pub lookup: LookupRule,
     /// What lights the point.

@@ -1,7 +1,5 @@
 //! The picture experiment: spheres rendered with each competitor, against a reference with its own error.
 
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
 
 use super::Competitor;
@@ -10,13 +8,13 @@ use crate::measure::cost::{Seconds, time};
 use merlkit::color::luminance;
 use merlkit::distribution::Heuristic;
 use merlkit::image::{Image, encode_png, encode_srgb};
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::Loaded;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    EffectPlan, EnvironmentSource, Film, LightSpec, Scene, SceneSpec, Settings, Strategy, Surface,
-    render,
+    Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Strategy, Surface, render,
 };
-use merlkit::sampler::{HalfVectorSettings, Sampler, SamplerSpec};
+use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit::{Error, Result};
 
 /// Which scene.
@@ -42,21 +40,21 @@ impl SceneKind {
         }
     }
 
-    fn spec(self, materials: &[String], strategy: Strategy) -> SceneSpec {
+    fn spec(self, materials: &[String], strategy: Strategy) -> Result<SceneSpec> {
         let mut spec = SceneSpec::row(materials, 1.0);
         spec.strategy = strategy;
         spec.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
         match self {
             Self::Environment => spec.depth = 1,
             Self::Glossy => {
-                let area = spec.row_area();
+                let area = spec.light("area")?;
                 spec.lights.push(area);
                 spec.floor = Some(GROUND);
                 spec.depth = 2;
             }
             Self::Three => spec.depth = 3,
         }
-        spec
+        Ok(spec)
     }
 }
 
@@ -100,13 +98,13 @@ impl PicturePlan {
         }
     }
 
-    fn settings(&self, samples: u64, seed: u64, points: PointSet) -> Settings {
-        Settings {
+    fn settings(&self, samples: u64, seed: u64, points: PointSet) -> RenderSettings {
+        RenderSettings {
             width: self.side,
             height: self.side,
-            samples,
             seed,
             points,
+            budget: Budget::Even(samples),
         }
     }
 }
@@ -167,10 +165,7 @@ pub fn picture_reference(
     materials: &[Loaded],
     plan: &PicturePlan,
 ) -> Result<(PictureReference, Film)> {
-    let largest = HalfVectorSettings::PRESETS
-        .last()
-        .map_or_else(HalfVectorSettings::default, |p| p.1);
-    let spec = SamplerSpec::HalfVector(largest);
+    let spec = "half-vector:1MB".parse()?;
     let samplers = build(materials, &spec)?;
     let settings = plan.settings(plan.reference_samples, !plan.seed, PointSet::Random);
     let (film, _) = render_with(
@@ -181,7 +176,7 @@ pub fn picture_reference(
         &settings,
     )?;
     let reference = PictureReference {
-        label: format!("{} with light sampling, power heuristic", spec.label()),
+        label: format!("{spec} with light sampling, power heuristic"),
         samples: plan.reference_samples,
         relative_error: own_error(&film),
         png: png(&film.to_image()?)?,
@@ -194,10 +189,10 @@ fn png(image: &Image) -> Result<Vec<u8>> {
 }
 
 /// One sampler a material.
-fn build(materials: &[Loaded], spec: &SamplerSpec) -> Result<Vec<Arc<Sampler>>> {
+fn build(materials: &[Loaded], spec: &SamplerSpec) -> Result<Vec<Sampler>> {
     materials
         .iter()
-        .map(|material| spec.build_for(material).map(Arc::new))
+        .map(|material| spec.build(material))
         .collect()
 }
 
@@ -214,9 +209,6 @@ pub fn pictures(
 ) -> Result<Vec<PictureResult>> {
     let (samplers, building) = time(|| build(materials, &competitor.spec));
     let samplers = samplers?;
-    let label = samplers
-        .first()
-        .map_or(String::new(), |s| competitor.label_of(s));
     let one = |&samples: &u64| {
         let settings = plan.settings(samples, plan.seed, PointSet::Sobol);
         let (film, seconds) =
@@ -224,8 +216,8 @@ pub fn pictures(
         let shown = samples == PICTURE_SAMPLES;
         let png = |image: Result<Image>| if shown { png(&image?) } else { Ok(Vec::new()) };
         Ok(PictureResult {
-            competitor,
-            label: label.clone(),
+            label: competitor.label(),
+            competitor: competitor.clone(),
             samples,
             seconds,
             build_seconds: building.wall,
@@ -241,13 +233,12 @@ pub fn pictures(
 fn render_with(
     scene: SceneKind,
     materials: &[Loaded],
-    samplers: &[Arc<Sampler>],
+    samplers: &[Sampler],
     technique: Technique,
-    settings: &Settings,
+    settings: &RenderSettings,
 ) -> Result<(Film, Seconds)> {
     let names: Vec<String> = materials.iter().map(|m| m.name().to_owned()).collect();
-    let spec = scene.spec(&names, strategy(technique));
-    let plan = EffectPlan::of(&spec);
+    let spec = scene.spec(&names, strategy(technique))?;
     let surface = |i: usize, directions: bool| {
         let missing = || {
             Error::argument(
@@ -256,18 +247,15 @@ fn render_with(
             )
         };
         let material = materials.get(i).ok_or_else(missing)?;
-        let sampler = samplers
-            .get(i)
-            .filter(|_| directions)
-            .map(|s| s.clone() as _);
+        let sampler = samplers.get(i).filter(|_| directions).map(Sampler::shared);
         Ok(Surface {
             brdf: material.brdf().clone(),
             sampler,
         })
     };
-    let scene = Scene::build(&spec, &plan, surface)?;
-    let (film, seconds) = time(|| render(&scene, &plan, settings, &|_| {}));
-    Ok((film?, seconds))
+    let scene = Scene::build(&spec, PlanRequest::AsNeeded, surface)?;
+    let (rendered, seconds) = time(|| render(&scene, settings, &|_| {}));
+    Ok((rendered?.film, seconds))
 }
 
 /// The renderer's strategy for a technique of the lit point.

@@ -7,12 +7,12 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::Competitor;
-use crate::measure::convergence::{Incident, LitPoint, Runs, slope_of};
+use crate::measure::convergence::{Incident, LitPoint, Runs, Technique, slope_of};
 use merlkit::brdf::{Brdf, Importance};
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
 use merlkit::light::Environment;
 use merlkit::points::PointSet;
-use merlkit::sampler::Sampler;
 
 /// Numbers of samples of the thesis (6.4), up to 50².
 pub const THESIS_SAMPLES: [usize; 8] = [1, 25, 100, 225, 400, 900, 1600, 2500];
@@ -156,7 +156,7 @@ pub struct Curve {
 /// Measures `sampler`, which took `build_seconds`, as `competitor` uses it.
 pub fn curve(
     competitor: Competitor,
-    sampler: &Sampler,
+    sampler: &dyn DirectionSampler,
     build_seconds: f64,
     brdf: &dyn Brdf,
     sky: &Environment,
@@ -166,13 +166,14 @@ pub fn curve(
         .iter()
         .map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance))
         .collect();
-    let errors = |set| errors(&points, sampler, competitor, plan, set);
+    let technique = competitor.technique;
+    let errors = |set| errors(&points, sampler, technique, plan, set);
     let (random, sobol) = (errors(PointSet::Random), errors(PointSet::Sobol));
     Curve {
-        label: competitor.label_of(sampler),
-        table_bytes: sampler.as_dyn().bytes(),
+        label: competitor.label(),
+        table_bytes: sampler.bytes(),
         build_seconds,
-        ns_per_sample: nanoseconds(&points, sampler, competitor, plan),
+        ns_per_sample: nanoseconds(&points, sampler, technique, plan),
         random_slope: fitted(&random),
         sobol_slope: fitted(&sobol),
         random,
@@ -193,8 +194,8 @@ fn fitted(errors: &[ErrorPoint]) -> f64 {
 /// Errors over the points' angles and the plan's seeds.
 fn errors(
     points: &[(LitPoint<'_>, f64)],
-    sampler: &Sampler,
-    competitor: Competitor,
+    sampler: &dyn DirectionSampler,
+    technique: Technique,
     plan: &PointPlan,
     set: PointSet,
 ) -> Vec<ErrorPoint> {
@@ -206,13 +207,7 @@ fn errors(
     let lit = points.iter().filter(|(_, reference)| *reference > 0.0);
     let squares: Vec<Vec<f64>> = lit
         .flat_map(|(point, reference)| {
-            point.squared_errors(
-                competitor.technique,
-                sampler,
-                *reference,
-                &plan.samples,
-                runs,
-            )
+            point.squared_errors(technique, sampler, *reference, &plan.samples, runs)
         })
         .collect();
     let at = |(i, &samples): (usize, &usize)| interval(samples, squares.iter().map(|s| s[i]));
@@ -237,8 +232,8 @@ fn interval(samples: usize, squares: impl Iterator<Item = f64> + Clone) -> Error
 /// Median over five runs of the time of a sample, the numbers behind it included.
 fn nanoseconds(
     points: &[(LitPoint<'_>, f64)],
-    sampler: &Sampler,
-    competitor: Competitor,
+    sampler: &dyn DirectionSampler,
+    technique: Technique,
     plan: &PointPlan,
 ) -> f64 {
     let each = plan.timed.div_ceil(points.len().max(1));
@@ -250,7 +245,7 @@ fn nanoseconds(
                 seeds: 1,
                 first_seed: seed,
             };
-            black_box(point.estimate(competitor.technique, sampler, each, runs));
+            black_box(point.estimate(technique, sampler, each, runs));
         }
         start.elapsed().as_secs_f64() * 1e9 / (each * points.len()).max(1) as f64
     };
@@ -261,7 +256,7 @@ fn nanoseconds(
 
 /// Errors of directions from the sampler alone, under Sobol points.
 pub(super) fn errors_at(
-    sampler: &Sampler,
+    sampler: &dyn DirectionSampler,
     brdf: &dyn Brdf,
     sky: &Environment,
     references: &[Reference],
@@ -271,18 +266,12 @@ pub(super) fn errors_at(
         .iter()
         .map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance))
         .collect();
-    errors(
-        &points,
-        sampler,
-        Competitor::brdf(sampler.spec()),
-        plan,
-        PointSet::Sobol,
-    )
+    errors(&points, sampler, Technique::Brdf, plan, PointSet::Sobol)
 }
 
 /// Relative RMSE from `samples` Sobol samples with 45° between `wo` and the normal, directions from the sampler alone.
 pub(super) fn error_at(
-    sampler: &Sampler,
+    sampler: &dyn DirectionSampler,
     brdf: &dyn Brdf,
     sky: &Environment,
     samples: usize,

@@ -10,7 +10,6 @@ use crate::measure::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use crate::measure::cost::{call_times, time};
 use merlkit::Result;
 use merlkit::brdf::Importance;
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{Quadrature, spherical};
 use merlkit::light::Environment;
 use merlkit::material::{Loaded, LookupRule, MaterialFacts, MerlBrdf};
@@ -69,7 +68,7 @@ pub fn knobs(quick: bool, lookup: LookupRule, facts: &MaterialFacts) -> Vec<Knob
 
 fn lookup_knobs() -> [Knob; 3] {
     LookupRule::ALL.map(|rule| {
-        let spec = SamplerSpec::HalfVector(HalfVectorSettings::default());
+        let spec = SamplerSpec::new(HalfVectorSettings::default());
         Knob {
             name: "lookup rule".into(),
             value: rule.name().into(),
@@ -83,7 +82,7 @@ fn half_vector_knobs(lookup: LookupRule) -> Vec<Knob> {
     let knob = |(size, settings): (&str, HalfVectorSettings)| Knob {
         name: "half-vector: table size".into(),
         value: size.into(),
-        spec: SamplerSpec::HalfVector(settings),
+        spec: SamplerSpec::new(settings),
         lookup,
     };
     HalfVectorSettings::PRESETS.map(knob).to_vec()
@@ -94,7 +93,7 @@ fn disc_knobs(lookup: LookupRule) -> Vec<Knob> {
     let knob = |name: &str, value: String, s: AdaptiveDiscSettings| Knob {
         name: format!("adaptive disc: {name}"),
         value,
-        spec: SamplerSpec::AdaptiveDisc(s),
+        spec: SamplerSpec::new(s),
         lookup,
     };
     let mut all: Vec<Knob> = [1.3, 1.5, 2.0, 2.5, 3.0]
@@ -129,7 +128,7 @@ fn cascade_knobs(lookup: LookupRule) -> Vec<Knob> {
     let knob = |name: &str, value: String, s: CascadeCdfSettings| Knob {
         name: format!("cascade CDF: {name}"),
         value,
-        spec: SamplerSpec::CascadeCdf(s),
+        spec: SamplerSpec::new(s),
         lookup,
     };
     let whole = [(64, 16), (128, 32), (256, 32), (512, 64), (1024, 128)].map(|(theta_h, phi_h)| {
@@ -184,12 +183,12 @@ pub fn setting(
         None => material.clone(),
     };
     let brdf = &**material.brdf();
-    let (sampler, seconds) = time(|| knob.spec.build_for(&material));
+    let (sampler, seconds) = time(|| knob.spec.build(&material));
     let sampler = sampler?;
     let spread = |degrees: f64| {
         let wo = spherical(degrees.to_radians(), 0.4).as_vec3();
         weight_spread(
-            &sampler,
+            &*sampler,
             brdf,
             &Quadrature::new(wo, SPREAD_POINTS),
             Importance::Mean,
@@ -199,9 +198,9 @@ pub fn setting(
     Ok(Setting {
         table_bytes: sampler.bytes(),
         build_seconds: seconds.wall,
-        sample_ns: call_times(&sampler, TIMED, 1).sample_ns,
+        sample_ns: call_times(&*sampler, TIMED, 1).sample_ns,
         relstd: LIMIT_ANGLES_DEG.map(spread).iter().sum::<f64>() / LIMIT_ANGLES_DEG.len() as f64,
-        rmse: error_at(&sampler, brdf, sky, RMSE_SAMPLES, plan),
+        rmse: error_at(&*sampler, brdf, sky, RMSE_SAMPLES, plan),
         knob,
     })
 }

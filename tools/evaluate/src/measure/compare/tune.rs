@@ -9,12 +9,10 @@ use super::{Competitor, Curve};
 use crate::measure::cost::time;
 use merlkit::Result;
 use merlkit::brdf::Brdf;
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::light::Environment;
 use merlkit::material::{Loaded, MaterialFacts};
-use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, LobeKind,
-    LobeSettings, Sampler, SamplerSpec,
-};
+use merlkit::sampler::SamplerSpec;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -104,33 +102,37 @@ impl Tuning {
     }
 }
 
+/// Samplers that are tried: the half-vector table in every size, the thesis's two, and lobes.
+const TUNABLE: [&str; 15] = [
+    "half-vector:2KB",
+    "half-vector:4KB",
+    "half-vector:8KB",
+    "half-vector:16KB",
+    "half-vector:32KB",
+    "half-vector:64KB",
+    "half-vector:256KB",
+    "half-vector:1MB",
+    "cascade-cdf:tolerance=0.01",
+    "cascade-cdf",
+    "adaptive-disc",
+    "adaptive-disc:rejection-free",
+    "lobe:cosine",
+    "lobe:ward",
+    "lobe:ggx",
+];
+
 /// Samplers that are tried for a material: every size of the half-vector table, the thesis's two, the lobes and a file's own
 /// density, as far as the material supports them. With `stored`, only those that a sampler file can hold.
-pub fn tunable(facts: &MaterialFacts, stored: bool) -> Vec<SamplerSpec> {
-    let mut all: Vec<SamplerSpec> = HalfVectorSettings::PRESETS
-        .iter()
-        .map(|p| SamplerSpec::HalfVector(p.1))
-        .collect();
-    all.extend([1e-2, 1e-3].map(|tolerance| {
-        let settings = CascadeCdfSettings {
-            tolerance: Some(tolerance),
-            ..Default::default()
-        };
-        SamplerSpec::CascadeCdf(settings)
-    }));
-    all.extend([LeafChoice::Envelope, LeafChoice::Warp].map(|leaves| {
-        SamplerSpec::AdaptiveDisc(AdaptiveDiscSettings {
-            leaves,
-            ..Default::default()
-        })
-    }));
-    let lobes = [LobeKind::CosineLobe, LobeKind::Ward, LobeKind::Ggx];
-    all.extend(lobes.map(|kind| SamplerSpec::Lobe(LobeSettings::fitted(kind))));
+///
+/// # Errors
+/// As [`SamplerSpec::parse_all`].
+pub fn tunable(facts: &MaterialFacts, stored: bool) -> Result<Vec<SamplerSpec>> {
+    let mut all = SamplerSpec::parse_all(&TUNABLE)?;
     if !stored {
-        all.extend([SamplerSpec::Cosine, SamplerSpec::File]);
+        all.extend(SamplerSpec::parse_all(&["cosine", "file"])?);
     }
     all.retain(|spec| supported(spec, &[*facts]));
-    all
+    Ok(all)
 }
 
 /// Tries `specs` for a material under a sky. `progress` is called after each.
@@ -148,12 +150,12 @@ pub fn tune(
     let brdf = &**material.brdf();
     let references = references(brdf, sky, plan);
     let mut tried = Vec::new();
-    for &spec in specs {
-        let (sampler, seconds) = time(|| spec.build_for(material));
+    for spec in specs {
+        let (sampler, seconds) = time(|| spec.build(material));
         let measured = (plan, &references[..]);
         let curve = curve(
-            Competitor::brdf(spec),
-            &sampler?,
+            Competitor::brdf(spec.clone()),
+            &*sampler?,
             seconds.wall,
             brdf,
             sky,
@@ -173,8 +175,8 @@ pub fn tune(
         proof: None,
     };
     if let Some(choice) = chosen.map(|i| &tuning.tried[i]) {
-        let sampler = choice.curve.competitor.spec.build_for(material)?;
-        tuning.proof = prove(&tuning, choice, &sampler, (brdf, sky), plan);
+        let sampler = choice.curve.competitor.spec.build(material)?;
+        tuning.proof = prove(&tuning, choice, &*sampler, (brdf, sky), plan);
     }
     Ok(tuning)
 }
@@ -205,7 +207,7 @@ const ROUNDS: u64 = 6;
 fn prove(
     tuning: &Tuning,
     choice: &Tried,
-    sampler: &Sampler,
+    sampler: &dyn DirectionSampler,
     (brdf, sky): (&dyn Brdf, &Environment),
     plan: &PointPlan,
 ) -> Option<Proof> {

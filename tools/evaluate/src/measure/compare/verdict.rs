@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use super::target::{SHARED_BY, reach};
 use super::{Curve, Reach};
 use crate::measure::convergence::Technique;
-use merlkit::sampler::SamplerSpec;
 
 /// The error that verdicts are about.
 const ERROR: f64 = 0.01;
@@ -59,7 +58,7 @@ pub fn verdict(material: &str, curves: &[Curve]) -> Option<Verdict> {
         .find(|(c, _)| c.competitor.spec.name() != family);
     let cosine = order
         .iter()
-        .find(|(c, _)| c.competitor.spec == SamplerSpec::Cosine);
+        .find(|(c, _)| c.competitor.spec.name() == "cosine");
     let mut verdict = Verdict {
         error: ERROR,
         shared_by: SHARED_BY[SHARE],

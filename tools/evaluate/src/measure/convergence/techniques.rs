@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::{Incident, LitPoint, Runs};
+use merlkit::Wo;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::distribution::Heuristic;
 use merlkit::light::{Environment, Light};
@@ -166,8 +167,10 @@ fn from_brdf(
             other,
         }
     };
-    let drawn = sampler.sample_batch(point.wo, &points).into_iter();
+    let mut drawn = vec![None; count];
+    sampler.sample_batch(Wo::One(point.wo), &points, &mut drawn);
     drawn
+        .into_iter()
         .map(|d| d.map_or(NOTHING, |d| draw(d.wi, d.pdf)))
         .collect()
 }

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use merlkit::Result;
-use merlkit::direction_sampler::DirectionSampler;
+use merlkit::material::Loaded;
 use merlkit::material::merl::HardCase;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 
@@ -136,7 +136,7 @@ pub fn check_hard(
                 seed,
             };
             outcomes.extend(pointwise::values(&subject));
-            let samplers = hard_samplers().into_iter().enumerate();
+            let samplers = hard_samplers()?.into_iter().enumerate();
             let taken: Vec<HardSampler> = samplers
                 .filter(|(k, _)| thoroughness.takes(rule, number, *k))
                 .map(|(_, s)| s)
@@ -167,13 +167,13 @@ struct Subject<'a> {
 
 impl Subject<'_> {
     fn cross(&self, hard: &HardSampler) -> Result<Vec<HardOutcome>> {
-        let sampler = Arc::new(hard.spec.build(&self.brdf)?);
-        let mut out = pointwise::draws(self, hard, &*sampler);
+        let sampler = hard.spec.build(&Loaded::from_table(self.brdf.clone()))?;
+        let mut out = pointwise::draws(self, hard, &sampler);
         out.extend(integrals::integrals(self, hard, &*sampler));
         let bytes = sampler.bytes() as f64;
-        let bound = Some(BYTES_A_TABLE * samplers::tables_of(&hard.spec) as f64);
+        let bound = Some(BYTES_A_TABLE * samplers::count_tables(&hard.spec) as f64);
         out.push(self.outcome(hard.name, HardCheck::Memory, bytes, bound, 1, String::new()));
-        out.push(picture::picture(self, hard, sampler)?);
+        out.push(picture::picture(self, hard, &sampler)?);
         Ok(out)
     }
 

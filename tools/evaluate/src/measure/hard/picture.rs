@@ -1,40 +1,36 @@
 //! Hard cases on spheres under every kind of light.
 
-use std::sync::Arc;
-
 use super::{HardCheck, HardOutcome, HardSampler, Subject};
 use merlkit::Result;
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::points::PointSet;
-use merlkit::render::{
-    EffectPlan, EnvironmentSource, LightSpec, Scene, SceneSpec, Settings, Surface, render,
-};
+use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render};
 use merlkit::sampler::Sampler;
 
 /// A picture of so many pixels, wide enough for both spheres and the light between them.
-const SETTINGS: Settings = Settings {
+const SETTINGS: RenderSettings = RenderSettings {
     width: 18,
     height: 12,
-    samples: 2,
     seed: 5,
     points: PointSet::Sobol,
+    budget: Budget::Even(2),
 };
 
 /// [`HardCheck::Picture`]: two spheres on a floor that see each other.
 pub(super) fn picture(
     subject: &Subject<'_>,
     hard: &HardSampler,
-    sampler: Arc<Sampler>,
+    sampler: &Sampler,
 ) -> Result<HardOutcome> {
     let (mut count, mut violations, mut note) = (0, 0, String::new());
     for light in 0..3 {
-        let spec = scene(light);
-        let plan = EffectPlan::of(&spec);
+        let spec = scene(light)?;
         let surface = Surface {
             brdf: subject.brdf.clone(),
-            sampler: Some(sampler.clone()),
+            sampler: Some(sampler.shared()),
         };
-        let scene = Scene::build(&spec, &plan, |_, _| Ok(surface.clone()))?;
-        let film = render(&scene, &plan, &SETTINGS, &|_| {})?;
+        let scene = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| Ok(surface.clone()))?;
+        let film = render(&scene, &SETTINGS, &|_| {})?.film;
         for k in 0..SETTINGS.width * SETTINGS.height {
             let (x, y) = (k % SETTINGS.width, k / SETTINGS.width);
             let (mean, error) = (film.mean(x, y), film.standard_error(x, y));
@@ -46,7 +42,7 @@ pub(super) fn picture(
                 violations += 1;
                 note = format!(
                     "pixel ({x}, {y}) under {}: {mean} ± {error}",
-                    spec.lights[0].kind()
+                    spec.lights[0].describe()
                 );
             }
         }
@@ -63,16 +59,16 @@ pub(super) fn picture(
 }
 
 /// Under a point, an area or an environment light.
-fn scene(light: usize) -> SceneSpec {
+fn scene(light: usize) -> Result<SceneSpec> {
     let row = SceneSpec::row(&["left".into(), "right".into()], 1.5);
     let light = match light {
-        0 => row.row_point(),
-        1 => row.row_area(),
+        0 => row.light("point")?,
+        1 => row.light("area")?,
         _ => LightSpec::Environment(EnvironmentSource::Studio),
     };
-    SceneSpec {
+    Ok(SceneSpec {
         lights: vec![light],
         floor: Some(0.4),
         ..row
-    }
+    })
 }

@@ -6,10 +6,12 @@ use super::{HardCheck, HardOutcome, HardSampler, Subject};
 use super::{hard_directions, hard_partners, hard_points, wrong_points};
 use crate::measure::chi_square::is_direction;
 use crate::measure::probe::AGREEMENT;
+use merlkit::Wo;
 use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
-use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
+use merlkit::direction_sampler::DirectionSample;
 use merlkit::geometry::is_upper;
+use merlkit::sampler::Sampler;
 
 /// Largest relative difference between f_r and f_r with the directions exchanged.
 const RECIPROCITY: f64 = 1e-4;
@@ -87,7 +89,7 @@ pub(super) fn values(subject: &Subject<'_>) -> Vec<HardOutcome> {
         let wo = direction.w;
         let partners = hard_partners(wo);
         let mut batch = vec![Rgb::NAN; partners.len()];
-        subject.brdf.eval_many(wo, &partners, &mut batch);
+        subject.brdf.eval_batch(Wo::One(wo), &partners, &mut batch);
         for (&wi, &in_batch) in partners.iter().zip(&batch) {
             let (f, f_cos) = (subject.brdf.eval(wo, wi), subject.brdf.eval_cos(wo, wi));
             let valid = is_upper(wo) && is_upper(wi);
@@ -133,7 +135,7 @@ fn is_value(f: Rgb) -> bool {
 pub(super) fn draws(
     subject: &Subject<'_>,
     hard: &HardSampler,
-    sampler: &dyn DirectionSampler,
+    sampler: &Sampler,
 ) -> Vec<HardOutcome> {
     let mut probe = Probe {
         subject,
@@ -168,7 +170,7 @@ pub(super) fn draws(
 
 struct Probe<'a> {
     subject: &'a Subject<'a>,
-    sampler: &'a dyn DirectionSampler,
+    sampler: &'a Sampler,
     tally: Tally,
     agreement: Worst,
 }
@@ -179,7 +181,7 @@ impl Probe<'_> {
             self.draw(about, wo, u, self.sampler.sample(wo, u));
         }
         for count in [0, 1, 7] {
-            let many = self.sampler.sample_many(wo, count, self.subject.seed);
+            let many = self.sampler.draw_stratified(wo, count, self.subject.seed);
             self.tally.check(many.len() == count, || {
                 format!("{} draws of {count}", many.len())
             });

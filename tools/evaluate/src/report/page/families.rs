@@ -4,25 +4,30 @@ use std::collections::BTreeSet;
 
 use crate::measure::compare::Competitor;
 use crate::measure::convergence::Technique;
-use merlkit::sampler::SamplerSpec;
+use merlkit::sampler::{AdaptiveDiscSettings, SamplerSpec};
 
 /// Competitors of one kind; the number chooses the style, the same in every chart.
 pub(super) fn family(competitor: &Competitor) -> usize {
-    match (competitor.technique, competitor.spec) {
+    let spec = &competitor.spec;
+    match (competitor.technique, spec.name()) {
         (Technique::Light, _) => 8,
         (Technique::Mis(_), _) => 9,
-        (Technique::Ris(_), SamplerSpec::Cosine) => 10,
+        (Technique::Ris(_), "cosine") => 10,
         (Technique::Ris(_), _) => 11,
-        (Technique::Brdf, spec) => match spec {
-            SamplerSpec::HalfVector(_) | SamplerSpec::ByAzimuth(_) => 0,
-            SamplerSpec::CascadeCdf(_) => 1,
-            SamplerSpec::AdaptiveDisc(s) if s.depth == 0 => 5,
-            SamplerSpec::AdaptiveDisc(_) => 2,
-            SamplerSpec::Lobe(_) => 3,
-            SamplerSpec::Factored(_) | SamplerSpec::File => 4,
-            SamplerSpec::Cosine => 6,
-        },
+        (Technique::Brdf, "half-vector") => 0,
+        (Technique::Brdf, "cascade-cdf") => 1,
+        (Technique::Brdf, "adaptive-disc") if is_rejection(spec) => 5,
+        (Technique::Brdf, "adaptive-disc") => 2,
+        (Technique::Brdf, "lobe") => 3,
+        (Technique::Brdf, "cosine") => 6,
+        (Technique::Brdf, _) => 4,
     }
+}
+
+/// Whether draws are rejected on the whole disc.
+fn is_rejection(spec: &SamplerSpec) -> bool {
+    spec.settings::<AdaptiveDiscSettings>()
+        .is_some_and(|s| s.depth == 0)
 }
 
 /// The first of each family of those that draw from the BRDF alone, and then the first of all of these with the first of

@@ -6,7 +6,6 @@ use crate::measure::compare::{Comparison, Curve, MaterialComparison, Verdict, re
 use crate::measure::convergence::Technique;
 use crate::report::Sheet;
 use crate::report::compare::duration;
-use merlkit::sampler::SamplerSpec;
 
 /// The plan in words.
 pub(super) fn measured(comparison: &Comparison) -> String {
@@ -116,8 +115,7 @@ fn loses(material: &MaterialComparison) -> Option<String> {
         .filter(|v| v.sampler != HALF_VECTOR)?;
     let name = &material.material;
     let half_vector = quickest(&material.curves, |c| {
-        c.competitor.technique == Technique::Brdf
-            && matches!(c.competitor.spec, SamplerSpec::HalfVector(_))
+        c.competitor.technique == Technique::Brdf && c.competitor.spec.name() == HALF_VECTOR
     });
     Some(match half_vector {
         Some((label, seconds)) => format!(
@@ -169,7 +167,7 @@ fn summary(comparison: &Comparison) -> Sheet {
         };
         let brdf = |c: &Curve| c.competitor.technique == Technique::Brdf;
         let table = quickest(&material.curves, |c| {
-            brdf(c) && matches!(c.competitor.spec, SamplerSpec::HalfVector(_))
+            brdf(c) && c.competitor.spec.name() == HALF_VECTOR
         });
         let light = quickest(&material.curves, |c| !brdf(c));
         let named =

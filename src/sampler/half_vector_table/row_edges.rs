@@ -1,7 +1,7 @@
-//! Which parts of the square share a row: the choice that adds least variance, by dynamic programming.
+//! Which parts of the chart share a row: the choice that adds least variance, by dynamic programming.
 
 use super::build::{Tabulated, slope_of};
-use super::square::{MERL_PARTS, PARTS};
+use crate::geometry::half_vector_chart::{MERL_PARTS, PARTS};
 
 /// Columns that the shape over the azimuth is compared in.
 const COLUMNS: usize = 8;
@@ -10,11 +10,11 @@ const COLUMNS: usize = 8;
 ///
 /// Minimises Σ over tables of ∫ f²/p, with p what a row can represent. No row spans the last of MERL's parts, beyond which
 /// parts grow with θo.
-pub(super) fn choose(tables: &[Tabulated], count: usize) -> Vec<usize> {
+pub(super) fn choose_row_edges(tables: &[Tabulated], count: usize) -> Vec<usize> {
     if count == PARTS {
         return (0..=PARTS).collect();
     }
-    let coarse: Vec<Coarse> = tables.iter().map(Coarse::of).collect();
+    let coarse: Vec<CoarseTabulation> = tables.iter().map(CoarseTabulation::new).collect();
     let longest = PARTS - count + 1;
     // best[r][j]: least cost of r rows up to edge j, and where the last of them starts.
     let mut best = vec![vec![(f64::INFINITY, 0); PARTS + 1]; count + 1];
@@ -44,14 +44,14 @@ pub(super) fn choose(tables: &[Tabulated], count: usize) -> Vec<usize> {
 }
 
 /// A tabulation in few columns.
-struct Coarse<'a> {
+struct CoarseTabulation<'a> {
     tabulated: &'a Tabulated,
     /// Masses of each part's columns.
     mass: Vec<[f64; COLUMNS]>,
 }
 
-impl<'a> Coarse<'a> {
-    fn of(tabulated: &'a Tabulated) -> Self {
+impl<'a> CoarseTabulation<'a> {
+    fn new(tabulated: &'a Tabulated) -> Self {
         let mut mass = vec![[0.0; COLUMNS]; PARTS];
         let columns = tabulated.mass.ncols();
         for ((part, column), m) in tabulated.mass.indexed_iter() {
@@ -103,14 +103,17 @@ mod tests {
         let steps = |p: usize| {
             [5.0, 1.0, 3.0, 0.2, 0.1][[7, 20, 40, 63].iter().filter(|&&e| p >= e).count()]
         };
-        assert_eq!(choose(&[tabulated(steps)], 5), [0, 7, 20, 40, 63, PARTS]);
+        assert_eq!(
+            choose_row_edges(&[tabulated(steps)], 5),
+            [0, 7, 20, 40, 63, PARTS]
+        );
     }
 
     #[test]
     fn any_number_of_rows_can_be_had() {
         let table = [tabulated(|p| 1.0 / (1.0 + p as f64))];
         for count in [2, 3, 9, 40, PARTS - 1, PARTS] {
-            let edges = choose(&table, count);
+            let edges = choose_row_edges(&table, count);
             assert_eq!((edges.len(), edges[0], edges[count]), (count + 1, 0, PARTS));
             assert!(edges.is_sorted_by(|a, b| a < b) && edges.contains(&MERL_PARTS));
         }

@@ -1,17 +1,24 @@
 //! Light from all around: an equirectangular map.
 
-use std::f64::consts::{FRAC_1_PI, PI, TAU};
+mod broad_lamps;
+mod equirectangular;
+mod sampling;
+mod source;
+mod studio;
+
+pub use broad_lamps::broad_lamps;
+pub use source::EnvironmentSource;
+pub use studio::studio;
+
+use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3, Vec4};
 
-use super::{Light, LightSample, Seen};
+use super::Emission;
 use crate::color::{Rgb, luminance};
 use crate::distribution::Piecewise2d;
-use crate::geometry::approx::{fine_atan2, fine_sin_cos_turns};
 use crate::{Error, Result};
-
-/// Directions that go through the stages of a batch together: arithmetic is vector code, and reads of the map overlap.
-const LANES: usize = 64;
+use equirectangular::{direction_of, square_of};
 
 /// How an environment chooses directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +88,11 @@ impl Environment {
             );
             return Err(Error::argument(what, "give finite radiance ≥ 0"));
         }
+        Ok(Self::assemble(width, height, &pixels, sampling))
+    }
+
+    /// An environment of at least one pixel, all of them finite and ≥ 0.
+    fn assemble(width: usize, height: usize, pixels: &[Rgb], sampling: SkySampling) -> Self {
         let cos_edges = (0..=height)
             .map(|row| (row as f64 / height as f64 * PI).cos())
             .collect();
@@ -89,43 +101,42 @@ impl Environment {
             width,
             height,
             extent,
-            pixels: padded(width, &pixels),
+            pixels: padded(width, pixels),
             cos_edges,
             table: None,
         };
         if sampling == SkySampling::Importance && pixels.iter().any(|c| luminance(*c) > 0.0) {
-            let cells = Piecewise2d::new(width, height, &sky.weights(&pixels))?;
-            let densities = (0..height)
-                .map(|y| cells.row_mass(y) / sky.solid_angle(y))
-                .collect();
-            sky.table = Some(Table { cells, densities });
+            // Weights of finite pixels ≥ 0 are finite and ≥ 0. Should all of them vanish by underflow, no density is in
+            // proportion to them, and directions stay uniform.
+            let cells = Piecewise2d::new(width, height, &sky.weights(pixels)).ok();
+            sky.table = cells.map(|cells| sky.tabulate(cells));
         }
-        Ok(sky)
+        sky
     }
 
-    /// An environment of `width` × `height` pixels whose radiance towards the unit vector of each pixel's centre is given.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn from_fn(
+    /// The table that chooses directions in proportion to the masses of cells.
+    fn tabulate(&self, cells: Piecewise2d) -> Table {
+        let densities = (0..self.height)
+            .map(|y| cells.row_mass(y) / self.solid_angle(y))
+            .collect();
+        Table { cells, densities }
+    }
+
+    /// A built-in environment: radiance towards the unit vector of each pixel's centre, known to be finite and ≥ 0.
+    fn procedural(
         width: usize,
         height: usize,
         sampling: SkySampling,
         radiance: impl Fn(DVec3) -> Rgb,
-    ) -> Result<Self> {
-        let pixel = |i: usize| {
-            let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-            radiance(direction_of(
-                x / width as f64,
-                (y / height as f64 * PI).cos(),
-            ))
-        };
-        Self::new(
-            width,
-            height,
-            (0..width * height).map(pixel).collect(),
-            sampling,
-        )
+    ) -> Self {
+        let pixels = radiance_of_pixels(width, height, radiance);
+        debug_assert!(!pixels.is_empty());
+        debug_assert!(
+            pixels
+                .iter()
+                .all(|c| c.is_finite() && c.min_element() >= 0.0)
+        );
+        Self::assemble(width, height, &pixels, sampling)
     }
 
     /// Equal radiance from everywhere.
@@ -154,8 +165,8 @@ impl Environment {
     }
 
     #[inline]
-    fn seen_at(&self, p: DVec2) -> Seen {
-        Seen {
+    fn emission_at(&self, p: DVec2) -> Emission {
+        Emission {
             radiance: self.radiance_at(p),
             pdf: self.pdf_at(p),
         }
@@ -189,9 +200,9 @@ impl Environment {
         }
     }
 
-    /// Longitude share and cosine of the polar angle of the direction that `u` chooses.
+    /// Longitude in turns and cosine of the polar angle of the direction that `u` chooses.
     #[inline]
-    fn place(&self, u: DVec2) -> (f64, f64) {
+    fn choose(&self, u: DVec2) -> (f64, f64) {
         match &self.table {
             None => (u.x, 1.0 - 2.0 * u.y),
             Some(table) => {
@@ -231,80 +242,15 @@ impl Environment {
     }
 }
 
-impl Light for Environment {
-    fn sample(&self, _from: DVec3, u: DVec2) -> Option<LightSample> {
-        let (longitude, cos) = self.place(u);
-        let wi = direction_of(longitude, cos);
-        chosen(wi, self.seen_at(square_of(wi)))
+/// Radiance towards the centres of pixels, `[row][column]`.
+fn radiance_of_pixels(width: usize, height: usize, radiance: impl Fn(DVec3) -> Rgb) -> Vec<Rgb> {
+    let mut pixels = Vec::with_capacity(width * height);
+    for i in 0..width * height {
+        let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        let cos = (y / height as f64 * PI).cos();
+        pixels.push(radiance(direction_of(x / width as f64, cos)));
     }
-
-    fn seen(&self, _from: DVec3, direction: DVec3, reach: f64) -> Option<Seen> {
-        if reach < f64::INFINITY {
-            return None;
-        }
-        Some(self.seen_at(square_of(direction)))
-    }
-
-    fn sample_many(&self, from: &[DVec3], u: &[DVec2], out: &mut [Option<LightSample>]) {
-        let count = from.len().min(u.len()).min(out.len());
-        let (mut places, mut squares) = ([(0.0, 0.0); LANES], [DVec2::ZERO; LANES]);
-        let mut directions = [DVec3::Y; LANES];
-        for (u, out) in u[..count].chunks(LANES).zip(out[..count].chunks_mut(LANES)) {
-            for (place, &u) in places.iter_mut().zip(u) {
-                *place = self.place(u);
-            }
-            let chosen_places = places[..u.len()]
-                .iter()
-                .zip(&mut directions)
-                .zip(&mut squares);
-            for ((&(longitude, cos), direction), square) in chosen_places {
-                *direction = direction_of(longitude, cos);
-                *square = square_of(*direction);
-            }
-            for ((out, &wi), &p) in out.iter_mut().zip(&directions).zip(&squares) {
-                *out = chosen(wi, self.seen_at(p));
-            }
-        }
-    }
-
-    fn seen_many(
-        &self,
-        from: &[DVec3],
-        directions: &[DVec3],
-        reach: &[f64],
-        out: &mut [Option<Seen>],
-    ) {
-        let count = from
-            .len()
-            .min(directions.len())
-            .min(reach.len())
-            .min(out.len());
-        let chunks = directions[..count]
-            .chunks(LANES)
-            .zip(reach[..count].chunks(LANES));
-        let mut squares = [DVec2::ZERO; LANES];
-        for ((directions, reach), out) in chunks.zip(out[..count].chunks_mut(LANES)) {
-            for (square, &direction) in squares.iter_mut().zip(directions) {
-                *square = square_of(direction);
-            }
-            for ((out, &p), &reach) in out.iter_mut().zip(&squares).zip(reach) {
-                *out = if reach < f64::INFINITY {
-                    None
-                } else {
-                    Some(self.seen_at(p))
-                };
-            }
-        }
-    }
-}
-
-fn chosen(wi: DVec3, Seen { radiance, pdf }: Seen) -> Option<LightSample> {
-    (pdf > 0.0).then_some(LightSample {
-        wi,
-        distance: f64::INFINITY,
-        radiance,
-        pdf,
-    })
+    pixels
 }
 
 /// The map with what look-ups may read beyond it.
@@ -319,25 +265,10 @@ fn padded(width: usize, pixels: &[Rgb]) -> Vec<Vec4> {
     padded
 }
 
-/// Unit vector, to 10⁻¹², of a longitude share and the cosine of a polar angle.
-#[inline(always)]
-fn direction_of(longitude: f64, cos: f64) -> DVec3 {
-    let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    let (s, c) = fine_sin_cos_turns(longitude - 0.5);
-    DVec3::new(sin * s, cos, -sin * c)
-}
-
-/// Longitude and latitude of a unit vector as shares in [0, 1], to 10⁻¹².
-#[inline(always)]
-fn square_of(direction: DVec3) -> DVec2 {
-    let longitude = fine_atan2(direction.x, -direction.z) * (0.5 * FRAC_1_PI) + 0.5;
-    let beside = (direction.x * direction.x + direction.z * direction.z).sqrt();
-    DVec2::new(longitude, fine_atan2(beside, direction.y) * FRAC_1_PI)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::light::Light;
     use crate::points::PointSet;
 
     /// A dim sky with one bright pixel and a black half.
@@ -432,10 +363,10 @@ mod tests {
     }
 
     #[test]
-    fn many_are_the_same_bits_as_one_by_one() {
+    fn batches_are_the_same_bits_as_one_by_one() {
         let plain =
             Environment::new(3, 2, vec![Rgb::new(0.1, 2.0, 3e5); 6], SkySampling::Uniform).unwrap();
-        let nothing = Some(Seen {
+        let nothing = Some(Emission {
             radiance: Rgb::ONE,
             pdf: -1.0,
         });
@@ -449,27 +380,31 @@ mod tests {
                 .map(|i| if i % 7 == 3 { 5.0 } else { f64::INFINITY })
                 .collect();
             for count in [0, 1, 63, 64, 65, 200, 10_000] {
-                let mut sampled = vec![None; count + 1];
-                sky.sample_many(&from, &u[..count], &mut sampled);
-                let mut seen = vec![nothing; count + 1];
-                sky.seen_many(&from, &wi, &reach[..count], &mut seen);
+                let mut sampled = vec![None; count];
+                sky.sample_batch(&from[..count], &u[..count], &mut sampled);
+                let mut emitted = vec![nothing; count];
+                sky.emitted_batch(&from[..count], &wi[..count], &reach[..count], &mut emitted);
                 for k in 0..count {
                     assert_eq!(sampled[k], sky.sample(from[k], u[k]), "{}", u[k]);
-                    assert_eq!(seen[k], sky.seen(from[k], wi[k], reach[k]), "{}", wi[k]);
+                    assert_eq!(
+                        emitted[k],
+                        sky.emitted_along(from[k], wi[k], reach[k]),
+                        "{}",
+                        wi[k]
+                    );
                     let drawn = sampled[k].unwrap();
-                    let back = sky.seen(from[k], drawn.wi, f64::INFINITY).unwrap();
+                    let back = sky.emitted_along(from[k], drawn.wi, f64::INFINITY).unwrap();
                     assert_eq!(
                         (back.radiance, back.pdf.to_bits()),
                         (drawn.radiance, drawn.pdf.to_bits())
                     );
                 }
-                assert_eq!((sampled[count], seen[count]), (None, nothing));
             }
         }
     }
 
     #[test]
-    fn shares_are_those_of_the_library_and_in_bounds() {
+    fn fractions_are_those_of_the_library_and_in_bounds() {
         for w in directions(100_000) {
             let p = square_of(w);
             let exact = DVec2::new(w.x.atan2(-w.z) / TAU + 0.5, w.x.hypot(w.z).atan2(w.y) / PI);

@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use super::environment::{Environment, SkySampling};
-use crate::Result;
+use super::{Environment, SkySampling};
 use crate::color::Rgb;
 
 /// Size of the map: a cell is a tenth of the narrower lamp.
@@ -12,11 +11,8 @@ const HEIGHT: usize = 128;
 
 /// Two lamps of 30° and 15° half width over a gradient, all grey and smooth. There is no small light in it whose noise would
 /// be that of every BRDF sampler alike.
-///
-/// # Errors
-/// None in practice: every pixel is finite.
-pub fn lamps(sampling: SkySampling) -> Result<Environment> {
-    Environment::from_fn(WIDTH, HEIGHT, sampling, |w| Rgb::splat(radiance(w) as f32))
+pub fn broad_lamps(sampling: SkySampling) -> Environment {
+    Environment::procedural(WIDTH, HEIGHT, sampling, |w| Rgb::splat(radiance(w) as f32))
 }
 
 fn radiance(w: DVec3) -> f64 {

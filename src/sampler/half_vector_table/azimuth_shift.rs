@@ -9,50 +9,51 @@ use std::f64::consts::{PI, TAU};
 
 /// How far `wo` is turned from the azimuth of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct AzimuthShift {
     /// tan(Δ/4), in [−1, 1].
-    quarter: f32,
+    quarter_tan: f32,
 }
 
 /// The farthest that the middle of a row which the horizon ends is moved, as a share of the way to its end.
 const FARTHEST: f32 = 0.5;
 
-impl Turn {
+impl AzimuthShift {
     /// `wo` at azimuth `angle` from the table's, radians.
-    pub fn by(angle: f64) -> Self {
+    pub fn new(angle: f64) -> Self {
         let within = angle - TAU * (angle / TAU).round();
         Self {
-            quarter: (0.25 * within.clamp(-PI, PI) as f32).tan(),
+            quarter_tan: (0.25 * within.clamp(-PI, PI) as f32).tan(),
         }
     }
 
-    /// Where the azimuth's share `b` about `wo` stands in the table, and how much the table is stretched there: db in the table
-    /// per db. `widest` is the unit of `b`, 1 for a whole turn.
+    /// The table's azimuth fraction of the azimuth fraction `fraction` about `wo`, and the slope of that map. `max_quarter_tan`
+    /// is the unit of both, 1 for a whole turn.
     #[inline]
-    pub fn to_table(self, b: f32, widest: f32) -> (f32, f32) {
-        moved(b, widest, self.quarter)
+    pub fn to_table(self, fraction: f32, max_quarter_tan: f32) -> (f32, f32) {
+        shift(fraction, max_quarter_tan, self.quarter_tan)
     }
 
     /// The inverse.
     #[inline]
-    pub fn to_surface(self, b: f32, widest: f32) -> f32 {
-        moved(b, widest, -self.quarter).0
+    pub fn to_surface(self, fraction: f32, max_quarter_tan: f32) -> f32 {
+        shift(fraction, max_quarter_tan, -self.quarter_tan).0
     }
 }
 
-/// `b` moved by the angle of which `quarter` is tan(Δ/4), and the slope of the map.
+/// An azimuth fraction moved by the angle Δ of which `quarter_tan` is tan(Δ/4), and the slope of the map.
 #[inline]
-fn moved(b: f32, widest: f32, quarter: f32) -> (f32, f32) {
-    if widest >= 1.0 {
-        // tan of a sum; beyond half a turn, a whole one less.
-        let sum = (b + quarter) / (1.0 - b * quarter);
-        let to = if sum.abs() > 1.0 { -1.0 / sum } else { sum };
-        return (to, (1.0 + to * to) / (1.0 + b * b));
+fn shift(fraction: f32, max_quarter_tan: f32, quarter_tan: f32) -> (f32, f32) {
+    if max_quarter_tan >= 1.0 {
+        // Every azimuth is in the row: tan of a sum; beyond half a turn, a whole one less.
+        let sum = (fraction + quarter_tan) / (1.0 - fraction * quarter_tan);
+        let moved = if sum.abs() > 1.0 { -1.0 / sum } else { sum };
+        return (moved, (1.0 + moved * moved) / (1.0 + fraction * fraction));
     }
-    let middle = (quarter / widest).clamp(-FARTHEST, FARTHEST);
-    let scale = 1.0 / (1.0 + b * middle);
+    // The horizon ends the row: (β + m)/(1 + βm), with the middle moved by m, keeps both ends.
+    let middle = (quarter_tan / max_quarter_tan).clamp(-FARTHEST, FARTHEST);
+    let scale = 1.0 / (1.0 + fraction * middle);
     (
-        ((b + middle) * scale).clamp(-1.0, 1.0),
+        ((fraction + middle) * scale).clamp(-1.0, 1.0),
         (1.0 - middle * middle) * scale * scale,
     )
 }
@@ -68,7 +69,7 @@ mod tests {
         for angle in ANGLES {
             for k in -20..20 {
                 let phi = f64::from(k) * PI / 20.0 + 0.01;
-                let (b, slope) = Turn::by(angle).to_table((0.25 * phi).tan() as f32, 1.0);
+                let (b, slope) = AzimuthShift::new(angle).to_table((0.25 * phi).tan() as f32, 1.0);
                 let off = (4.0 * f64::from(b).atan() - phi - angle) / TAU;
                 assert!((off - off.round()).abs() < 1e-6, "{angle} {phi}: {b}");
                 let expected = (1.0 + f64::from(b * b)) / (1.0 + (0.25 * phi).tan().powi(2));
@@ -85,12 +86,12 @@ mod tests {
                 let (mut sum, n) = (0.0, 20_000);
                 for k in 0..n {
                     let b = (k as f32 + 0.5) / n as f32 * 2.0 - 1.0;
-                    let (to, slope) = Turn::by(angle).to_table(b, widest);
+                    let (to, slope) = AzimuthShift::new(angle).to_table(b, widest);
                     assert!(
                         (-1.0..=1.0).contains(&to) && slope > 0.2 && slope < 5.0,
                         "{angle} {b}: {to}"
                     );
-                    let back = Turn::by(angle).to_surface(to, widest);
+                    let back = AzimuthShift::new(angle).to_surface(to, widest);
                     assert!((back - b).abs() < 2e-6, "{angle} {widest} {b}: {to} {back}");
                     sum += f64::from(slope) / f64::from(n);
                 }
@@ -98,7 +99,7 @@ mod tests {
             }
         }
         for b in [-1.0, 1.0] {
-            assert!(Turn::by(PI).to_table(b, 1.0).0.is_finite());
+            assert!(AzimuthShift::new(PI).to_table(b, 1.0).0.is_finite());
         }
     }
 }

@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use super::environment::{Environment, SkySampling};
-use crate::Result;
+use super::{Environment, SkySampling};
 use crate::color::Rgb;
 
 /// Size of the map: fine enough for the sun's soft edge, small enough for a cache.
@@ -33,27 +32,26 @@ impl Softbox {
             let t = ((half - offset.abs() / depth) / self.edge + 0.5).clamp(0.0, 1.0);
             t * t * (3.0 - 2.0 * t)
         };
-        let share =
+        let coverage =
             inside(direction.dot(across), self.half[0]) * inside(direction.dot(up), self.half[1]);
-        self.radiance * share as f32
+        self.radiance * coverage as f32
     }
 }
 
 /// A procedural studio under an overcast sky, radiance around 1: a large key light to the left, in front, a tall strip to
 /// the right, and a small warm sun behind; it needs no file.
-///
-/// # Errors
-/// None in practice: every pixel is finite.
-pub fn studio(sampling: SkySampling) -> Result<Environment> {
-    let lamps = lamps();
-    Environment::from_fn(WIDTH, HEIGHT, sampling, |direction| {
-        lamps
-            .iter()
-            .fold(sky(direction), |sum, lamp| sum + lamp.radiance(direction))
+pub fn studio(sampling: SkySampling) -> Environment {
+    let softboxes = softboxes();
+    Environment::procedural(WIDTH, HEIGHT, sampling, |direction| {
+        let mut radiance = sky(direction);
+        for softbox in &softboxes {
+            radiance += softbox.radiance(direction);
+        }
+        radiance
     })
 }
 
-fn lamps() -> [Softbox; 3] {
+fn softboxes() -> [Softbox; 3] {
     let towards = |x: f64, y: f64, z: f64| DVec3::new(x, y, z).normalize();
     [
         Softbox {

@@ -2,32 +2,35 @@
 
 use glam::{DVec2, Vec2};
 
-use super::path::PathId;
-use super::{Scene, Settings};
+use super::scene::Scene;
 use crate::points::{PointSet, mix};
+
+/// A path of those that a seed gives a pixel.
+#[derive(Clone, Copy)]
+pub(super) struct PathId {
+    /// Column and row.
+    pub(super) pixel: [usize; 2],
+    pub(super) seed: u64,
+    pub(super) index: u64,
+    /// How many paths the seed gives; only lattices need it.
+    pub(super) count: u64,
+}
 
 /// The numbers behind one path: sets of four dimensions, one for the pixel and the first light of the first vertex, then for
 /// each vertex one for the BRDF, roulette and the choice of a candidate, and one for every two lights. Candidates have a seed of
 /// their own.
-pub(super) struct Numbers {
+pub(super) struct PathRandoms {
     points: PointSet,
     seed: u64,
     index: u64,
-    /// Paths that the set of points is for.
+    /// How many paths the set of points is for.
     count: u64,
     sets_per_vertex: u32,
     candidates: u32,
 }
 
-impl Settings {
-    /// Seed of all numbers of a pixel.
-    pub(super) fn pixel_seed(&self, [x, y]: [usize; 2]) -> u64 {
-        mix(self.seed ^ mix((y * self.width + x) as u64))
-    }
-}
-
-impl Numbers {
-    /// Those of a path.
+impl PathRandoms {
+    /// The numbers of a path.
     pub(super) fn new(scene: &Scene, points: PointSet, path: PathId) -> Self {
         let PathId {
             seed, index, count, ..
@@ -63,8 +66,8 @@ impl Numbers {
         self.pair(1 + vertex * self.sets_per_vertex, true)
     }
 
-    /// A point on a light. Of the first vertex and light, one that Sobol points spread together with the point of the
-    /// pixel: on most pixels they make most of the error.
+    /// A point on a light. The first vertex's first light uses the same four dimensions as the point of the pixel, which Sobol
+    /// points spread together: these two make most of the error of most pixels.
     pub(super) fn light(&self, vertex: u32, light: usize) -> DVec2 {
         let (set, second) = match (vertex, light) {
             (0, 0) => (0, true),
@@ -76,7 +79,7 @@ impl Numbers {
         self.pair(set, second).as_dvec2()
     }
 
-    /// Two numbers for a candidate. Those of all paths are one sequence of points, so that all are well spread together.
+    /// Two numbers for a candidate. The candidates of all paths are one sequence of points, well spread together.
     pub(super) fn candidate(&self, vertex: u32, candidate: u32) -> Vec2 {
         let candidates = u64::from(self.candidates);
         let index = self.index * candidates + u64::from(candidate);

@@ -1,7 +1,7 @@
 //! Pictures of a given error: paths until the estimated error of each tile is small enough.
 //!
-//! Each pixel's paths are 8 replicates under independent scrambles. How far their means are apart tells the error of a
-//! pixel's mean, for Sobol points as for random ones, where the spread of single paths would tell too much.
+//! Each pixel's paths are 8 replicates under independent scrambles. How far their means are apart estimates the error of a
+//! pixel's mean, for Sobol points as for random ones, where the spread of single paths would overestimate it.
 //!
 //! A decision to stop that looks at the paths it is about biases the picture: it stops where, by chance, few bright paths
 //! have been met, and it believes the error that looks small by chance (Kirk and Arvo 1991). So the pixels of a tile are dealt
@@ -15,10 +15,13 @@ use std::mem::take;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::film::Pixel;
-use super::path::{PathId, Tracer};
-use super::{EffectPlan, Film, Scene, Settings};
+use super::Rendered;
 use crate::points::{PointSet, mix};
+use crate::render::film::{Film, Pixel};
+use crate::render::path_numbers::PathId;
+use crate::render::scene::Scene;
+use crate::render::settings::RenderSettings;
+use crate::render::tracer::Tracer;
 use crate::{Error, Result};
 
 /// Rows and columns of a tile.
@@ -30,11 +33,9 @@ const REPLICATES: usize = 8;
 /// Paths a replicate before the first decision; the number doubles before each other one.
 const FIRST: u64 = 2;
 
-/// A picture rendered to a target error, and how far it came.
+/// How far a picture of a target error came.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Refined {
-    /// The picture. Its standard errors come from the replicates, and are right for Sobol points too.
-    pub film: Film,
+pub struct Refinement {
     /// The tiles, in the picture's order.
     pub tiles: Vec<Tile>,
     /// Paths in the picture.
@@ -58,27 +59,28 @@ pub struct Tile {
     pub reached: bool,
 }
 
-impl Refined {
+impl Refinement {
     /// The picture's error, estimated: root of the mean square of its tiles' errors, each weighing as many as it has pixels.
     /// Pixels that show no object don't count. 0 for a picture without objects.
     pub fn error(&self) -> f64 {
         self.mean_error(self.tiles.iter().map(|t| t.error))
     }
 
-    /// The same error by its definition, against a picture that is taken for the truth.
+    /// The same error by its definition: that of the picture `film` against one that is taken for the truth.
     ///
     /// # Errors
-    /// [`Error::Argument`] if that is of another size.
-    pub fn error_against(&self, truth: &Film) -> Result<f64> {
-        Ok(self.mean_error(self.tile_errors_against(truth)?.into_iter()))
+    /// [`Error::Argument`] if the two differ in size.
+    pub fn error_against(&self, film: &Film, truth: &Film) -> Result<f64> {
+        let errors = self.tile_errors_against(film, truth)?;
+        Ok(self.mean_error(errors.into_iter()))
     }
 
-    /// The error of each tile by its definition, against a picture that is taken for the truth.
+    /// The error of each tile by its definition: that of the picture `film` against one that is taken for the truth.
     ///
     /// # Errors
-    /// [`Error::Argument`] if that is of another size.
-    pub fn tile_errors_against(&self, truth: &Film) -> Result<Vec<f64>> {
-        let (width, height) = (self.film.width(), self.film.height());
+    /// [`Error::Argument`] if the two differ in size.
+    pub fn tile_errors_against(&self, film: &Film, truth: &Film) -> Result<Vec<f64>> {
+        let (width, height) = (film.width(), film.height());
         if (truth.width(), truth.height()) != (width, height) {
             let what = format!(
                 "a reference of {} × {} pixels",
@@ -90,15 +92,15 @@ impl Refined {
                 format!("give one of {width} × {height}"),
             ));
         }
-        let at = |&i: &usize| {
+        let mean_and_square = |&i: &usize| {
             let (x, y) = (i % width, i / width);
             let mean = truth.mean(x, y);
-            (mean, (self.film.mean(x, y) - mean).powf(2.0))
+            (mean, (film.mean(x, y) - mean).powf(2.0))
         };
         Ok(self
             .tiles
             .iter()
-            .map(|tile| relative(tile.pixels.iter().map(at)))
+            .map(|tile| relative_rmse(tile.pixels.iter().map(mean_and_square)))
             .collect())
     }
 
@@ -114,107 +116,97 @@ impl Refined {
     }
 }
 
-/// Renders `scene`, which was built for `plan`, as [`super::render()`] does, but with as many paths in each tile as its
-/// estimated relative error, see [`Tile`], needs to come down to `error`; at least 16 a pixel and at most
-/// [`Settings::samples`], which counts down to 16 times a power of two. Pixels without an object get 16.
-///
-/// Their numbers not being known beforehand, [`PointSet::Lattice`] stands for Sobol points here.
-///
-/// The estimate knows what the paths have met: light that they hit once in a million, as with a sampler that misses a bright
-/// lobe, is not in it.
-///
-/// # Errors
-/// [`Error::Argument`] for an error that is not above 0, less than 16 samples, and as [`super::render()`].
-pub fn render_to_error(
+/// Renders `scene` with as many paths in each tile as its estimated relative error needs to come down to `error`, at most
+/// `most` a pixel. The settings are checked.
+pub(super) fn render_to_error(
     scene: &Scene,
-    plan: &EffectPlan,
-    settings: &Settings,
+    settings: &RenderSettings,
     error: f64,
+    most: u64,
     progress: &(dyn Fn(usize) + Sync),
-) -> Result<Refined> {
-    let count = settings.pixels()?;
-    check(error, settings)?;
+) -> Rendered {
+    // Lattices are for numbers of paths that are known beforehand.
     let points = if settings.points == PointSet::Lattice {
         PointSet::Sobol
     } else {
         settings.points
     };
-    let settings = &Settings {
+    let settings = &RenderSettings {
         points,
         ..*settings
     };
     let refiner = Refiner {
-        tracer: Tracer::new(scene, plan, settings),
+        tracer: Tracer::new(scene, settings),
         settings,
         target: error,
+        most,
     };
+    // Step 1: pixels that show no object are done with the fewest paths.
+    let count = settings.width * settings.height;
     let shown: Vec<bool> = (0..count)
         .into_par_iter()
         .map(|i| refiner.shows_object(i))
         .collect();
-    let mut pixels: Vec<Pixel> = (0..count)
+    let pixels: Vec<Pixel> = (0..count)
         .into_par_iter()
         .map(|i| {
             if shown[i] {
                 Pixel::default()
             } else {
-                refiner.background(i)
+                refiner.render_background(i)
             }
         })
         .collect();
-    let tiles = tiles(&shown, settings);
-    let background = (count - tiles.iter().map(Vec::len).sum::<usize>()) as u64;
-    progress(background as usize);
-    let refine = |tile: Vec<usize>| {
-        let refined = refiner.refine(&tile);
-        progress(tile.len());
-        (tile, refined)
-    };
-    let refined: Vec<(Vec<usize>, Outcome)> = tiles.into_par_iter().map(refine).collect();
-    let start = background * FIRST * REPLICATES as u64;
-    let (mut tiles, mut paths, mut traced) = (Vec::new(), start, start);
-    for (tile, outcome) in refined {
-        outcome
-            .pixels
-            .iter()
-            .for_each(|&(i, pixel)| pixels[i] = pixel);
-        paths += outcome.paths;
-        traced += outcome.traced;
-        tiles.push(Tile {
-            pixels: tile,
-            error: outcome.error,
-            reached: outcome.reached,
-        });
-    }
-    Ok(Refined {
-        film: Film::new(settings.width, settings.height, pixels),
-        tiles,
-        paths,
-        traced,
-    })
+    // Step 2: the others are refined tile by tile.
+    let tiles = group_tiles(&shown, settings);
+    let background = count - tiles.iter().map(Vec::len).sum::<usize>();
+    progress(background);
+    let refined: Vec<RefinedTile> = tiles
+        .par_iter()
+        .map(|tile| {
+            let refined = refiner.refine(tile);
+            progress(tile.len());
+            refined
+        })
+        .collect();
+    put_together(settings, pixels, background as u64, tiles, refined)
 }
 
-fn check(error: f64, settings: &Settings) -> Result<()> {
-    if !(error > 0.0 && error.is_finite()) {
-        return Err(Error::argument(
-            format!("a target error of {error}"),
-            "give one above 0, 0.05 for 5 %",
-        ));
+/// The picture and its figures, from the pixels without an object and the refined tiles.
+fn put_together(
+    settings: &RenderSettings,
+    mut pixels: Vec<Pixel>,
+    background: u64,
+    tiles: Vec<Vec<usize>>,
+    refined: Vec<RefinedTile>,
+) -> Rendered {
+    let fewest = background * FIRST * REPLICATES as u64;
+    let mut refinement = Refinement {
+        tiles: Vec::with_capacity(tiles.len()),
+        paths: fewest,
+        traced: fewest,
+    };
+    for (tile, refined) in tiles.into_iter().zip(refined) {
+        for (i, pixel) in refined.pixels {
+            pixels[i] = pixel;
+        }
+        refinement.paths += refined.paths;
+        refinement.traced += refined.traced;
+        refinement.tiles.push(Tile {
+            pixels: tile,
+            error: refined.error,
+            reached: refined.reached,
+        });
     }
-    let least = FIRST * REPLICATES as u64;
-    if settings.samples < least {
-        let what = format!("at most {} samples a pixel", settings.samples);
-        return Err(Error::argument(
-            what,
-            format!("allow {least}: with less there is no error to estimate"),
-        ));
+    Rendered {
+        film: Film::new(settings.width, settings.height, pixels),
+        refinement: Some(refinement),
     }
-    Ok(())
 }
 
 /// The pixels of each tile, from which of them show an object.
-fn tiles(shown: &[bool], settings: &Settings) -> Vec<Vec<usize>> {
-    let Settings { width, height, .. } = *settings;
+fn group_tiles(shown: &[bool], settings: &RenderSettings) -> Vec<Vec<usize>> {
+    let RenderSettings { width, height, .. } = *settings;
     let (mut all, mut open) = (Vec::new(), Vec::new());
     for top in (0..height).step_by(TILE) {
         let mut row: Vec<Vec<usize>> = Vec::new();
@@ -242,7 +234,7 @@ fn tiles(shown: &[bool], settings: &Settings) -> Vec<Vec<usize>> {
 }
 
 /// Root of the mean of `squares` over the mean of `means`, for pairs of these; 0 where all is black.
-fn relative(pairs: impl Iterator<Item = (DVec3, DVec3)>) -> f64 {
+fn relative_rmse(pairs: impl Iterator<Item = (DVec3, DVec3)>) -> f64 {
     let (mut mean, mut square, mut count) = (0.0, 0.0, 0.0);
     for (m, s) in pairs {
         mean += m.element_sum();
@@ -258,12 +250,13 @@ fn relative(pairs: impl Iterator<Item = (DVec3, DVec3)>) -> f64 {
 
 struct Refiner<'a> {
     tracer: Tracer<'a>,
-    settings: &'a Settings,
+    settings: &'a RenderSettings,
     target: f64,
+    most: u64,
 }
 
-/// What became of a tile.
-struct Outcome {
+/// A tile whose two halves have stopped.
+struct RefinedTile {
     pixels: Vec<(usize, Pixel)>,
     error: f64,
     reached: bool,
@@ -273,16 +266,17 @@ struct Outcome {
 
 /// Every other pixel of a tile.
 #[derive(Default)]
-struct Half {
+struct HalfTile {
     pixels: Vec<(usize, Replicates)>,
-    /// What stands in the picture, once it has stopped.
+    /// What goes into the picture, once it has stopped.
     kept: Vec<(usize, Pixel)>,
     paths: u64,
     reached: bool,
 }
 
-impl Half {
-    fn of(tile: &[usize], first: usize) -> Self {
+impl HalfTile {
+    /// Every other pixel of `tile`, from the one at position `first` on.
+    fn new(tile: &[usize], first: usize) -> Self {
         let pixels = tile
             .iter()
             .skip(first)
@@ -299,7 +293,7 @@ impl Half {
     }
 
     fn error(&self) -> f64 {
-        relative(
+        relative_rmse(
             self.pixels
                 .iter()
                 .map(|(_, r)| r.pixel())
@@ -322,7 +316,7 @@ impl Half {
 }
 
 impl Refiner<'_> {
-    fn place(&self, pixel: usize) -> [usize; 2] {
+    fn column_and_row(&self, pixel: usize) -> [usize; 2] {
         [pixel % self.settings.width, pixel / self.settings.width]
     }
 
@@ -331,41 +325,41 @@ impl Refiner<'_> {
             let within = DVec2::new(f64::from(i % 3), f64::from(i / 3)) / 2.0;
             self.tracer
                 .scene
-                .hit(&self.tracer.ray(self.place(pixel), within), None)
+                .hit(&self.tracer.ray(self.column_and_row(pixel), within), None)
                 .is_some()
         })
     }
 
-    fn background(&self, pixel: usize) -> Pixel {
+    fn render_background(&self, pixel: usize) -> Pixel {
         let mut replicates = Replicates::default();
         self.extend(pixel, &mut replicates, FIRST);
         replicates.pixel()
     }
 
-    fn refine(&self, tile: &[usize]) -> Outcome {
-        let mut halves = [0, 1].map(|first| Half::of(tile, first));
+    fn refine(&self, tile: &[usize]) -> RefinedTile {
+        let mut halves = [0, 1].map(|first| HalfTile::new(tile, first));
         let mut count = FIRST;
         while halves.iter().any(|h| !h.has_stopped()) {
             for (pixel, replicates) in halves.iter_mut().flat_map(|h| &mut h.pixels) {
                 self.extend(*pixel, replicates, count);
             }
-            let last = count > self.settings.samples / (2 * REPLICATES as u64);
+            let last = count > self.most / (2 * REPLICATES as u64);
             self.decide(&mut halves, last);
             count *= 2;
         }
         let pixels: Vec<(usize, Pixel)> = halves.iter().flat_map(|h| &h.kept).copied().collect();
-        Outcome {
-            error: relative(pixels.iter().map(|(_, p)| (p.mean, p.error.powf(2.0)))),
+        RefinedTile {
+            error: relative_rmse(pixels.iter().map(|(_, p)| (p.mean, p.error.powf(2.0)))),
             pixels,
             reached: halves.iter().all(|h| h.reached),
             paths: halves.iter().map(|h| h.paths).sum(),
-            traced: halves.iter().map(Half::traced).sum(),
+            traced: halves.iter().map(HalfTile::traced).sum(),
         }
     }
 
     /// Stops each half by the other's error. A tile of one pixel has no other half: that one stops by its own.
-    fn decide(&self, halves: &mut [Half; 2], last: bool) {
-        let errors = [&halves[0], &halves[1]].map(Half::error);
+    fn decide(&self, halves: &mut [HalfTile; 2], last: bool) {
+        let errors = [&halves[0], &halves[1]].map(HalfTile::error);
         let alone = halves[1].pixels.is_empty();
         for (i, half) in halves
             .iter_mut()
@@ -382,7 +376,7 @@ impl Refiner<'_> {
 
     /// Traces paths until each replicate has `count`.
     fn extend(&self, pixel: usize, replicates: &mut Replicates, count: u64) {
-        let pixel = self.place(pixel);
+        let pixel = self.column_and_row(pixel);
         let seed = self.settings.pixel_seed(pixel);
         let (sums, from) = (&mut replicates.sums, replicates.count);
         let paths = (0..REPLICATES as u64).flat_map(|r| {
@@ -434,21 +428,22 @@ impl Replicates {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::settings::Budget;
 
     #[test]
     fn tiles_hold_every_shown_pixel_once_and_few_stand_alone() {
-        let settings = Settings {
+        let settings = RenderSettings {
             width: 70,
             height: 50,
-            samples: 16,
             seed: 0,
             points: PointSet::Sobol,
+            budget: Budget::Even(16),
         };
         for radius2 in [9usize, 400, 700] {
             let inside =
                 |i: usize| (i % 70).abs_diff(35).pow(2) + (i / 70).abs_diff(25).pow(2) < radius2;
             let shown: Vec<bool> = (0..70 * 50).map(inside).collect();
-            let tiles = tiles(&shown, &settings);
+            let tiles = group_tiles(&shown, &settings);
             let mut pixels: Vec<usize> = tiles.iter().flatten().copied().collect();
             pixels.sort_unstable();
             assert_eq!(
@@ -457,11 +452,11 @@ mod tests {
             );
             assert!(tiles.len() == 1 || tiles.iter().all(|t| t.len() >= FEW));
         }
-        assert!(tiles(&[false; 70 * 50], &settings).is_empty());
+        assert!(group_tiles(&[false; 70 * 50], &settings).is_empty());
     }
 
     #[test]
-    fn replicates_tell_the_textbook_error() {
+    fn replicates_give_the_textbook_error() {
         let sums = std::array::from_fn(|i| DVec3::splat(2.0 * i as f64));
         let pixel = Replicates { sums, count: 2 }.pixel();
         // The numbers 0 to 7: mean 3.5, variance 6.
@@ -475,7 +470,7 @@ mod tests {
             (DVec3::splat(1.0), DVec3::splat(0.01)),
             (DVec3::splat(3.0), DVec3::splat(0.03)),
         ];
-        assert!((relative(pairs.into_iter()) - 0.02f64.sqrt() / 2.0).abs() < 1e-15);
-        assert_eq!(relative([(DVec3::ZERO, DVec3::ZERO)].into_iter()), 0.0);
+        assert!((relative_rmse(pairs.into_iter()) - 0.02f64.sqrt() / 2.0).abs() < 1e-15);
+        assert_eq!(relative_rmse([(DVec3::ZERO, DVec3::ZERO)].into_iter()), 0.0);
     }
 }

@@ -1,30 +1,30 @@
 //! Cells of squared tangents: 64 octaves of 16 cells, found by the leading bits of an f64.
 
 /// Number of cells.
-pub(super) const CELLS: usize = 1024;
+pub(crate) const CELLS: usize = 1024;
 /// Exponent and four bits of mantissa remain: a cell is at most 1/16 longer than its start, less than any two neighbouring
 /// edges of bins are apart.
 const SHIFT: u32 = 48;
 /// Start of the first cell, an angle of 3.4·10⁻⁶ degrees.
-pub(super) const LOW: f64 = 1.0 / (1u64 << 48) as f64;
+pub(crate) const LOW: f64 = 1.0 / (1u64 << 48) as f64;
 /// End of the last cell, an angle of 89.78 degrees.
-pub(super) const HIGH: f64 = 65536.0;
+pub(crate) const HIGH: f64 = 65536.0;
 const FIRST: u64 = LOW.to_bits() >> SHIFT;
 
 /// Cell of a squared tangent from [`LOW`] to below [`HIGH`]; past the last one for any other number and NaN.
 #[inline(always)]
-pub(super) fn cell(tan2: f64) -> usize {
+pub(crate) fn cell(tan2: f64) -> usize {
     (tan2.to_bits() >> SHIFT).wrapping_sub(FIRST) as usize
 }
 
 /// Start of the cell that holds a squared tangent.
 #[inline(always)]
-pub(super) fn start(tan2: f64) -> f64 {
+pub(crate) fn start(tan2: f64) -> f64 {
     f64::from_bits(tan2.to_bits() >> SHIFT << SHIFT)
 }
 
 /// Start and end of a cell.
-pub(super) fn bounds(cell: usize) -> (f64, f64) {
+pub(crate) fn bounds(cell: usize) -> (f64, f64) {
     let start = |k: u64| f64::from_bits((FIRST + k) << SHIFT);
     (start(cell as u64), start(cell as u64 + 1))
 }

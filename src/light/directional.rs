@@ -1,0 +1,76 @@
+//! Parallel light: evaluated, never hit.
+
+use glam::{DVec2, DVec3};
+
+use super::light_source::{LightSource, Placement};
+use super::{Emission, Light, LightSample, SkySampling};
+use crate::Result;
+use crate::color::Rgb;
+
+/// Parallel light from infinitely far away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Directional {
+    /// Towards the light, of any length; a zero vector gives no light.
+    pub towards: DVec3,
+    /// Irradiance on a surface that faces the light.
+    pub irradiance: Rgb,
+}
+
+impl Directional {
+    /// Light from the upper left, in front; irradiance π.
+    fn new_key() -> Self {
+        Self {
+            towards: DVec3::new(-0.5, 1.0, 0.8).normalize(),
+            irradiance: Rgb::splat(std::f32::consts::PI),
+        }
+    }
+}
+
+impl LightSource for Directional {
+    const WORDS: &'static [&'static str] = &["directional"];
+
+    fn from_word(word: &str, _placement: &Placement) -> Option<Result<Self>> {
+        (word == "directional").then(|| Ok(Self::new_key()))
+    }
+
+    fn describe(&self) -> String {
+        "directional".into()
+    }
+
+    fn is_delta(&self) -> bool {
+        Light::is_delta(self)
+    }
+
+    fn is_dark(&self) -> bool {
+        self.irradiance == Rgb::ZERO
+    }
+
+    fn is_valid(&self) -> bool {
+        let emits = self.irradiance.is_finite() && self.irradiance.min_element() >= 0.0;
+        emits && self.towards.is_finite()
+    }
+
+    fn load(&self, _sampling: SkySampling) -> Result<Box<dyn Light>> {
+        Ok(Box::new(*self))
+    }
+}
+
+impl Light for Directional {
+    fn sample(&self, _from: DVec3, _u: DVec2) -> Option<LightSample> {
+        let wi = self.towards.try_normalize()?;
+        Some(LightSample {
+            wi,
+            distance: f64::INFINITY,
+            radiance: self.irradiance,
+            pdf: 1.0,
+        })
+    }
+
+    fn emitted_along(&self, _from: DVec3, _direction: DVec3, _reach: f64) -> Option<Emission> {
+        None
+    }
+
+    fn is_delta(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,81 @@
+//! A point that shines in all directions: evaluated, never hit.
+
+use glam::{DVec2, DVec3};
+
+use super::light_source::{LightSource, Placement};
+use super::{Emission, Light, LightSample, SkySampling};
+use crate::Result;
+use crate::color::Rgb;
+
+/// A point that shines equally in all directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Where it is.
+    pub position: DVec3,
+    /// Radiant intensity: power per solid angle.
+    pub intensity: Rgb,
+}
+
+impl Point {
+    /// A point at the place of the key light; a surface that faces it from the subject gets an irradiance of 2π.
+    fn new_key(placement: &Placement) -> Self {
+        let distance2 = placement.key.distance_squared(placement.subject);
+        Self {
+            position: placement.key,
+            intensity: Rgb::splat((std::f64::consts::TAU * distance2) as f32),
+        }
+    }
+}
+
+impl LightSource for Point {
+    const WORDS: &'static [&'static str] = &["point"];
+
+    fn from_word(word: &str, placement: &Placement) -> Option<Result<Self>> {
+        (word == "point").then(|| Ok(Self::new_key(placement)))
+    }
+
+    fn describe(&self) -> String {
+        "point".into()
+    }
+
+    fn is_delta(&self) -> bool {
+        Light::is_delta(self)
+    }
+
+    fn is_dark(&self) -> bool {
+        self.intensity == Rgb::ZERO
+    }
+
+    fn is_valid(&self) -> bool {
+        let emits = self.intensity.is_finite() && self.intensity.min_element() >= 0.0;
+        emits && self.position.is_finite()
+    }
+
+    fn load(&self, _sampling: SkySampling) -> Result<Box<dyn Light>> {
+        Ok(Box::new(*self))
+    }
+}
+
+impl Light for Point {
+    /// The one direction, with irradiance `intensity`/d²; `None` at the light itself.
+    fn sample(&self, from: DVec3, _u: DVec2) -> Option<LightSample> {
+        let to = self.position - from;
+        let distance = to.length();
+        let wi = to.try_normalize()?;
+        let radiance = (self.intensity.as_dvec3() / (distance * distance)).as_vec3();
+        radiance.is_finite().then_some(LightSample {
+            wi,
+            distance,
+            radiance,
+            pdf: 1.0,
+        })
+    }
+
+    fn emitted_along(&self, _from: DVec3, _direction: DVec3, _reach: f64) -> Option<Emission> {
+        None
+    }
+
+    fn is_delta(&self) -> bool {
+        true
+    }
+}

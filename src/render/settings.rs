@@ -1,0 +1,142 @@
+//! Size and quality of a picture, and the one place that checks them.
+
+use crate::image::MAX_PIXELS;
+use crate::points::{PointSet, mix};
+use crate::{Error, Result};
+
+/// Size and quality of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Columns, ≥ 1.
+    pub width: usize,
+    /// Rows, ≥ 1.
+    pub height: usize,
+    /// Another seed gives another, equally good picture.
+    pub seed: u64,
+    /// How the numbers behind a pixel's paths are spread. Lattices need to know how many there will be:
+    /// [`Budget::ToError`] takes Sobol points in their place.
+    pub points: PointSet,
+    /// How many paths are traced, and where.
+    pub budget: Budget,
+}
+
+/// How many paths are traced, and where. They are spread uniformly over each pixel (a box filter).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// So many paths in every pixel, ≥ 1.
+    Even(u64),
+    /// About so many paths a pixel on average, ≥ 16; more of them where the picture is noisy.
+    ///
+    /// They are distributed so that the mean over the pixels of their relative squared errors is small: a first look
+    /// measures how far single paths are apart, relative to the brightness there, and no pixel gets more than 256 times the
+    /// mean. The picture is as unbiased as with [`Self::Even`]. Where the first look misses a light that is rarely hit, its
+    /// pixels get few paths.
+    Adaptive(u64),
+    /// As many paths in each tile, see [`super::Tile`], as its estimated relative error needs to come down to a target.
+    ///
+    /// Pixels that show no object get 16. The estimate knows only what the paths have met: light that they hit once in a
+    /// million, as with a sampler that misses a bright lobe, is not in it.
+    ToError {
+        /// Target for the relative error of each tile, > 0: 0.05 for 5 %.
+        error: f64,
+        /// Most paths a pixel, ≥ 16; counts down to 16 times a power of two.
+        most: u64,
+    },
+}
+
+/// Fewest paths a pixel, on average, of [`Budget::Adaptive`]: with fewer, the first look would take most of them.
+const LEAST_ADAPTIVE: u64 = 16;
+
+/// Fewest paths a pixel of [`Budget::ToError`]: 8 replicates of 2 paths; with fewer there is no error to estimate.
+const LEAST_TO_ERROR: u64 = 16;
+
+impl RenderSettings {
+    /// Checks the settings, as [`super::render()`] does before it begins.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a picture without pixels, or of more than [`MAX_PIXELS`] pixels, or for a budget outside its
+    /// domain.
+    pub fn check(&self) -> Result<()> {
+        let Self { width, height, .. } = *self;
+        let count = width.checked_mul(height);
+        if !count.is_some_and(|n| n > 0 && n <= MAX_PIXELS) {
+            return Err(Error::argument(
+                format!("a picture of {width} × {height} pixels"),
+                format!("give at least 1 × 1 and at most {MAX_PIXELS} pixels"),
+            ));
+        }
+        self.budget.check()
+    }
+
+    /// Seed of all numbers of a pixel.
+    pub(super) fn pixel_seed(&self, [x, y]: [usize; 2]) -> u64 {
+        mix(self.seed ^ mix((y * self.width + x) as u64))
+    }
+}
+
+impl Budget {
+    fn check(self) -> Result<()> {
+        match self {
+            Self::Even(0) => Err(Error::argument("no path a pixel", "give at least 1")),
+            Self::Adaptive(paths) if paths < LEAST_ADAPTIVE => Err(Error::argument(
+                format!("{paths} paths a pixel to distribute"),
+                format!(
+                    "give {LEAST_ADAPTIVE} or more: some of them find out where to send the rest"
+                ),
+            )),
+            Self::ToError { error, .. } if !(error > 0.0 && error.is_finite()) => {
+                Err(Error::argument(
+                    format!("a target error of {error}"),
+                    "give one above 0, 0.05 for 5 %",
+                ))
+            }
+            Self::ToError { most, .. } if most < LEAST_TO_ERROR => Err(Error::argument(
+                format!("at most {most} paths a pixel"),
+                format!("allow {LEAST_TO_ERROR}: with fewer there is no error to estimate"),
+            )),
+            Self::Even(_) | Self::Adaptive(_) | Self::ToError { .. } => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_outside_their_domain_are_refused() {
+        let good = RenderSettings {
+            width: 3,
+            height: 2,
+            seed: 0,
+            points: PointSet::Random,
+            budget: Budget::Even(1),
+        };
+        let with = |budget| RenderSettings { budget, ..good };
+        let to_error = |error, most| with(Budget::ToError { error, most });
+        for settings in [good, with(Budget::Adaptive(16)), to_error(1e-9, 16)] {
+            assert!(settings.check().is_ok(), "{settings:?}");
+        }
+        for settings in [
+            RenderSettings { width: 0, ..good },
+            RenderSettings { height: 0, ..good },
+            RenderSettings {
+                width: usize::MAX,
+                ..good
+            },
+            RenderSettings {
+                width: MAX_PIXELS,
+                ..good
+            },
+            with(Budget::Even(0)),
+            with(Budget::Adaptive(15)),
+            to_error(0.0, 64),
+            to_error(-1.0, 64),
+            to_error(f64::NAN, 64),
+            to_error(f64::INFINITY, 64),
+            to_error(0.1, 15),
+        ] {
+            assert!(settings.check().is_err(), "{settings:?}");
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! What a picture is traced with: a scene, its plan's switches, and the camera.
+
+use glam::DVec2;
+
+use super::camera::CameraAxes;
+use super::plan::Effect;
+use super::scene::Scene;
+use super::settings::RenderSettings;
+use super::shape::Ray;
+use crate::distribution::Heuristic;
+
+/// The scene and the switches of its plan, read once.
+pub(super) struct Tracer<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) settings: &'a RenderSettings,
+    axes: CameraAxes,
+    /// Whether directions from the BRDF are drawn.
+    pub(super) directions: bool,
+    /// Whether lights with an extent are sampled.
+    pub(super) light_sampling: bool,
+    /// Whether directions that hit such lights count as they are drawn.
+    pub(super) hits_count: bool,
+    /// Whether they count after a choice among several.
+    pub(super) resampling: bool,
+    pub(super) mis: bool,
+    pub(super) heuristic: Heuristic,
+    pub(super) shadows: bool,
+    pub(super) interreflection: bool,
+    pub(super) roulette: bool,
+}
+
+impl<'a> Tracer<'a> {
+    pub(super) fn new(scene: &'a Scene, settings: &'a RenderSettings) -> Self {
+        let plan = &scene.plan;
+        let mis = plan.is_on(Effect::Mis);
+        let light_sampling = plan.is_on(Effect::LightSampling);
+        // Where lights are sampled and nothing is weighted, what directions hit would be counted twice.
+        let hits_may_count = mis || !light_sampling;
+        let resampling = hits_may_count && plan.is_on(Effect::Resampling);
+        Self {
+            scene,
+            settings,
+            axes: scene
+                .camera
+                .axes(settings.width as f64 / settings.height as f64),
+            directions: plan.is_on(Effect::Directions),
+            light_sampling,
+            hits_count: hits_may_count && !resampling,
+            resampling,
+            mis,
+            heuristic: scene.strategy.heuristic(),
+            shadows: plan.is_on(Effect::Shadows),
+            interreflection: plan.is_on(Effect::Interreflection),
+            roulette: plan.is_on(Effect::Roulette),
+        }
+    }
+
+    /// The ray through a point of a pixel, in [0, 1]² from its upper left corner.
+    pub(super) fn ray(&self, [x, y]: [usize; 2], within: DVec2) -> Ray {
+        let size = DVec2::new(self.settings.width as f64, self.settings.height as f64);
+        self.axes
+            .ray((DVec2::new(x as f64, y as f64) + within) / size)
+    }
+}

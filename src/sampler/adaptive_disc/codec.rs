@@ -1,0 +1,180 @@
+//! The adaptive disc in a file: its tensors, and what drawing relies on.
+
+use std::sync::Arc;
+
+use super::square::DEEPEST;
+use super::tree::{Forest, Leaf, MOST_LEAVES, WHOLE};
+use super::warp::{Node, Warps};
+use super::{AdaptiveDisc, AdaptiveDiscSettings, LeafChoice, Trees};
+use crate::Result;
+use crate::material::merl::MerlBrdf;
+use crate::sampler::store::{TensorWriter, Tensors};
+
+/// Adds the trees to a file.
+pub(super) fn write(trees: &Trees, out: &mut TensorWriter) {
+    match trees {
+        Trees::Rejecting(forest) => write_forest(forest, out),
+        Trees::Warped(warps) => write_warps(warps, out),
+    }
+}
+
+fn write_warps(warps: &Warps, out: &mut TensorWriter) {
+    out.add("node.split", warps.nodes.iter().flat_map(|n| n.split));
+    out.add("node.inner", warps.nodes.iter().map(|n| n.inner));
+    out.add("node.first", warps.nodes.iter().map(|n| n.first));
+    out.add("tree.start", warps.starts.iter().copied());
+}
+
+fn write_forest(forest: &Forest, out: &mut TensorWriter) {
+    out.add("leaf.upper", forest.leaves.iter().map(|l| l.upper));
+    out.add("leaf.bound", forest.leaves.iter().map(|l| l.bound));
+    out.add("leaf.code", forest.leaves.iter().map(|l| l.code));
+    out.add("tree.start", forest.starts.iter().copied());
+    out.add("tree.integral", forest.integrals.iter().copied());
+}
+
+/// Reads the trees, and draws under the material that they were built for.
+pub(super) fn read(
+    tensors: &Tensors,
+    brdf: Arc<MerlBrdf>,
+    settings: AdaptiveDiscSettings,
+) -> Result<AdaptiveDisc> {
+    let trees = match settings.leaves {
+        LeafChoice::Warp => Trees::Warped(read_warps(tensors, settings.tables)?),
+        LeafChoice::Envelope | LeafChoice::Integral => {
+            Trees::Rejecting(read_forest(tensors, settings.tables)?)
+        }
+    };
+    AdaptiveDisc::from_parts(brdf, settings, trees)
+}
+
+/// Reads trees whose nodes have their children behind them and in the same tree, no deeper than any that is built.
+fn read_warps(tensors: &Tensors, tables: usize) -> Result<Warps> {
+    let (split, inner) = (
+        tensors.get::<u16>("node.split")?,
+        tensors.get::<u16>("node.inner")?,
+    );
+    let first = tensors.get::<u32>("node.first")?;
+    let starts = tensors.get::<u32>("tree.start")?;
+    if inner.len() != first.len() || split.len() != 3 * first.len() {
+        let lengths = format!("{}, {} and {}", split.len(), inner.len(), first.len());
+        let expected = "three splits, a mask and a first child for each node";
+        return Err(tensors.invalid_in("node.split", 0, expected, lengths));
+    }
+    if starts.len() != tables.saturating_add(1) {
+        let found = format!("{} starts", starts.len());
+        return Err(tensors.invalid_in("tree.start", 0, &format!("{tables} trees"), found));
+    }
+    if starts[0] != 0 || !starts.is_sorted() || starts[tables] as usize != first.len() {
+        let expected = format!("starts that partition {} nodes", first.len());
+        return Err(tensors.invalid_in("tree.start", 0, &expected, "others"));
+    }
+    let nodes: Vec<Node> = split
+        .chunks_exact(3)
+        .zip(&inner)
+        .zip(&first)
+        .map(|((s, &inner), &first)| Node {
+            split: [s[0], s[1], s[2]],
+            inner,
+            first,
+        })
+        .collect();
+    for (k, range) in starts.windows(2).enumerate() {
+        let sound = |i: u32| {
+            let node = &nodes[i as usize];
+            let children =
+                u64::from(node.first)..u64::from(node.first) + u64::from(node.inner.count_ones());
+            let inside =
+                children.is_empty() || (node.first > i && children.end <= u64::from(range[1]));
+            node.inner < 16 && inside
+        };
+        if let Some(i) = (range[0]..range[1]).find(|&i| !sound(i)) {
+            let found = format!("{:?}", nodes[i as usize]);
+            let expected = format!("a sound node {i} of tree {k}");
+            return Err(tensors.invalid_in("node.first", i as usize, &expected, found));
+        }
+    }
+    Ok(Warps { nodes, starts })
+}
+
+fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
+    let (upper, bound) = (
+        tensors.get::<u32>("leaf.upper")?,
+        tensors.get::<f32>("leaf.bound")?,
+    );
+    let code = tensors.get::<u32>("leaf.code")?;
+    let starts = tensors.get::<u32>("tree.start")?;
+    let integrals = tensors.get::<f32>("tree.integral")?;
+    if bound.len() != upper.len() || code.len() != upper.len() {
+        let lengths = format!("{}, {} and {}", upper.len(), bound.len(), code.len());
+        return Err(tensors.invalid_in("leaf.upper", 0, "leaf tensors of equal length", lengths));
+    }
+    if integrals.len() != tables || starts.len() != integrals.len() + 1 {
+        let found = format!("{} starts and {} integrals", starts.len(), integrals.len());
+        return Err(tensors.invalid_in("tree.start", 0, &format!("{tables} trees"), found));
+    }
+    if starts[0] != 0 || !starts.is_sorted() || starts[tables] as usize != upper.len() {
+        let expected = format!("starts that partition {} leaves", upper.len());
+        return Err(tensors.invalid_in("tree.start", 0, &expected, "others"));
+    }
+    let leaves: Vec<Leaf> = upper
+        .iter()
+        .zip(&bound)
+        .zip(&code)
+        .map(|((&upper, &bound), &code)| Leaf { upper, bound, code })
+        .collect();
+    for (k, (range, &integral)) in starts.windows(2).zip(&integrals).enumerate() {
+        check_tree(
+            tensors,
+            k,
+            range[0] as usize,
+            &leaves[range[0] as usize..range[1] as usize],
+            integral,
+        )?;
+    }
+    Ok(Forest::new(leaves, starts, integrals))
+}
+
+/// Leaves, of which `first` is the first, that can be drawn and whose draws can be accepted.
+fn check_tree(
+    tensors: &Tensors,
+    k: usize,
+    first: usize,
+    leaves: &[Leaf],
+    integral: f32,
+) -> Result<()> {
+    if !integral.is_finite() || integral < 0.0 || (integral > 0.0) == leaves.is_empty() {
+        let expected = format!("an integral of tree {k} that is finite, and > 0 if it has leaves");
+        let found = format!("{integral} with {} leaves", leaves.len());
+        return Err(tensors.invalid_in("tree.integral", k, &expected, found));
+    }
+    if leaves.len() > MOST_LEAVES || leaves.last().is_some_and(|l| l.upper != WHOLE) {
+        let expected =
+            format!("at most {MOST_LEAVES} leaves in tree {k}, whose probabilities sum to 1");
+        return Err(tensors.invalid_in(
+            "leaf.upper",
+            first,
+            &expected,
+            format!("{} leaves", leaves.len()),
+        ));
+    }
+    let sound = |l: &Leaf| {
+        let (depth, places) = (l.code >> 28, [l.code >> 14 & 0x3fff, l.code & 0x3fff]);
+        let bound = l.bound.is_finite() && l.bound > 0.0;
+        bound && depth <= DEEPEST && places.iter().all(|&p| p >> depth == 0)
+    };
+    if let Some(i) = leaves.iter().position(|l| !sound(l)) {
+        let expected = format!("a sound leaf {i} of tree {k}");
+        return Err(tensors.invalid_in(
+            "leaf.bound",
+            first + i,
+            &expected,
+            format!("{:?}", leaves[i]),
+        ));
+    }
+    if let Some(i) = leaves.windows(2).position(|l| l[0].upper > l[1].upper) {
+        let expected = format!("probabilities of tree {k} that rise");
+        return Err(tensors.invalid_in("leaf.upper", first + i + 1, &expected, "one that falls"));
+    }
+    Ok(())
+}

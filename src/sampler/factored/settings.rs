@@ -1,0 +1,169 @@
+//! Settings of the factored BRDF, and the method that builds it.
+
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+use super::{Factored, codec};
+use crate::Result;
+use crate::brdf::Importance;
+use crate::direction_sampler::DirectionSampler;
+use crate::material::Loaded;
+use crate::sampler::settings::importance;
+use crate::sampler::store::{TensorWriter, Tensors};
+use crate::sampler::{Field, Method, Needs, Settings};
+
+/// How many factors there are, and over what.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Factors {
+    /// Products of a function of `wo` and one of w (J), 1 to 64.
+    pub outer: usize,
+    /// Products of a function of θw and one of φw in each (K), 1 to 64.
+    pub inner: usize,
+    /// Cells over θw, 2 to 1024, spaced by its root.
+    pub theta: usize,
+    /// Cells over φw, 2 to 1024.
+    pub phi: usize,
+    /// Whether w is the half vector, or else `wi` itself.
+    pub half: bool,
+    /// Share of draws that follow the cosine, so that no direction is left out; 0 to 1.
+    pub floor: f64,
+}
+
+impl Factors {
+    /// Terms of the sum.
+    pub fn terms(&self) -> usize {
+        self.outer * self.inner
+    }
+}
+
+/// Settings of the factored BRDF.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct FactoredSettings {
+    /// Tables over the polar angle of `wo`, 1 to 256.
+    pub tables: usize,
+    /// The factors; `None` chooses those that make the weights of the material most even.
+    pub factors: Option<Factors>,
+    /// The scalar that draws are proportional to.
+    pub importance: Importance,
+}
+
+impl Default for FactoredSettings {
+    fn default() -> Self {
+        Self {
+            tables: 32,
+            factors: None,
+            importance: Importance::Mean,
+        }
+    }
+}
+
+/// Products in a sum.
+const PRODUCTS: RangeInclusive<usize> = 1..=64;
+/// Cells over an angle.
+const CELLS: RangeInclusive<usize> = 2..=1024;
+/// The word for factors that are chosen for the material.
+const FITTED: &str = "fitted";
+
+impl Settings for FactoredSettings {
+    type Method = Factored;
+
+    fn fields() -> Vec<Field<Self>> {
+        vec![
+            Field::count(
+                "tables",
+                1..=256,
+                "tables over the polar angle of wo",
+                |s| s.tables,
+                |s, value| s.tables = value,
+            ),
+            Field::form(
+                "factors",
+                "fitted, or JxK/THETAxPHI/AXIS/FLOOR as in 8x4/64x32/half-vector/0.01: J and K 1 to 64, cells 2 to 1024, the \
+                 axis half-vector or wi, the floor 0 to 1",
+                "number of products over wo and within each, cells over the angles of w, what w is, and fraction of draws that \
+                 follow the cosine; fitted are those that make the weights of the material most even",
+                |s: &Self| show_factors(s.factors),
+                |s, text| match parse_factors(text) {
+                    Some(factors) => {
+                        s.factors = factors;
+                        true
+                    }
+                    None => false,
+                },
+            ),
+            importance(|s: &Self| s.importance, |s, value| s.importance = value),
+        ]
+    }
+}
+
+fn show_factors(factors: Option<Factors>) -> String {
+    let Some(f) = factors else {
+        return FITTED.to_owned();
+    };
+    let axis = if f.half { "half-vector" } else { "wi" };
+    format!(
+        "{}x{}/{}x{}/{axis}/{}",
+        f.outer, f.inner, f.theta, f.phi, f.floor
+    )
+}
+
+/// Factors within their domains, or `Some(None)` for the word that means fitted ones.
+fn parse_factors(text: &str) -> Option<Option<Factors>> {
+    if text.eq_ignore_ascii_case(FITTED) {
+        return Some(None);
+    }
+    let mut parts = text.split('/');
+    let [outer, inner] = parse_pair(parts.next()?, &PRODUCTS)?;
+    let [theta, phi] = parse_pair(parts.next()?, &CELLS)?;
+    let half = match parts.next()? {
+        "half-vector" => true,
+        "wi" => false,
+        _ => return None,
+    };
+    let floor: f64 = parts.next()?.parse().ok()?;
+    let factors = Factors {
+        outer,
+        inner,
+        theta,
+        phi,
+        half,
+        floor,
+    };
+    let sound = (0.0..=1.0).contains(&floor) && parts.next().is_none();
+    sound.then_some(Some(factors))
+}
+
+/// "8x4" as two numbers within a range.
+fn parse_pair(text: &str, range: &RangeInclusive<usize>) -> Option<[usize; 2]> {
+    let (first, second) = text.split_once(['x', 'X', '×'])?;
+    let pair = [first.parse().ok()?, second.parse().ok()?];
+    pair.iter().all(|n| range.contains(n)).then_some(pair)
+}
+
+impl Method for Factored {
+    const NAME: &'static str = "factored";
+    const SUMMARY: &'static str = "a sum of products of functions of one angle each";
+    const NEEDS: Needs = Needs::IsotropicMaterial;
+    type Settings = FactoredSettings;
+
+    fn build(material: &Loaded, settings: &FactoredSettings) -> Result<Self> {
+        Self::build(&**material.brdf(), *settings)
+    }
+
+    fn settings(&self) -> FactoredSettings {
+        *self.settings()
+    }
+
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
+        self
+    }
+
+    fn write(&self, out: &mut TensorWriter) -> Result<()> {
+        codec::write(self.terms(), out);
+        Ok(())
+    }
+
+    fn read(tensors: &Tensors, settings: FactoredSettings, _: &Loaded) -> Result<Self> {
+        codec::read(tensors, settings)
+    }
+}

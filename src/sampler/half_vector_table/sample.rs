@@ -1,0 +1,369 @@
+//! A draw, a density and the inverse of a draw, in the order of the numbered steps of `docs/half-vector-table.md`.
+//!
+//! Each is two halves: one looks things up ([`DrawTerms`], [`DensityTerms`]), the other is arithmetic without branches, so that
+//! batches ([`super::batch`]) can do each half over many lanes.
+
+use glam::{Vec2, Vec3};
+
+use super::HalfVectorTable;
+use super::lookup::{
+    AzimuthSegment, InterpolatedRow, InterpolatedTable, invert_segment, invert_slope, slope_cdf,
+};
+use super::tables::TablePair;
+use crate::direction_sampler::DirectionSample;
+use crate::geometry::half_vector_chart::{ChartPoint, HalfVectorChart};
+
+/// Cosine of the lowest direction drawn.
+const LOWEST_COSINE: f32 = 1e-9;
+
+/// A table about one `wo`: the chart of its half vectors, and the table interpolated to its polar angle.
+#[derive(Clone, Copy)]
+pub(in crate::sampler) struct TableView<'a, M> {
+    table: &'a HalfVectorTable,
+    pub(super) chart: HalfVectorChart,
+    pub(super) interpolated: M,
+    /// Length of a segment on the azimuth's [0, 1].
+    per_segment: f32,
+    /// Unit of densities at nodes, per unit of the azimuth fraction.
+    density_unit: f32,
+}
+
+/// What a point of the unit square chooses, before arithmetic: the half of a draw that looks things up.
+#[derive(Clone, Copy)]
+pub(in crate::sampler) struct DrawTerms {
+    /// Cap where the row begins, and its width.
+    low: f32,
+    width: f32,
+    slope: f32,
+    /// Fraction of the row's probability that lies below the draw.
+    fraction: f32,
+    segment: AzimuthSegment,
+    /// Probability left within the segment, in units of nodes.
+    rest: f32,
+    /// Side of the plane of incidence, 1 or −1.
+    side: f32,
+}
+
+/// What the density at a point depends on: the half that looks things up.
+#[derive(Clone, Copy)]
+pub(in crate::sampler) struct DensityTerms {
+    /// Cap where the row begins, and its width.
+    low: f32,
+    width: f32,
+    slope: f32,
+    /// The row's probability.
+    mass: f32,
+    segment: AzimuthSegment,
+    /// Position within the segment, 0 to 1.
+    position: f32,
+}
+
+impl DrawTerms {
+    /// Its numbers, for columns of many.
+    #[inline(always)]
+    pub(in crate::sampler) fn to_array(self) -> [f32; 9] {
+        [
+            self.low,
+            self.width,
+            self.slope,
+            self.fraction,
+            self.segment.index,
+            self.segment.low,
+            self.segment.high,
+            self.rest,
+            self.side,
+        ]
+    }
+
+    /// The inverse of [`Self::to_array`].
+    #[inline(always)]
+    pub(in crate::sampler) fn from_array(
+        [
+            low,
+            width,
+            slope,
+            fraction,
+            index,
+            first,
+            second,
+            rest,
+            side,
+        ]: [f32; 9],
+    ) -> Self {
+        let segment = AzimuthSegment {
+            index,
+            low: first,
+            high: second,
+        };
+        Self {
+            low,
+            width,
+            slope,
+            fraction,
+            segment,
+            rest,
+            side,
+        }
+    }
+}
+
+impl DensityTerms {
+    /// Its numbers, for columns of many.
+    #[inline(always)]
+    pub(super) fn to_array(self) -> [f32; 8] {
+        [
+            self.low,
+            self.width,
+            self.slope,
+            self.mass,
+            self.segment.index,
+            self.segment.low,
+            self.segment.high,
+            self.position,
+        ]
+    }
+
+    /// The inverse of [`Self::to_array`].
+    #[inline(always)]
+    pub(super) fn from_array(
+        [low, width, slope, mass, index, first, second, position]: [f32; 8],
+    ) -> Self {
+        let segment = AzimuthSegment {
+            index,
+            low: first,
+            high: second,
+        };
+        Self {
+            low,
+            width,
+            slope,
+            mass,
+            segment,
+            position,
+        }
+    }
+}
+
+impl HalfVectorTable {
+    /// The table about the `wo` of a chart (steps 1 and 2).
+    #[inline]
+    pub(super) fn view(&self, chart: HalfVectorChart) -> TableView<'_, TablePair<'_>> {
+        TableView::new(self, chart, self.interpolate(&chart))
+    }
+
+    /// The tables of the two polar angles about that of a chart's `wo`, with their weights (step 4).
+    #[inline]
+    pub(in crate::sampler) fn interpolate(&self, chart: &HalfVectorChart) -> TablePair<'_> {
+        self.tables.interpolate(chart.cos_o())
+    }
+}
+
+impl<'a> TableView<'a, TablePair<'a>> {
+    #[inline(always)]
+    pub(in crate::sampler) fn new(
+        table: &'a HalfVectorTable,
+        chart: HalfVectorChart,
+        interpolated: TablePair<'a>,
+    ) -> Self {
+        let (segments, unit) = interpolated.scale();
+        Self {
+            table,
+            chart,
+            interpolated,
+            per_segment: 1.0 / segments,
+            // The azimuth fraction runs over [−1, 1]: half the density on [0, 1].
+            density_unit: 0.5 * unit,
+        }
+    }
+
+    /// The same view with the two tables mixed beforehand.
+    pub(super) fn with_premixed<M>(&self, premixed: M) -> TableView<'a, M> {
+        TableView {
+            table: self.table,
+            chart: self.chart,
+            interpolated: premixed,
+            per_segment: self.per_segment,
+            density_unit: self.density_unit,
+        }
+    }
+}
+
+impl<M: InterpolatedTable> TableView<'_, M> {
+    /// Step 5: cap where a row begins, and its width.
+    #[inline(always)]
+    fn row_span(&self, row: usize) -> (f32, f32) {
+        let [low, high] = self.table.tables.edges(row);
+        let low = self.chart.edge_cap(low);
+        (low, self.chart.edge_cap(high) - low)
+    }
+
+    /// Step 19: the row that holds a point.
+    #[inline(always)]
+    fn find_row(&self, point: &ChartPoint) -> InterpolatedRow {
+        let part = self.chart.find_part(point);
+        self.interpolated.row(self.table.tables.row_of_part(part))
+    }
+
+    /// Looks up what a point of the unit square chooses.
+    #[inline(always)]
+    pub(in crate::sampler) fn look_up_draw(&self, u: Vec2) -> DrawTerms {
+        // Steps 7 and 8: the row in which the probability passes u1, and the fraction of it below u1.
+        let (row, fraction) = self.interpolated.find_row(u.x);
+        self.look_up_draw_in_row(row.index, fraction, u.y)
+    }
+
+    /// The same where the row is chosen, at a fraction of its probability.
+    #[inline(always)]
+    pub(in crate::sampler) fn look_up_draw_in_row(
+        &self,
+        row: usize,
+        fraction: f32,
+        u: f32,
+    ) -> DrawTerms {
+        let (low, width) = self.row_span(row);
+        // Step 10: v = u2, or |2·u2 − 1| and its sign if folded.
+        let (v, side) = unfold(u, self.table.settings.fold);
+        // Steps 11 to 13: the segment in which the azimuth's probability passes v, and what is left of it.
+        let (segment, rest) = self.interpolated.find_segment(row, v);
+        DrawTerms {
+            low,
+            width,
+            slope: self.interpolated.slope(row),
+            fraction,
+            segment,
+            rest,
+            side,
+        }
+    }
+
+    /// The coordinates in the chart that were chosen: cap and azimuth fraction.
+    #[inline(always)]
+    pub(in crate::sampler) fn chart_coordinates(&self, terms: DrawTerms) -> (f32, f32) {
+        // Steps 8 and 9: x in the row by the density 1 + slope·(2x − 1), and cap = low + width·x.
+        let cap = terms.low + terms.width * invert_slope(terms.slope, terms.fraction);
+        // Step 13: y = (k + position in segment k)/S.
+        let y =
+            (terms.segment.index + invert_segment(terms.segment, terms.rest)) * self.per_segment;
+        // Step 14: β = 2y − 1, or y with the side's sign if folded.
+        let azimuth_fraction = if self.table.settings.fold {
+            y * terms.side
+        } else {
+            2.0 * y - 1.0
+        };
+        (cap, azimuth_fraction.clamp(-1.0, 1.0))
+    }
+
+    /// Steps 8 to 17: the direction that was chosen.
+    #[inline(always)]
+    pub(super) fn direction(&self, terms: DrawTerms) -> Vec3 {
+        let (cap, azimuth_fraction) = self.chart_coordinates(terms);
+        raise_above_horizon(self.chart.direction(cap, azimuth_fraction))
+    }
+
+    /// Looks up what the density at a point depends on.
+    #[inline(always)]
+    pub(in crate::sampler) fn look_up_density(&self, point: &ChartPoint) -> DensityTerms {
+        // Step 19: the row.
+        let row = self.find_row(point);
+        let (low, width) = self.row_span(row.index);
+        // Step 21: y = (β + 1)/2, or |β| if folded; its segment k, and the position in it.
+        let y = unit_azimuth(point.azimuth_fraction, self.table.settings.fold);
+        let (segment, position) = self.interpolated.locate_segment(row.index, y);
+        DensityTerms {
+            low,
+            width,
+            slope: self.interpolated.slope(row.index),
+            mass: row.probability(),
+            segment,
+            position,
+        }
+    }
+
+    /// The density per solid angle at a point, sr⁻¹.
+    #[inline(always)]
+    pub(in crate::sampler) fn density(&self, point: &ChartPoint, terms: DensityTerms) -> f32 {
+        // Step 19: x, the position of the cap within the row.
+        let x = row_position(point.cap, terms.low, terms.width);
+        // Step 22: along = mass·(1 + slope·(2x − 1)), across = n0·(1 − f) + n1·f, and
+        //          pdf = along·across·unit/(width·dσ(wi) per coordinates).
+        let along = terms.mass * (1.0 + terms.slope * (2.0 * x - 1.0));
+        let across = terms.segment.low + (terms.segment.high - terms.segment.low) * terms.position;
+        (along * across * self.density_unit / (terms.width * point.jacobian)).min(f32::MAX)
+    }
+
+    /// Steps 18 to 22.
+    #[inline]
+    pub(super) fn pdf(&self, wi: Vec3) -> f32 {
+        let point = self.chart.locate(wi);
+        self.density(&point, self.look_up_density(&point))
+    }
+
+    /// Steps 7 to 22.
+    #[inline]
+    pub(super) fn sample(&self, u: Vec2) -> DirectionSample {
+        let wi = self.direction(self.look_up_draw(u));
+        DirectionSample {
+            wi,
+            pdf: self.pdf(wi),
+        }
+    }
+
+    /// Steps 18 to 21, then 23 and 24: the point of the unit square that is drawn as `wi`.
+    pub(super) fn invert(&self, wi: Vec3) -> Vec2 {
+        let fold = self.table.settings.fold;
+        let point = self.chart.locate(wi);
+        let row = self.find_row(&point);
+        let (low, width) = self.row_span(row.index);
+        // Step 23: u1 = probability below the row, and of the row x·(1 − slope + slope·x).
+        let x = row_position(point.cap, low, width);
+        let u1 = row.cdf(slope_cdf(self.interpolated.slope(row.index), x));
+        // Step 24: u2 = probability of the azimuths below y, on the side of β if folded.
+        let y = unit_azimuth(point.azimuth_fraction, fold);
+        let v = self.interpolated.azimuth_cdf(row.index, y);
+        let u2 = refold(v, point.azimuth_fraction, fold);
+        Vec2::new(u1 as f32, u2 as f32)
+    }
+}
+
+/// Step 19: a cap's position within a row, 0 to 1.
+#[inline(always)]
+fn row_position(cap: f32, low: f32, width: f32) -> f32 {
+    ((cap - low) / width).clamp(0.0, 1.0)
+}
+
+/// Step 17: directions at the very end of the chart lie on the horizon, and rounding may put them below it, by less than f32
+/// resolves of the length of a direction. They become the nearest direction above it.
+#[inline(always)]
+pub(in crate::sampler) fn raise_above_horizon(wi: Vec3) -> Vec3 {
+    Vec3::new(wi.x, wi.y, wi.z.max(LOWEST_COSINE))
+}
+
+/// Step 21: the coordinate on [0, 1] of an azimuth fraction in [−1, 1], folded at the plane of incidence or whole.
+#[inline(always)]
+fn unit_azimuth(azimuth_fraction: f32, fold: bool) -> f32 {
+    if fold {
+        azimuth_fraction.abs()
+    } else {
+        0.5 * (azimuth_fraction + 1.0)
+    }
+}
+
+/// Step 10: a number in [0, 1) as the azimuth's probability and its side; folded, both sides meet in the middle.
+#[inline(always)]
+fn unfold(u: f32, fold: bool) -> (f32, f32) {
+    let side = 2.0 * u - 1.0;
+    if fold {
+        (side.abs(), 1f32.copysign(side))
+    } else {
+        (u, 1.0)
+    }
+}
+
+/// Step 24: the inverse of [`unfold`], the side being that of the azimuth fraction.
+fn refold(v: f64, azimuth_fraction: f32, fold: bool) -> f64 {
+    if fold {
+        0.5 + 0.5 * v.copysign(f64::from(azimuth_fraction))
+    } else {
+        v
+    }
+}

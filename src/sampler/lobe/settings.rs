@@ -1,0 +1,230 @@
+//! Settings of lobes, and the method that builds them.
+
+use std::sync::Arc;
+
+use super::{Lobe, codec};
+use crate::brdf::Importance;
+use crate::direction_sampler::DirectionSampler;
+use crate::material::Loaded;
+use crate::sampler::settings::importance;
+use crate::sampler::store::{TensorWriter, Tensors};
+use crate::sampler::{Field, Method, Needs, Settings};
+use crate::{Error, Result};
+
+/// Which lobe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LobeKind {
+    /// (n+1)/2π·cosⁿα about the mirror direction, over its half space (thesis 5.2.1, "hemisphere").
+    CosineLobe,
+    /// (n+1)/4π·((1+cosα)/2)ⁿ about the mirror direction, over the whole sphere (thesis 5.2.1, "sphere").
+    CosineLobeSphere,
+    /// Half vectors of density (n+1)/2π·cosⁿθh (Blinn 1977; thesis 5.2.2.1).
+    Blinn,
+    /// Half vectors whose slope is Gaussian: exp(−tan²θh/α²)/(πα²cos³θh) (Ward 1992, Walter 2005; thesis 5.2.2.2).
+    Ward,
+    /// Half vectors of density √((ex+1)(ey+1))/2π·cosθh^(ex·cos²φh + ey·sin²φh), with φh from the plane of incidence
+    /// (Ashikhmin and Shirley 2000; thesis 5.4).
+    AshikhminShirley,
+    /// Normals of the GGX distribution visible from `wo` (Walter 2007, Heitz 2018), drawn by spherical caps (Dupuy and
+    /// Benyoub 2023).
+    Ggx,
+}
+
+impl LobeKind {
+    /// All of them, in the order of the thesis.
+    pub const ALL: [Self; 6] = [
+        Self::CosineLobe,
+        Self::CosineLobeSphere,
+        Self::Blinn,
+        Self::Ward,
+        Self::AshikhminShirley,
+        Self::Ggx,
+    ];
+
+    /// The name in the settings' text.
+    pub fn name(self) -> &'static str {
+        let named = KINDS.iter().find(|kind| kind.1 == self);
+        named.map_or("", |kind| kind.0)
+    }
+
+    /// Domain of the shape: exponents, or for Ward and GGX roughness.
+    pub fn domain(self) -> [f32; 2] {
+        match self {
+            Self::Ward | Self::Ggx => [1e-4, 2.0],
+            Self::CosineLobe | Self::CosineLobeSphere | Self::Blinn | Self::AshikhminShirley => {
+                [0.1, 1e7]
+            }
+        }
+    }
+}
+
+/// Least share of draws that follow the cosine.
+pub const LEAST_DIFFUSE: f32 = 1e-3;
+
+/// The numbers that a lobe is fitted by.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct LobeParameters {
+    /// Exponent or roughness, along the plane of incidence, within [`LobeKind::domain`].
+    pub along: f32,
+    /// The same across that plane. Only Ashikhmin and Shirley's lobe tells them apart; for all others it equals `along`.
+    pub across: f32,
+    /// Share of draws that follow the cosine, [`LEAST_DIFFUSE`] to 1.
+    pub diffuse: f32,
+}
+
+/// Settings of a lobe.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct LobeSettings {
+    /// Which lobe.
+    pub kind: LobeKind,
+    /// Its parameters; `None` fits them to the material.
+    pub parameters: Option<LobeParameters>,
+    /// The scalar whose weights the fit makes even.
+    pub importance: Importance,
+}
+
+impl LobeSettings {
+    /// A lobe to be fitted.
+    pub fn fitted(kind: LobeKind) -> Self {
+        Self {
+            kind,
+            parameters: None,
+            importance: Importance::default(),
+        }
+    }
+}
+
+impl Default for LobeSettings {
+    fn default() -> Self {
+        Self::fitted(LobeKind::Ggx)
+    }
+}
+
+/// Kinds of lobe by name.
+const KINDS: &[(&str, LobeKind)] = &[
+    ("cosine", LobeKind::CosineLobe),
+    ("cosine-sphere", LobeKind::CosineLobeSphere),
+    ("blinn", LobeKind::Blinn),
+    ("ward", LobeKind::Ward),
+    ("ashikhmin-shirley", LobeKind::AshikhminShirley),
+    ("ggx", LobeKind::Ggx),
+];
+
+/// The word for parameters that are fitted to the material.
+const FITTED: &str = "fitted";
+
+impl Settings for LobeSettings {
+    type Method = Lobe;
+
+    fn fields() -> Vec<Field<Self>> {
+        let kind = Field::choice(
+            "kind",
+            KINDS,
+            "which lobe: powers of cosines about the mirror direction, over its half space or the sphere, or distributions of \
+             half vectors or, ggx, of visible normals",
+            |s: &Self| s.kind,
+            |s, value| s.kind = value,
+        );
+        vec![
+            kind.standing_alone(&LobeKind::ALL.map(LobeKind::name))
+                .always_shown(),
+            Field::form(
+                "parameters",
+                "fitted, or ALONG/ACROSS/DIFFUSE as in 0.1/0.1/0.05",
+                "exponent or roughness along and across the plane of incidence, and fraction of draws that follow the cosine",
+                |s: &Self| show_parameters(s.parameters),
+                |s, text| match parse_parameters(text) {
+                    Some(parameters) => {
+                        s.parameters = parameters;
+                        true
+                    }
+                    None => false,
+                },
+            ),
+            importance(|s: &Self| s.importance, |s, value| s.importance = value),
+        ]
+    }
+
+    /// The domain of parameters depends on the kind of lobe.
+    fn check_together(&self) -> Result<()> {
+        let Some(LobeParameters {
+            along,
+            across,
+            diffuse,
+        }) = self.parameters
+        else {
+            return Ok(());
+        };
+        let kind = self.kind;
+        let [low, high] = kind.domain();
+        let inside = |v: f32| (low..=high).contains(&v);
+        if !inside(along) || !inside(across) || !(LEAST_DIFFUSE..=1.0).contains(&diffuse) {
+            return Err(Error::argument(
+                format!(
+                    "lobe:{} with parameters {along}, {across} and {diffuse}",
+                    kind.name()
+                ),
+                format!(
+                    "choose shapes from {low} to {high} and a diffuse fraction from {LEAST_DIFFUSE} to 1"
+                ),
+            ));
+        }
+        if along != across && kind != LobeKind::AshikhminShirley {
+            return Err(Error::argument(
+                format!("lobe:{} with shapes {along} and {across}", kind.name()),
+                "give the same shape along and across the plane of incidence",
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn show_parameters(parameters: Option<LobeParameters>) -> String {
+    match parameters {
+        Some(p) => format!("{}/{}/{}", p.along, p.across, p.diffuse),
+        None => FITTED.to_owned(),
+    }
+}
+
+/// Three numbers, or `Some(None)` for the word that means fitted ones.
+fn parse_parameters(text: &str) -> Option<Option<LobeParameters>> {
+    if text.eq_ignore_ascii_case(FITTED) {
+        return Some(None);
+    }
+    let mut numbers = text.split('/').map(|number| number.parse::<f32>().ok());
+    let parameters = LobeParameters {
+        along: numbers.next()??,
+        across: numbers.next()??,
+        diffuse: numbers.next()??,
+    };
+    numbers.next().is_none().then_some(Some(parameters))
+}
+
+impl Method for Lobe {
+    const NAME: &'static str = "lobe";
+    const SUMMARY: &'static str = "an analytic lobe fitted to the material, mixed with the cosine";
+    const NEEDS: Needs = Needs::IsotropicMaterial;
+    type Settings = LobeSettings;
+
+    fn build(material: &Loaded, settings: &LobeSettings) -> Result<Self> {
+        Self::build(&**material.brdf(), *settings)
+    }
+
+    fn settings(&self) -> LobeSettings {
+        *self.settings()
+    }
+
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
+        self
+    }
+
+    fn write(&self, out: &mut TensorWriter) -> Result<()> {
+        codec::write(self.parameters(), out);
+        Ok(())
+    }
+
+    fn read(tensors: &Tensors, settings: LobeSettings, _: &Loaded) -> Result<Self> {
+        codec::read(tensors, settings)
+    }
+}

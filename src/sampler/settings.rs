@@ -1,0 +1,524 @@
+//! Settings of samplers as text: `64KB,rows=50`.
+//!
+//! A method declares each of its settings once, as a [`Field`]: key, domain, meaning, and how it is read and written. Parsing,
+//! printing, the checks of domains, the list that `merlkit samplers NAME` prints and all errors follow from that declaration.
+
+use std::fmt::{Debug, Display};
+use std::ops::{Bound, RangeBounds, RangeInclusive};
+use std::str::FromStr;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::knots::TableChoice;
+use super::method::Method;
+use crate::brdf::Importance;
+use crate::{Error, Result};
+
+/// The settings of a [`Method`].
+pub trait Settings:
+    Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static
+{
+    /// What they are the settings of.
+    type Method: Method<Settings = Self>;
+
+    /// All that can be set, in the order in which it is shown.
+    fn fields() -> Vec<Field<Self>>;
+
+    /// Settings that have a name.
+    fn presets() -> Vec<Preset<Self>> {
+        Vec::new()
+    }
+
+    /// What must hold between several settings, each of which is within its domain.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for settings that contradict each other.
+    fn check_together(&self) -> Result<()> {
+        Ok(())
+    }
+
+    /// Checks every domain, and what must hold between settings.
+    ///
+    /// # Errors
+    /// [`Error::Argument`], naming the first setting that is outside its domain.
+    fn check(&self) -> Result<()> {
+        let mut copy = self.clone();
+        for field in Self::fields() {
+            let value = (field.get)(self);
+            if !(field.set)(&mut copy, &value) {
+                return Err(field.refused(Self::Method::NAME, &value));
+            }
+        }
+        self.check_together()
+    }
+
+    /// Reads settings, separated by commas: a preset or nothing, then words that stand alone and `key=value`. What is not
+    /// named is as in the preset, or as by default. Case does not matter.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a setting that does not exist, with the one most like it; for one outside its domain, with that
+    /// domain; for one given twice; and for settings that contradict each other.
+    fn parse_text(text: &str) -> Result<Self> {
+        let name = Self::Method::NAME;
+        let fields = Self::fields();
+        let presets = Self::presets();
+        let mut settings = Self::default();
+        let mut given = Vec::new();
+        for (place, item) in text.split(',').map(str::trim).enumerate() {
+            if let Some(preset) = presets.iter().find(|p| p.name.eq_ignore_ascii_case(item)) {
+                if place > 0 {
+                    return Err(Error::argument(
+                        format!(
+                            "the preset {} of {name} follows other settings",
+                            preset.name
+                        ),
+                        format!(
+                            "write it first, and one preset only: {name}:{},…",
+                            preset.name
+                        ),
+                    ));
+                }
+                settings = preset.settings.clone();
+                continue;
+            }
+            let Some((field, value)) = find_field(&fields, item) else {
+                return Err(unknown_setting::<Self>(&fields, item));
+            };
+            if given.contains(&field.key) {
+                return Err(Error::argument(
+                    format!("{} of {name} is given twice", field.key),
+                    "give it once",
+                ));
+            }
+            given.push(field.key);
+            if !(field.set)(&mut settings, value) {
+                return Err(field.refused(name, value));
+            }
+        }
+        settings.check_together()?;
+        Ok(settings)
+    }
+
+    /// The shortest text that [`Self::parse_text`] reads as these settings; empty for the default, unless that is a preset.
+    fn to_text(&self) -> String {
+        let presets = Self::presets();
+        if let Some(preset) = presets.iter().find(|p| p.settings == *self) {
+            return preset.name.to_owned();
+        }
+        // Words needed from the default on, and from each preset on, whose name is one word more.
+        let mut best = words_from(&Self::default(), self);
+        for preset in &presets {
+            let mut words = words_from(&preset.settings, self);
+            words.insert(0, preset.name.to_owned());
+            if words.len() < best.len() {
+                best = words;
+            }
+        }
+        best.join(",")
+    }
+}
+
+/// Settings with a name.
+#[derive(Clone, Debug)]
+pub struct Preset<S> {
+    /// The word that stands for them, in front of other settings.
+    pub name: &'static str,
+    /// What they are, without a full stop.
+    pub meaning: String,
+    /// The settings.
+    pub settings: S,
+}
+
+impl<S> Preset<S> {
+    /// A preset by its name and meaning.
+    pub fn new(name: &'static str, meaning: impl Into<String>, settings: S) -> Self {
+        Self {
+            name,
+            meaning: meaning.into(),
+            settings,
+        }
+    }
+}
+
+/// One setting of `S`.
+pub struct Field<S> {
+    key: &'static str,
+    meaning: &'static str,
+    domain: String,
+    /// Values that may stand without the key, which is how they are printed.
+    words: Vec<&'static str>,
+    always_shown: bool,
+    get: Box<dyn Fn(&S) -> String>,
+    set: SetText<S>,
+}
+
+/// Sets a value from its text, and answers whether the text was understood and within the domain; if not, nothing is set.
+type SetText<S> = Box<dyn Fn(&mut S, &str) -> bool>;
+
+impl<S: 'static> Field<S> {
+    /// A setting with a text of its own form, which `domain` describes. `set` answers whether it understood a text and found
+    /// it within the domain.
+    pub fn form(
+        key: &'static str,
+        domain: impl Into<String>,
+        meaning: &'static str,
+        get: impl Fn(&S) -> String + 'static,
+        set: impl Fn(&mut S, &str) -> bool + 'static,
+    ) -> Self {
+        Self {
+            key,
+            meaning,
+            domain: domain.into(),
+            words: Vec::new(),
+            always_shown: false,
+            get: Box::new(get),
+            set: Box::new(set),
+        }
+    }
+
+    /// A number of things within a range.
+    pub fn count(
+        key: &'static str,
+        range: RangeInclusive<usize>,
+        meaning: &'static str,
+        get: fn(&S) -> usize,
+        set: fn(&mut S, usize),
+    ) -> Self {
+        let domain = describe(&range);
+        let set = move |settings: &mut S, text: &str| {
+            let value = parse_within(text, &range);
+            value.map(|value| set(settings, value)).is_some()
+        };
+        Self::form(key, domain, meaning, move |s| get(s).to_string(), set)
+    }
+
+    /// A number of things within a range, or the word `absent` for none.
+    pub fn optional_count(
+        key: &'static str,
+        absent: &'static str,
+        range: RangeInclusive<usize>,
+        meaning: &'static str,
+        get: fn(&S) -> Option<usize>,
+        set: fn(&mut S, Option<usize>),
+    ) -> Self {
+        let domain = format!("{absent}, or {}", describe(&range));
+        let set = move |settings: &mut S, text: &str| {
+            let value = parse_optional(text, absent, &range);
+            value.map(|value| set(settings, value)).is_some()
+        };
+        Self::form(key, domain, meaning, move |s| show(get(s), absent), set)
+    }
+
+    /// A finite real number within a range.
+    pub fn real(
+        key: &'static str,
+        range: impl RangeBounds<f64> + 'static,
+        meaning: &'static str,
+        get: fn(&S) -> f64,
+        set: fn(&mut S, f64),
+    ) -> Self {
+        let domain = describe(&range);
+        let set = move |settings: &mut S, text: &str| {
+            let value = parse_within(text, &range).filter(|value| f64::is_finite(*value));
+            value.map(|value| set(settings, value)).is_some()
+        };
+        Self::form(key, domain, meaning, move |s| get(s).to_string(), set)
+    }
+
+    /// A finite real number within a range, or the word `absent` for none.
+    pub fn optional_real(
+        key: &'static str,
+        absent: &'static str,
+        range: impl RangeBounds<f64> + 'static,
+        meaning: &'static str,
+        get: fn(&S) -> Option<f64>,
+        set: fn(&mut S, Option<f64>),
+    ) -> Self {
+        let domain = format!("{absent}, or {}", describe(&range));
+        let set = move |settings: &mut S, text: &str| {
+            let value = parse_optional(text, absent, &range)
+                .filter(|value| value.is_none_or(f64::is_finite));
+            value.map(|value| set(settings, value)).is_some()
+        };
+        Self::form(key, domain, meaning, move |s| show(get(s), absent), set)
+    }
+
+    /// One of a few values that have names.
+    pub fn choice<T: Copy + PartialEq + 'static>(
+        key: &'static str,
+        values: &'static [(&'static str, T)],
+        meaning: &'static str,
+        get: fn(&S) -> T,
+        set: fn(&mut S, T),
+    ) -> Self {
+        let names: Vec<&str> = values.iter().map(|v| v.0).collect();
+        let get = move |settings: &S| {
+            let value = get(settings);
+            let named = values.iter().find(|v| v.1 == value);
+            named.map_or_else(String::new, |v| v.0.to_owned())
+        };
+        let set = move |settings: &mut S, text: &str| {
+            let named = values.iter().find(|v| v.0.eq_ignore_ascii_case(text));
+            named.map(|v| set(settings, v.1)).is_some()
+        };
+        Self::form(key, list_words(&names, "or"), meaning, get, set)
+    }
+
+    /// Lets each of these values stand without the key.
+    #[must_use]
+    pub fn standing_alone(mut self, words: &[&'static str]) -> Self {
+        self.words = words.to_vec();
+        self
+    }
+
+    /// Prints the value even where it is that of the default.
+    #[must_use]
+    pub fn always_shown(mut self) -> Self {
+        self.always_shown = true;
+        self
+    }
+
+    /// The setting as it is printed: the value alone, or behind its key.
+    fn text(&self, settings: &S) -> String {
+        let value = (self.get)(settings);
+        if self.words.contains(&value.as_str()) {
+            value
+        } else {
+            format!("{}={value}", self.key)
+        }
+    }
+
+    /// The error for a value outside the domain.
+    fn refused(&self, name: &str, value: &str) -> Error {
+        Error::argument(
+            format!("{}={value} is outside the domain of {name}", self.key),
+            format!("choose {}", self.domain),
+        )
+    }
+}
+
+/// The setting that most methods have: the scalar of a colour that draws are proportional to.
+pub(super) fn importance<S: 'static>(
+    get: fn(&S) -> Importance,
+    set: fn(&mut S, Importance),
+) -> Field<S> {
+    Field::choice(
+        "importance",
+        &[
+            ("mean", Importance::Mean),
+            ("luminance", Importance::Luminance),
+        ],
+        "scalar that draws are proportional to, of red, green and blue",
+        get,
+        set,
+    )
+    .standing_alone(&["mean", "luminance"])
+}
+
+/// The setting of methods that spend some draws on the cosine.
+pub(super) fn floor<S: 'static>(get: fn(&S) -> f64, set: fn(&mut S, f64)) -> Field<S> {
+    let meaning = "fraction of draws that follow the cosine, so that no direction is left out";
+    Field::real("floor", 0.0..=1.0, meaning, get, set)
+}
+
+/// The setting of methods that have tables at several polar angles of `wo`.
+pub(super) fn table_choice<S: 'static>(
+    get: fn(&S) -> TableChoice,
+    set: fn(&mut S, TableChoice),
+) -> Field<S> {
+    Field::choice(
+        "choice",
+        &[
+            ("mixture", TableChoice::Mixture),
+            ("nearest", TableChoice::Nearest),
+        ],
+        "what serves a wo between two tables",
+        get,
+        set,
+    )
+    .standing_alone(&["mixture", "nearest"])
+}
+
+/// What a list of settings says about one of them.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SettingFacts {
+    /// The word in front of the `=`.
+    pub key: &'static str,
+    /// Values that may stand without the key.
+    pub standing_alone: Vec<&'static str>,
+    /// What values there are.
+    pub domain: String,
+    /// The value by default.
+    pub default: String,
+    /// What it does, without a full stop.
+    pub meaning: &'static str,
+}
+
+/// What a list of settings says about a preset.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PresetFacts {
+    /// The word that stands for the settings.
+    pub name: &'static str,
+    /// What they are.
+    pub meaning: String,
+}
+
+/// All settings of a method, with the values of `settings`.
+pub(super) fn list_fields<S: Settings>() -> Vec<SettingFacts> {
+    let default = S::default();
+    let facts = |field: Field<S>| SettingFacts {
+        key: field.key,
+        default: (field.get)(&default),
+        standing_alone: field.words,
+        domain: field.domain,
+        meaning: field.meaning,
+    };
+    S::fields().into_iter().map(facts).collect()
+}
+
+/// All presets of a method.
+pub(super) fn list_presets<S: Settings>() -> Vec<PresetFacts> {
+    let facts = |preset: Preset<S>| PresetFacts {
+        name: preset.name,
+        meaning: preset.meaning,
+    };
+    S::presets().into_iter().map(facts).collect()
+}
+
+/// The value of the setting called `key`, as text.
+pub(super) fn value_text<S: Settings>(settings: &S, key: &str) -> Option<String> {
+    let fields = S::fields();
+    let field = fields.iter().find(|f| f.key == key)?;
+    Some((field.get)(settings))
+}
+
+/// The settings in which `settings` differs from `base`, and those that are always shown, as they are printed.
+fn words_from<S: Settings>(base: &S, settings: &S) -> Vec<String> {
+    S::fields()
+        .iter()
+        .filter(|field| field.always_shown || (field.get)(base) != (field.get)(settings))
+        .map(|field| field.text(settings))
+        .collect()
+}
+
+/// The setting that an item of a text names, and the value it gives.
+fn find_field<'a, S>(fields: &'a [Field<S>], item: &'a str) -> Option<(&'a Field<S>, &'a str)> {
+    if let Some((key, value)) = item.split_once('=') {
+        let field = fields
+            .iter()
+            .find(|f| f.key.eq_ignore_ascii_case(key.trim()))?;
+        return Some((field, value.trim()));
+    }
+    let holds = |f: &&Field<S>| f.words.iter().any(|w| w.eq_ignore_ascii_case(item));
+    fields.iter().find(holds).map(|field| (field, item))
+}
+
+/// The error for an item that names no setting, with what it may have meant.
+fn unknown_setting<S: Settings>(fields: &[Field<S>], item: &str) -> Error {
+    let name = S::Method::NAME;
+    let list = format!("`merlkit samplers {name}` lists what can be set");
+    let (key, has_value) = match item.split_once('=') {
+        Some((key, _)) => (key.trim(), true),
+        None => (item, false),
+    };
+    if item.is_empty() {
+        return Error::argument(
+            format!("{name} is followed by an empty setting"),
+            format!("leave out the colon or comma; {list}"),
+        );
+    }
+    if let Some(field) = fields.iter().find(|f| !has_value && f.key == key) {
+        return Error::argument(
+            format!("{key} of {name} has no value"),
+            format!("write {key}=VALUE, which is {}", field.domain),
+        );
+    }
+    let mut words: Vec<&str> = fields.iter().map(|f| f.key).collect();
+    words.extend(fields.iter().flat_map(|f| f.words.iter().copied()));
+    words.extend(S::presets().iter().map(|p| p.name));
+    let fix = match most_alike(key, &words) {
+        Some(word) => format!("did you mean {word}? {list}"),
+        None if words.is_empty() => "write its name alone".to_owned(),
+        None => list,
+    };
+    Error::argument(format!("no setting of {name} is called {key}"), fix)
+}
+
+/// The word that is spelt most like `word`, if any is similar at all.
+pub(super) fn most_alike<'a>(word: &str, words: &[&'a str]) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    let likeness = |other: &str| strsim::jaro_winkler(&word, &other.to_lowercase());
+    let best = words
+        .iter()
+        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
+    (likeness(best) > 0.7).then_some(best)
+}
+
+/// A number from its text, if it lies within a range.
+fn parse_within<T: FromStr + PartialOrd>(text: &str, range: &impl RangeBounds<T>) -> Option<T> {
+    text.parse().ok().filter(|value| range.contains(value))
+}
+
+/// A number within a range, or `Some(None)` for the word that means none.
+fn parse_optional<T: FromStr + PartialOrd>(
+    text: &str,
+    absent: &str,
+    range: &impl RangeBounds<T>,
+) -> Option<Option<T>> {
+    if text.eq_ignore_ascii_case(absent) {
+        Some(None)
+    } else {
+        parse_within(text, range).map(Some)
+    }
+}
+
+/// A number, or the word for none.
+fn show<T: Display>(value: Option<T>, absent: &str) -> String {
+    value.map_or_else(|| absent.to_owned(), |value| value.to_string())
+}
+
+/// A range in words: "1 to 1024", "above 1", "from 0 to below 1".
+fn describe<T: Display>(range: &impl RangeBounds<T>) -> String {
+    match (range.start_bound(), range.end_bound()) {
+        (Bound::Included(low), Bound::Included(high)) => format!("{low} to {high}"),
+        (Bound::Included(low), Bound::Excluded(high)) => format!("{low} to below {high}"),
+        (Bound::Excluded(low), Bound::Included(high)) => format!("above {low}, up to {high}"),
+        (Bound::Excluded(low), Bound::Excluded(high)) => format!("above {low} and below {high}"),
+        (Bound::Included(low), Bound::Unbounded) => format!("{low} or more"),
+        (Bound::Excluded(low), Bound::Unbounded) => format!("above {low}"),
+        (Bound::Unbounded, Bound::Included(high)) => format!("at most {high}"),
+        (Bound::Unbounded, Bound::Excluded(high)) => format!("below {high}"),
+        (Bound::Unbounded, Bound::Unbounded) => "any number".to_owned(),
+    }
+}
+
+/// Words as a list: "a, b or c".
+pub(super) fn list_words(words: &[&str], last: &str) -> String {
+    match words {
+        [] => String::new(),
+        [word] => (*word).to_owned(),
+        [first @ .., tail] => format!("{} {last} {tail}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_described_in_words() {
+        assert_eq!(describe(&(1..=1024)), "1 to 1024");
+        assert_eq!(describe(&(0.0..1.0)), "0 to below 1");
+        assert_eq!(describe(&(0.0..)), "0 or more");
+        let above = (Bound::Excluded(1.0), Bound::Unbounded);
+        assert_eq!(describe(&above), "above 1");
+    }
+
+    #[test]
+    fn words_are_listed() {
+        assert_eq!(list_words(&["a"], "or"), "a");
+        assert_eq!(list_words(&["a", "b"], "or"), "a or b");
+        assert_eq!(list_words(&["a", "b", "c"], "or"), "a, b or c");
+    }
+}
