@@ -1,24 +1,17 @@
 //! Building each sampler for nickel, on all cores; RAYON_NUM_THREADS=1 gives the time on one.
 
 use std::hint::black_box;
-use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
-use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
-use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
-};
+use merlkit::sampler::{AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice};
+use merlkit::{LookupRule, Material, SamplerSpec};
 
 fn benches(c: &mut Criterion) {
-    let brdf = Arc::new(MerlBrdf::new(
-        Arc::new(decode_embedded("nickel").unwrap()),
-        LookupRule::Floor,
-    ));
+    let material = Material::resolve("nickel").unwrap();
+    let material = material.load(LookupRule::Floor).unwrap();
     let wo = spherical(0.7, 0.3).as_vec3();
     let mut group = c.benchmark_group("build");
     group
@@ -62,11 +55,14 @@ fn benches(c: &mut Criterion) {
             SamplerSpec::new(CascadeCdfSettings::uniform()),
         ),
     ] {
-        let sampler = spec.build(&brdf).unwrap();
-        let draw = sampler.sample(wo, PointSet::Sobol.point(1, 0, 0)).unwrap();
-        assert_eq!(draw.pdf, sampler.pdf(wo, draw.wi), "{name}");
+        let sampler = spec.build(&material).unwrap();
+        let draw = sampler
+            .as_dyn()
+            .sample(wo, PointSet::Sobol.point(1, 0, 0))
+            .unwrap();
+        assert_eq!(draw.pdf, sampler.as_dyn().pdf(wo, draw.wi), "{name}");
         group.bench_function(name, |b| {
-            b.iter(|| black_box(&spec).build(black_box(&brdf)).unwrap())
+            b.iter(|| black_box(&spec).build(black_box(&material)).unwrap())
         });
     }
     group.finish();

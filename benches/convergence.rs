@@ -2,17 +2,11 @@
 //!
 //! One point under two broad lamps and a gradient, eight materials, `wo` at 45°. `cargo bench --bench convergence`.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 use merlkit::brdf::Importance;
 use merlkit::geometry::{POINTS_PER_BIN, spherical};
-use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
-use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
-};
+use merlkit::{Loaded, LookupRule, Material, SamplerSpec};
 use merlkit_evaluate::measure::compare::MATERIALS;
 use merlkit_evaluate::measure::convergence::{ErrorAt, Incident, LitPoint, Runs, slope};
 
@@ -26,64 +20,51 @@ fn radiance(wi: Vec3) -> f64 {
         + 2.0 * lobe(Vec3::new(-0.8, 0.2, 0.4), 30)
 }
 
-fn samplers() -> [(&'static str, SamplerSpec); 5] {
-    let warp = AdaptiveDiscSettings {
-        leaves: LeafChoice::Warp,
-        ..Default::default()
-    };
-    [
-        (
-            "half-vector 64KB",
-            SamplerSpec::new(HalfVectorSettings::default()),
-        ),
-        (
-            "cascade-cdf",
-            SamplerSpec::new(CascadeCdfSettings::default()),
-        ),
-        ("disc, rejection-free", SamplerSpec::new(warp)),
-        (
-            "adaptive-disc",
-            SamplerSpec::new(AdaptiveDiscSettings::default()),
-        ),
-        ("cosine", SamplerSpec::new(CosineSettings {})),
-    ]
-}
+/// The samplers that are compared, as the command line names them.
+const SAMPLERS: [&str; 5] = [
+    "half-vector:64KB",
+    "cascade-cdf",
+    "adaptive-disc:rejection-free",
+    "adaptive-disc",
+    "cosine",
+];
 
 /// Errors of every material.
-fn errors(spec: &SamplerSpec, brdfs: &[Arc<MerlBrdf>]) -> Vec<Vec<ErrorAt>> {
+fn errors(spec: &SamplerSpec, materials: &[Loaded]) -> Vec<Vec<ErrorAt>> {
     let wo = spherical(45f64.to_radians(), 0.8).as_vec3();
     let runs = Runs {
         points: PointSet::Sobol,
         seeds: 200,
         first_seed: 1,
     };
-    let of = |brdf: &Arc<MerlBrdf>| {
-        let sampler = spec.build(brdf).expect("a sampler");
+    let mut errors = Vec::with_capacity(materials.len());
+    for material in materials {
+        let sampler = spec.build(material).expect("a sampler");
         let point = LitPoint {
-            brdf: &**brdf,
+            brdf: &**material.brdf(),
             importance: Importance::Mean,
             light: Incident::Function(&radiance),
             wo,
         };
-        point.errors(&sampler, point.reference(POINTS_PER_BIN), &SAMPLES, runs)
-    };
-    brdfs.iter().map(of).collect()
+        let reference = point.reference(POINTS_PER_BIN);
+        errors.push(point.errors(sampler.as_dyn(), reference, &SAMPLES, runs));
+    }
+    errors
 }
 
 fn main() {
-    let measured = |name: &&str| {
-        Arc::new(MerlBrdf::new(
-            Arc::new(decode_embedded(name).expect("an embedded material")),
-            LookupRule::Floor,
-        ))
-    };
-    let brdfs: Vec<Arc<MerlBrdf>> = MATERIALS.iter().map(measured).collect();
+    let mut materials = Vec::new();
+    for name in MATERIALS {
+        let material = Material::resolve(name).expect("an embedded material");
+        materials.push(material.load(LookupRule::Floor).expect("its table"));
+    }
     println!(
         "relative RMSE over 200 seeds, geometric mean of {} materials, and slopes",
         MATERIALS.len()
     );
-    for (name, spec) in samplers() {
-        let errors = errors(&spec, &brdfs);
+    for name in SAMPLERS {
+        let spec = name.parse().expect("a sampler's text");
+        let errors = errors(&spec, &materials);
         let mean = |i: usize| {
             (errors.iter().map(|e| e[i].rmse.ln()).sum::<f64>() / errors.len() as f64).exp()
         };
@@ -94,7 +75,7 @@ fn main() {
         let each: Vec<String> = slopes.iter().map(|s| format!("{s:.2}")).collect();
         let mean_slope = slopes.iter().sum::<f64>() / slopes.len() as f64;
         println!(
-            "{name:22} {}  slope {mean_slope:.2} ({})",
+            "{name:28} {}  slope {mean_slope:.2} ({})",
             row.join(" "),
             each.join(" ")
         );

@@ -3,69 +3,46 @@
 
 use std::f32::consts::TAU;
 use std::hint::black_box;
-use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
-use merlkit::Wo;
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::color;
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
-use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
-use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, Sampler, SamplerSpec,
-    TableChoice,
-};
+use merlkit::{Loaded, LookupRule, Material, Sampler, SamplerSpec, Wo};
 use merlkit_evaluate::measure::accuracy::weight_spread;
 
 const DRAWS: u64 = 2048;
 const ANGLES: [f64; 4] = [0.76, 29.75, 60.25, 84.7];
 
-fn specs() -> [(&'static str, SamplerSpec); 9] {
-    let disc = |choice| {
-        SamplerSpec::new(AdaptiveDiscSettings {
-            choice,
-            ..Default::default()
-        })
-    };
-    let cascade = |choice| {
-        SamplerSpec::new(CascadeCdfSettings {
-            choice,
-            ..Default::default()
-        })
-    };
-    [
-        ("cosine", SamplerSpec::new(CosineSettings {})),
-        (
-            "half-vector 2KB",
-            SamplerSpec::new(HalfVectorSettings::PRESETS[0].1),
-        ),
-        (
-            "half-vector 64KB",
-            SamplerSpec::new(HalfVectorSettings::default()),
-        ),
-        ("disc mixture", disc(TableChoice::Mixture)),
-        ("disc nearest", disc(TableChoice::Nearest)),
-        ("disc rejection-free", rejection_free()),
-        ("cdf mixture", cascade(TableChoice::Mixture)),
-        ("cdf nearest", cascade(TableChoice::Nearest)),
-        ("cdf whole", SamplerSpec::new(CascadeCdfSettings::uniform())),
-    ]
+/// The samplers that are timed: the name of the measurement, and the sampler as the command line names it.
+const SAMPLERS: [(&str, &str); 9] = [
+    ("cosine", "cosine"),
+    ("half-vector 2KB", "half-vector:2KB"),
+    ("half-vector 64KB", "half-vector:64KB"),
+    ("disc mixture", "adaptive-disc"),
+    ("disc nearest", "adaptive-disc:choice=nearest"),
+    ("disc rejection-free", "adaptive-disc:rejection-free"),
+    ("cdf mixture", "cascade-cdf"),
+    ("cdf nearest", "cascade-cdf:choice=nearest"),
+    ("cdf whole", "cascade-cdf:uniform"),
+];
+
+fn nickel() -> Loaded {
+    let material = Material::resolve("nickel").unwrap();
+    material.load(LookupRule::Floor).unwrap()
 }
 
-fn rejection_free() -> SamplerSpec {
-    SamplerSpec::new(AdaptiveDiscSettings {
-        leaves: LeafChoice::Warp,
-        ..Default::default()
-    })
+fn build(text: &str, material: &Loaded) -> Sampler {
+    let spec: SamplerSpec = text.parse().unwrap();
+    spec.build(material).unwrap()
 }
 
 /// The draws estimate the albedo, within six standard errors by quadrature.
-fn assert_albedo(sampler: &Sampler, brdf: &MerlBrdf, wo: Vec3, points: &[Vec2]) {
+fn assert_albedo(built: &Sampler, brdf: &dyn Brdf, wo: Vec3, points: &[Vec2]) {
+    let sampler = built.as_dyn();
     let spread = weight_spread(
         sampler,
         brdf,
@@ -82,20 +59,17 @@ fn assert_albedo(sampler: &Sampler, brdf: &MerlBrdf, wo: Vec3, points: &[Vec2]) 
     let allowed = 1e-3 + 6.0 * spread.relstd / (points.len() as f64).sqrt();
     assert!(
         (ratio - 1.0).abs() < allowed,
-        "{:?} {wo}: {ratio}, {spread:?}",
-        sampler.spec()
+        "{} {wo}: {ratio}, {spread:?}",
+        built.spec()
     );
 }
 
 fn benches(c: &mut Criterion) {
-    let brdf = Arc::new(MerlBrdf::new(
-        Arc::new(decode_embedded("nickel").unwrap()),
-        LookupRule::Floor,
-    ));
+    let material = nickel();
     let points: Vec<Vec2> = (0..DRAWS)
         .map(|i| PointSet::Random.point(1, i, 0))
         .collect();
-    let samplers = specs().map(|(name, spec)| (name, spec.build(&brdf).unwrap()));
+    let samplers = SAMPLERS.map(|(name, text)| (name, build(text, &material)));
     for call in ["sample", "batch", "pdf"] {
         let mut group = c.benchmark_group(call);
         group
@@ -104,10 +78,11 @@ fn benches(c: &mut Criterion) {
         group
             .warm_up_time(Duration::from_millis(200))
             .measurement_time(Duration::from_secs(1));
-        for (name, sampler) in &samplers {
+        for (name, built) in &samplers {
+            let sampler = built.as_dyn();
             for degrees in ANGLES {
                 let wo = spherical(degrees.to_radians(), 0.4).as_vec3();
-                assert_albedo(sampler, &brdf, wo, &points);
+                assert_albedo(built, &**material.brdf(), wo, &points);
                 let id = BenchmarkId::new(*name, degrees);
                 if call == "sample" {
                     group.bench_with_input(id, &wo, |b, &wo| {
@@ -168,16 +143,14 @@ fn nothing_after(value: f32) -> Vec3 {
 }
 
 fn pairs(c: &mut Criterion) {
-    let brdf = Arc::new(MerlBrdf::new(
-        Arc::new(decode_embedded("nickel").unwrap()),
-        LookupRule::Floor,
-    ));
+    let material = nickel();
     let points: Vec<Vec2> = (0..DRAWS)
         .map(|i| PointSet::Random.point(1, i, 0))
         .collect();
     let wo = views();
-    for (name, spec) in specs().into_iter().take(3) {
-        let sampler = spec.build(&brdf).unwrap();
+    for (name, text) in SAMPLERS.into_iter().take(3) {
+        let built = build(text, &material);
+        let sampler = built.as_dyn();
         let single: Vec<_> = wo
             .iter()
             .zip(&points)

@@ -37,7 +37,13 @@ pub mod render;
 pub mod sampler;
 
 pub use batch::Wo;
+pub use brdf::Brdf;
+pub use direction_sampler::{DirectionSample, DirectionSampler};
 pub use error::{Error, Result};
+/// Vectors in this crate's interface are those of this version of glam.
+pub use glam;
+pub use material::{Loaded, LookupRule, Material};
+pub use sampler::{Sampler, SamplerSpec};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

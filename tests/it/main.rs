@@ -4,10 +4,12 @@ mod adaptive;
 #[path = "../support/allocations.rs"]
 mod allocations;
 mod anisotropic;
+mod architecture;
 mod baselines;
 mod batches;
 mod bsdf;
 mod compare;
+mod examples;
 mod format;
 mod frozen;
 mod half_vector;

@@ -1,0 +1,40 @@
+//! `docs/architecture.md` names files that exist, and no more of them than it promises.
+
+use std::path::Path;
+
+use crate::ROOT;
+
+/// The most files that an addition may touch.
+const MOST_FILES: usize = 6;
+
+#[test]
+fn every_addition_touches_few_files_and_all_that_exist_are_there() {
+    let text = std::fs::read_to_string(format!("{ROOT}/docs/architecture.md")).unwrap();
+    let mut additions = 0;
+    for section in text.split("\n### To add ").skip(1) {
+        let (title, body) = section.split_once('\n').unwrap();
+        let body = body.split("\n## ").next().unwrap();
+        let rows: Vec<&str> = body.lines().filter(|l| l.starts_with("| `")).collect();
+        assert!(
+            !rows.is_empty() && rows.len() <= MOST_FILES,
+            "{title}: {} files",
+            rows.len()
+        );
+        for row in rows {
+            let path = row.split('`').nth(1).unwrap();
+            // NAME stands for what is added.
+            let known = path.split("NAME").next().unwrap();
+            let known = if path.contains("NAME") {
+                known.rsplit_once('/').unwrap().0
+            } else {
+                known
+            };
+            assert!(
+                Path::new(ROOT).join(known).exists(),
+                "{title}: {path} is not there"
+            );
+        }
+        additions += 1;
+    }
+    assert_eq!(additions, 5, "sampler, format, formula, light, export");
+}
