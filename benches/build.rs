@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
+use merlkit::material::Loaded;
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
@@ -19,6 +19,7 @@ fn benches(c: &mut Criterion) {
         Arc::new(decode_embedded("nickel").unwrap()),
         LookupRule::Floor,
     ));
+    let material = Loaded::from_table(brdf);
     let wo = spherical(0.7, 0.3).as_vec3();
     let mut group = c.benchmark_group("build");
     group
@@ -62,11 +63,11 @@ fn benches(c: &mut Criterion) {
             SamplerSpec::new(CascadeCdfSettings::uniform()),
         ),
     ] {
-        let sampler = spec.build(&brdf).unwrap();
+        let sampler = spec.build(&material).unwrap();
         let draw = sampler.sample(wo, PointSet::Sobol.point(1, 0, 0)).unwrap();
         assert_eq!(draw.pdf, sampler.pdf(wo, draw.wi), "{name}");
         group.bench_function(name, |b| {
-            b.iter(|| black_box(&spec).build(black_box(&brdf)).unwrap())
+            b.iter(|| black_box(&spec).build(black_box(&material)).unwrap())
         });
     }
     group.finish();

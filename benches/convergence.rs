@@ -7,11 +7,14 @@ use std::sync::Arc;
 use glam::Vec3;
 use merlkit::brdf::Importance;
 use merlkit::geometry::{POINTS_PER_BIN, spherical};
+use merlkit::material::Loaded;
+use merlkit::material::Loaded;
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, CosineSettings, HalfVectorSettings, LeafChoice,
+    SamplerSpec,
 };
 use merlkit_evaluate::measure::compare::MATERIALS;
 use merlkit_evaluate::measure::convergence::{ErrorAt, Incident, LitPoint, Runs, slope};
@@ -58,7 +61,9 @@ fn errors(spec: &SamplerSpec, brdfs: &[Arc<MerlBrdf>]) -> Vec<Vec<ErrorAt>> {
         first_seed: 1,
     };
     let of = |brdf: &Arc<MerlBrdf>| {
-        let sampler = spec.build(brdf).expect("a sampler");
+        let sampler = spec
+            .build(&Loaded::from_table(brdf.clone()))
+            .expect("a sampler");
         let point = LitPoint {
             brdf: &**brdf,
             importance: Importance::Mean,

@@ -13,12 +13,13 @@ use merlkit::brdf::{Brdf, Importance};
 use merlkit::color;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
+use merlkit::material::Loaded;
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, Sampler, SamplerSpec,
-    TableChoice,
+    AdaptiveDiscSettings, CascadeCdfSettings, CosineSettings, HalfVectorSettings, LeafChoice,
+    SamplerSpec, TableChoice,
 };
 use merlkit_evaluate::measure::accuracy::weight_spread;
 
@@ -65,7 +66,7 @@ fn rejection_free() -> SamplerSpec {
 }
 
 /// The draws estimate the albedo, within six standard errors by quadrature.
-fn assert_albedo(sampler: &Sampler, brdf: &MerlBrdf, wo: Vec3, points: &[Vec2]) {
+fn assert_albedo(sampler: &dyn DirectionSampler, brdf: &MerlBrdf, wo: Vec3, points: &[Vec2]) {
     let spread = weight_spread(
         sampler,
         brdf,
@@ -95,7 +96,8 @@ fn benches(c: &mut Criterion) {
     let points: Vec<Vec2> = (0..DRAWS)
         .map(|i| PointSet::Random.point(1, i, 0))
         .collect();
-    let samplers = specs().map(|(name, spec)| (name, spec.build(&brdf).unwrap()));
+    let samplers =
+        specs().map(|(name, spec)| (name, spec.build(&Loaded::from_table(brdf.clone())).unwrap()));
     for call in ["sample", "batch", "pdf"] {
         let mut group = c.benchmark_group(call);
         group
@@ -107,7 +109,7 @@ fn benches(c: &mut Criterion) {
         for (name, sampler) in &samplers {
             for degrees in ANGLES {
                 let wo = spherical(degrees.to_radians(), 0.4).as_vec3();
-                assert_albedo(sampler, &brdf, wo, &points);
+                assert_albedo(&**sampler, &brdf, wo, &points);
                 let id = BenchmarkId::new(*name, degrees);
                 if call == "sample" {
                     group.bench_with_input(id, &wo, |b, &wo| {
@@ -177,7 +179,7 @@ fn pairs(c: &mut Criterion) {
         .collect();
     let wo = views();
     for (name, spec) in specs().into_iter().take(3) {
-        let sampler = spec.build(&brdf).unwrap();
+        let sampler = spec.build(&Loaded::from_table(brdf.clone())).unwrap();
         let single: Vec<_> = wo
             .iter()
             .zip(&points)
