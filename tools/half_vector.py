@@ -22,9 +22,11 @@ class HalfVectorTable:
         end = 8 + int.from_bytes(raw[:8], "little")
         header = json.loads(raw[8:end])
         record = json.loads(header.pop("__metadata__")["merlkit"])
-        assert (record["version"], record["spec"]["sampler"]) == (2, "half-vector"), f"{path}: another version or sampler"
+        sampler, settings = record["spec"].split(":")[0], record["settings"]
+        single = "azimuths" not in settings
+        assert (record["version"], sampler, single) == (3, "half-vector", True), f"{path}: another version or sampler"
         t = {k: np.frombuffer(raw[end:], TYPES[v["dtype"]], v["shape"][0], v["data_offsets"][0]) for k, v in header.items()}
-        return t, *(record["spec"][k] for k in ("fold", "tables", "rows"))
+        return t, *(settings[k] for k in ("fold", "tables", "rows"))
 
 class About:
     """The table about directions wo (N × 3) above the horizon. Computes in f32 and in merlkit's order."""

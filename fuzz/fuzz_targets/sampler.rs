@@ -1,15 +1,15 @@
 #![no_main]
 
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
-use merlkit::material::merl::MerlBrdf;
+use merlkit::material::Loaded;
 
 #[allow(dead_code)] // each target uses its own part
 #[path = "../../tests/support/exercise.rs"]
 mod exercise;
 
-static BRDF: LazyLock<Arc<MerlBrdf>> = LazyLock::new(exercise::brdf);
+static MATERIAL: LazyLock<Loaded> = LazyLock::new(exercise::material);
 
 libfuzzer_sys::fuzz_target!(|input: &[u8]| {
-    exercise::sampler(input, &BRDF);
+    exercise::sampler(input, &MATERIAL);
 });

@@ -89,10 +89,17 @@ fn values_and_draws_are_those_of_the_file() {
 #[test]
 fn built_tables_draw_the_same() {
     let (folder, _) = folder();
-    let build = ["build", NAME, "--table-size", "2KB", "-o", "tables"];
+    let build = [
+        "build",
+        NAME,
+        "--sampler",
+        "half-vector:2KB",
+        "-o",
+        "tables",
+    ];
     let text = succeeds(run_in(folder.path(), &build, ""));
     assert!(
-        text.contains("half-vector for brushed,") && !text.contains("lookup"),
+        text.contains("half-vector:2KB for brushed,") && !text.contains("lookup"),
         "{text}"
     );
     let draws = ["--theta", "30", "--phi", "200", "--count", "20"];
@@ -103,10 +110,13 @@ fn built_tables_draw_the_same() {
             "",
         ))
     };
-    assert_eq!(sample(&["tables"]), sample(&[NAME, "--table-size", "2KB"]));
+    assert_eq!(
+        sample(&["tables"]),
+        sample(&[NAME, "--sampler", "half-vector:2KB"])
+    );
     let info = succeeds(run_in(folder.path(), &["info", "tables"], ""));
     assert!(
-        info.contains("half-vector 2KB at 8 azimuths") && info.contains("none"),
+        info.contains("half-vector:2KB") && info.contains("none"),
         "{info}"
     );
 }
@@ -120,17 +130,12 @@ fn checks_go_round_the_azimuth() {
         "--draws",
         "2000",
         "--sampler",
-        "half-vector",
-        "--azimuths",
-        "3",
+        "half-vector:azimuths=3",
         "--json",
         "-",
     ];
     let results = json(&succeeds(run_in(folder.path(), &arguments, "")));
-    assert_eq!(
-        results["results"][0]["sampler"],
-        "half-vector 64KB at 3 azimuths"
-    );
+    assert_eq!(results["results"][0]["sampler"], "half-vector:azimuths=3");
     let outcomes = results["results"][0]["outcomes"].as_array().unwrap();
     assert_eq!(outcomes.len(), 13 * 5 * 7);
     assert!(
@@ -148,8 +153,12 @@ fn reports_go_round_the_azimuth() {
         NAME,
         "--draws",
         "1000",
-        "--table-size",
-        "2KB",
+        "--sampler",
+        "half-vector:2KB",
+        "--sampler",
+        "cosine",
+        "--sampler",
+        "file",
         "--json",
         "json",
         "--csv",
@@ -160,7 +169,7 @@ fn reports_go_round_the_azimuth() {
         shown.contains("values of the file") && shown.contains("four azimuths"),
         "{shown}"
     );
-    for name in ["half-vector 2KB at 8 azimuths", "cosine", "file"] {
+    for name in ["half-vector:2KB", "cosine", "file"] {
         assert!(shown.contains(&format!("| {name} ")), "{shown}");
     }
     let written = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
@@ -170,7 +179,7 @@ fn reports_go_round_the_azimuth() {
         results["material_bytes"].as_u64().unwrap(),
         rgl.table_bytes() as u64
     );
-    let table = HalfVectorSettings::of(HalfVectorSettings::PRESETS[0].1).table;
+    let table = HalfVectorSettings::PRESETS[0].1.for_anisotropic();
     for (sampler, bytes) in [(0, 8 * table.bytes()), (2, DirectionSampler::bytes(&rgl))] {
         let figures = &results["samplers"][sampler];
         assert_eq!(figures["angles"].as_array().unwrap().len(), 28);
@@ -228,21 +237,36 @@ fn samplers_that_do_not_fit_are_refused() {
         fails(run_in(folder.path(), &[&common[..], options].concat(), ""))
     };
     for name in [
-        "ggx",
+        "lobe:ggx",
         "cascade-cdf",
         "adaptive-disc",
         "factored",
-        "disc-rejection",
+        "adaptive-disc:rejection",
     ] {
         let text = sample(NAME, &["--sampler", name]);
-        assert!(text.contains("half-vector, file or cosine"), "{text}");
+        assert!(text.contains("half-vector, cosine or file"), "{text}");
     }
-    assert!(sample("nickel", &["--sampler", "file"]).contains("choose another"));
-    assert!(sample("nickel", &["--azimuths", "4"]).contains("leave the azimuths out"));
-    assert!(sample(NAME, &["--azimuths", "1"]).contains("2 to 256"));
-    assert!(sample(NAME, &["--sampler", "file", "--azimuths", "4"]).contains("no setting of file"));
-    assert!(fails(run(&["check", "nickel", "--azimuths", "4"], "")).contains("isotropic"));
-    assert!(fails(run(&["check", "--hard", "--table-size", "2KB"], "")).contains("--hard"));
+    assert!(sample("nickel", &["--sampler", "file"]).contains("choose half-vector"));
+    assert!(
+        sample("nickel", &["--sampler", "half-vector:azimuths=4"])
+            .contains("leave the azimuths out")
+    );
+    assert!(sample(NAME, &["--sampler", "half-vector:azimuths=1"]).contains("2 to 256"));
+    assert!(sample(NAME, &["--sampler", "file:azimuths=4"]).contains("no setting of file"));
+    assert!(
+        fails(run(
+            &["check", "nickel", "--sampler", "half-vector:azimuths=4"],
+            ""
+        ))
+        .contains("isotropic")
+    );
+    assert!(
+        fails(run(
+            &["check", "--hard", "--sampler", "half-vector:2KB"],
+            ""
+        ))
+        .contains("--hard")
+    );
 }
 
 /// Before the first material is worked on.

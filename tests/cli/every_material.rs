@@ -38,11 +38,11 @@ const COMMANDS: [(&str, [Answer; 4]); 21] = [
     ("eval MATERIAL --wo 30,10 --wi 20,170", [Result; 4]),
     ("build MATERIAL --table-size 2KB -o out", [Result; 4]),
     (
-        "build MATERIAL --sampler adaptive-disc --depth 2 --tables 2 -o out",
+        "build MATERIAL --sampler adaptive-disc:depth=2,tables=2 -o out",
         [Result, NO_TABLE, NOT_FOR_ANISOTROPIC, NO_TABLE],
     ),
     (
-        "build MATERIAL --sampler ggx -o out",
+        "build MATERIAL --sampler lobe:ggx -o out",
         [Result, Result, NOT_FOR_ANISOTROPIC, Result],
     ),
     (
@@ -66,7 +66,7 @@ const COMMANDS: [(&str, [Answer; 4]); 21] = [
     ),
     ("plot MATERIAL --kind lobe -o out.svg", [Result; 4]),
     (
-        "plot MATERIAL --kind lobe-polar --sampler half-vector --table-size 2KB -o out.svg",
+        "plot MATERIAL --kind lobe-polar --sampler half-vector:2KB -o out.svg",
         [Result; 4],
     ),
     (
@@ -220,7 +220,7 @@ fn samplers_of_other_materials_than_tables_come_back_from_their_files() {
     let folder = folder();
     let run = |arguments: &[&str]| succeeds(run_in(folder.path(), arguments, ""));
     for material in [ISOTROPIC, FORMULA] {
-        for sampler in ["half-vector", "ggx"] {
+        for sampler in ["half-vector", "lobe:ggx"] {
             let build = ["build", material, "--sampler", sampler, "-o", "tables"];
             run(&[&build[..], &["--lookup", "linear", "--force"]].concat());
             let draws = ["--theta", "30", "--count", "10"];
@@ -260,6 +260,6 @@ fn comparisons_leave_out_what_a_material_does_not_support() {
         .iter()
         .map(|c| c["label"].as_str().unwrap().to_owned())
         .collect();
-    assert!(labels.iter().any(|l| l == "half-vector 64KB"), "{labels:?}");
+    assert!(labels.iter().any(|l| l == "half-vector:64KB"), "{labels:?}");
     assert!(!labels.iter().any(|l| l.contains("adaptive")), "{labels:?}");
 }

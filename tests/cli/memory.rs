@@ -95,9 +95,7 @@ fn a_report_of_many_materials_takes_no_more_than_one_of_few() {
         "--sampler",
         "cosine",
         "--sampler",
-        "cascade-cdf",
-        "--tables",
-        "2",
+        "cascade-cdf:tables=2",
     ];
     let report = |count: usize| {
         peak(

@@ -90,24 +90,21 @@ fn the_reader_draws_what_the_library_draws() {
     }
     let folder = tempfile::tempdir().unwrap();
     let cases: [(&str, &[&str]); 6] = [
-        ("nickel", &["--table-size", "2KB"]),
-        ("nickel", &["--table-size", "64KB"]),
-        ("red-plastic", &["--table-size", "2KB"]),
-        ("red-plastic", &["--table-size", "64KB"]),
+        ("nickel", &["--sampler", "half-vector:2KB"]),
+        ("nickel", &["--sampler", "half-vector:64KB"]),
+        ("red-plastic", &["--sampler", "half-vector:2KB"]),
+        ("red-plastic", &["--sampler", "half-vector:64KB"]),
         (
             "chrome",
-            &["--tables", "1", "--rows", "2", "--segments", "1"],
+            &["--sampler", "half-vector:tables=1,rows=2,segments=1"],
         ),
         (
             "chrome",
             &[
-                "--table-size",
-                "8KB",
-                "--no-fold",
+                "--sampler",
+                "half-vector:8KB,unfolded,luminance",
                 "--lookup",
                 "linear",
-                "--importance",
-                "luminance",
             ],
         ),
     ];
@@ -128,7 +125,7 @@ fn the_reader_rejects_draws_that_differ() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    build_and_draw(folder.path(), "nickel", &["--table-size", "64KB"]);
+    build_and_draw(folder.path(), "nickel", &["--sampler", "half-vector:64KB"]);
     let draws = std::fs::read_to_string(folder.path().join("draws.csv")).unwrap();
     // Columns of wi_z and pdf: too large in every hundredth line, by little more than is allowed.
     for (column, by) in [(7, 3e-5), (8, 0.0)] {

@@ -33,7 +33,7 @@ fn a_sampler_file_tells_when_its_material_is_elsewhere() {
 }
 
 /// Few tables, so that a sampler is built in no time.
-pub const QUICK: [&str; 4] = ["--sampler", "cascade-cdf", "--tables", "3"];
+pub const QUICK: [&str; 2] = ["--sampler", "cascade-cdf:tables=3"];
 
 #[test]
 fn a_built_file_draws_what_the_material_draws() {
@@ -44,26 +44,14 @@ fn a_built_file_draws_what_the_material_draws() {
     ];
     let cases: [&[&str]; 4] = [
         &QUICK,
-        &["--table-size", "2KB", "--tables", "3"],
+        &["--sampler", "half-vector:2KB,tables=3"],
         &[
             "--sampler",
-            "cascade-cdf",
-            "--tables",
-            "2",
-            "--uncompressed",
+            "cascade-cdf:uniform,tables=2",
             "--lookup",
             "centred",
         ],
-        &[
-            "--sampler",
-            "adaptive-disc",
-            "--tables",
-            "5",
-            "--choice",
-            "nearest",
-            "--importance",
-            "luminance",
-        ],
+        &["--sampler", "adaptive-disc:tables=5,nearest,luminance"],
     ];
     for settings in cases {
         let file = ["build", "nickel", "-o", "s.safetensors", "--force"];
@@ -158,82 +146,38 @@ fn a_fit_cloud_has_the_shape_of_the_thesis() {
 }
 
 #[test]
-fn bad_settings_name_the_option() {
+fn bad_samplers_are_answered_with_what_there_is() {
     let sample = ["sample", "nickel", "--count", "1", "--theta", "10"];
-    let cases: [(&[&str], &str); 22] = [
+    for (sampler, expected) in [
+        ("cosine:tables=4", "no setting of cosine is called tables"),
         (
-            &["--sampler", "cosine", "--tables", "4"],
-            "--tables is no setting of cosine",
+            "adaptive-disc:2KB",
+            "no setting of adaptive-disc is called 2KB",
         ),
-        (
-            &["--sampler", "adaptive-disc", "--uncompressed"],
-            "--uncompressed is no setting of adaptive-disc",
-        ),
-        (
-            &["--sampler", "cascade-cdf", "--depth", "4"],
-            "--depth is no setting of cascade-cdf",
-        ),
-        (&["--tables", "0"], "0 tables"),
-        (&["--tables", "few"], "--tables <N>"),
-        (
-            &["--choice", "nearest"],
-            "--choice is no setting of half-vector",
-        ),
-        (&["--floor", "0.1"], "--floor is no setting of half-vector"),
-        (
-            &["--as-published"],
-            "--as-published is no setting of half-vector",
-        ),
-        (
-            &["--sampler", "adaptive-disc", "--table-size", "2KB"],
-            "--table-size is no setting of adaptive-disc",
-        ),
-        (
-            &["--sampler", "cascade-cdf", "--fold"],
-            "--fold is no setting of cascade-cdf",
-        ),
-        (
-            &["--sampler", "cosine", "--rows", "9"],
-            "--rows is no setting of cosine",
-        ),
-        (
-            &["--fold", "--no-fold"],
-            "'--fold' cannot be used with '--no-fold'",
-        ),
-        (&["--table-size", "3KB"], "[possible values: 2KB, 4KB, "),
-        (&["--rows", "80"], "80 rows"),
-        (&["--segments", "0"], "0 segments"),
-        (
-            &["--sampler", "adaptive-disc", "--floor", "2"],
-            "floor is 2",
-        ),
-        (
-            &["--sampler", "adaptive-disc", "--n-max", "1"],
-            "n_max is 1",
-        ),
-        (
-            &["--sampler", "adaptive-disc", "--depth", "40"],
-            "depth is 40",
-        ),
-        (&["--sampler", "adaptive-disc", "--grid", "4"], "4 pixels"),
-        (
-            &["--sampler", "cascade-cdf", "--resolution", "1024"],
-            "--resolution <THETAxPHI>",
-        ),
-        (
-            &["--sampler", "cascade-cdf", "--tolerance", "nan"],
-            "tolerance",
-        ),
-        (
-            &["--sampler", "magic"],
-            "[possible values: half-vector, adaptive-disc, cascade-cdf, cosine, cosine-lobe",
-        ),
-    ];
-    for (settings, expected) in cases {
-        let output = run(&[&sample, settings].concat(), "");
-        assert!(output.stdout.is_empty(), "{settings:?}");
+        ("cascade-cdf:dept=4", "no setting of cascade-cdf is called"),
+        ("half-vector:tables=0", "choose 1 to 1024"),
+        ("half-vector:rows=80", "choose 2 to 79"),
+        ("half-vector:3KB", "did you mean"),
+        ("adaptive-disc:floor=2", "choose 0 to 1"),
+        ("adaptive-disc:n-max=1", "choose above 1"),
+        ("adaptive-disc:depth=40", "choose 0 to 14"),
+        ("cascade-cdf:cells=1024", "such as 1024x512"),
+        ("magic", "choose half-vector, adaptive-disc, cascade-cdf"),
+        ("ggx", "lobe:ggx"),
+        ("disc-rejection", "adaptive-disc:rejection"),
+    ] {
+        let output = run(&[&sample[..], &["--sampler", sampler]].concat(), "");
+        assert!(output.stdout.is_empty(), "{sampler}");
         let text = fails(output);
-        assert!(text.contains(expected), "{settings:?}: {text}");
+        assert!(text.contains(expected), "{sampler}: {text}");
+    }
+    // The options that settings had before are gone from every command.
+    for command in ["build", "sample", "report", "check", "plot", "render"] {
+        let text = fails(run(&[command, "nickel", "--table-size", "2KB"], ""));
+        assert!(
+            text.contains("unexpected argument '--table-size'"),
+            "{text}"
+        );
     }
     for theta in ["90", "-1", "nan"] {
         let text = fails(run(
@@ -246,8 +190,51 @@ fn bad_settings_name_the_option() {
     assert!(text.contains("significance 0"), "{text}");
 }
 
-/// What a sampler file says of its settings.
-fn spec_in(folder: &Path, file: &str) -> serde_json::Value {
+/// What `merlkit samplers` lists is what `--sampler` takes.
+#[test]
+fn samplers_and_their_settings_are_listed() {
+    let all = succeeds(run(&["samplers"], ""));
+    for name in [
+        "half-vector:64KB",
+        "adaptive-disc",
+        "cascade-cdf",
+        "lobe:ggx",
+        "factored",
+        "cosine",
+        "file",
+        "a MERL table",
+    ] {
+        assert!(all.contains(&format!("| {name} ")), "{name}: {all}");
+    }
+    let disc = succeeds(run(&["samplers", "adaptive-disc"], ""));
+    for word in [
+        "| depth ",
+        "0 to 14",
+        "rejection-free",
+        "| published ",
+        "Example: --sampler",
+    ] {
+        assert!(disc.contains(word), "{word}: {disc}");
+    }
+    let document = json(&succeeds(run(&["samplers", "--json"], "")));
+    assert_eq!(document["kind"], "samplers");
+    let samplers = document["results"].as_array().unwrap();
+    assert_eq!(samplers.len(), 7);
+    let sample = ["sample", "nickel", "--count", "1", "--theta", "10"];
+    for sampler in samplers.iter().filter(|s| s["name"] != "file") {
+        let example = sampler["example"].as_str().unwrap();
+        if sampler["name"] != "factored" {
+            succeeds(run(&[&sample[..], &["--sampler", example]].concat(), ""));
+        }
+        for setting in sampler["settings"].as_array().unwrap() {
+            assert!(!setting["domain"].as_str().unwrap().is_empty(), "{setting}");
+        }
+    }
+    assert!(fails(run(&["samplers", "ggx"], "")).contains("lobe:ggx"));
+}
+
+/// What a sampler file says of its settings, asked for and one by one.
+fn spec_in(folder: &Path, file: &str) -> (String, serde_json::Value) {
     let document = json(&succeeds(run_in(
         folder,
         &["info", file, "--json", "-"],
@@ -257,7 +244,9 @@ fn spec_in(folder: &Path, file: &str) -> serde_json::Value {
         (&document["schema"], &document["kind"]),
         (&1.into(), &"info".into())
     );
-    document["results"][0]["spec"].clone()
+    let record = &document["results"][0];
+    let spec = record["spec"].as_str().unwrap().to_owned();
+    (spec, record["settings"].clone())
 }
 
 #[test]
@@ -266,46 +255,38 @@ fn the_half_vector_table_is_the_default_and_has_its_settings() {
     let spec = |settings: &[&str]| {
         let build = ["build", "nickel", "-o", "s", "--force"];
         let told = succeeds(run_in(folder.path(), &[&build, settings].concat(), ""));
-        assert!(told.starts_with("s: half-vector for nickel"), "{told}");
+        assert!(told.starts_with("s: half-vector:"), "{told}");
         spec_in(folder.path(), "s")
     };
     let default = spec(&[]);
-    assert_eq!(
-        default,
-        spec(&["--sampler", "half-vector", "--table-size", "64kb"])
-    );
+    assert_eq!(default.0, "half-vector:64KB");
+    assert_eq!(default, spec(&["--sampler", "half-vector:64kb"]));
     let length = folder.path().join("s").metadata().unwrap().len();
     assert!((50_000..70_000).contains(&length), "{length} bytes");
-    let small = spec(&["--table-size", "2KB"]);
+    let (small, mut settings) = spec(&["--sampler", "half-vector:2KB"]);
+    assert_eq!(small, "half-vector:2KB");
     assert!(
-        small != default && small["fold"] == true && default["fold"] == false,
-        "{small} {default}"
+        settings["fold"] == true && default.1["fold"] == false,
+        "{settings} {default:?}"
     );
-    let free = [
-        "--tables",
-        "3",
-        "--rows",
-        "5",
-        "--segments",
-        "7",
-        "--fold",
-        "--importance",
-        "luminance",
-    ];
+    let free = "half-vector:tables=3,rows=5,segments=7,folded,luminance";
     let expected = serde_json::json!({
-        "sampler": "half-vector", "tables": 3, "rows": 5, "segments": 7, "fold": true, "importance": "luminance",
+        "tables": 3, "rows": 5, "segments": 7, "fold": true, "importance": "luminance",
     });
-    assert_eq!(spec(&free), expected);
-    let mut unfolded = small;
-    unfolded["fold"] = false.into();
-    assert_eq!(spec(&["--table-size", "2KB", "--no-fold"]), unfolded);
+    assert_eq!(spec(&["--sampler", free]), (free.to_owned(), expected));
+    settings["fold"] = false.into();
+    let unfolded = "half-vector:2KB,unfolded";
+    assert_eq!(
+        spec(&["--sampler", unfolded]),
+        (unfolded.to_owned(), settings)
+    );
 }
 
 #[test]
 fn commands_without_a_sampler_draw_by_the_half_vector_table() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| succeeds(run_in(folder.path(), arguments, ""));
-    let settings = ["--sampler", "half-vector"];
+    let settings = ["--sampler", "half-vector:64KB"];
     let sample = ["sample", "nickel", "--theta", "50", "--count", "20"];
     assert_eq!(run(&sample), run(&[&sample[..], &settings].concat()));
     let picture = |settings: &[&str]| {
@@ -315,12 +296,18 @@ fn commands_without_a_sampler_draw_by_the_half_vector_table() {
     };
     let default = picture(&[]);
     assert!(default == picture(&settings) && default != picture(&["--sampler", "cosine"]));
-    let report = run(&["report", "nickel", "--tables", "2", "--draws", "500"]);
-    assert_eq!(
-        report.matches("| half-vector 2×").count(),
-        3,
-        "three sizes:\n{report}"
-    );
+    let report = run(&["report", "teflon", "--draws", "500"]);
+    for sampler in [
+        "half-vector:2KB",
+        "half-vector:64KB",
+        "half-vector:1MB",
+        "cosine",
+        "adaptive-disc",
+        "cascade-cdf:uniform",
+        "cascade-cdf",
+    ] {
+        assert!(report.contains(&format!("| {sampler} ")), "{report}");
+    }
 }
 
 #[test]
@@ -332,15 +319,15 @@ fn info_tells_what_a_sampler_file_is() {
         "nickel",
         "-o",
         "s",
-        "--table-size",
-        "4KB",
+        "--sampler",
+        "half-vector:4KB",
         "--lookup",
         "linear",
     ]));
     let text = succeeds(run(&["info", "s", "teflon"]));
     for word in [
         "sampler file",
-        "half-vector 4KB",
+        "half-vector:4KB",
         "nickel (embedded)",
         "linear",
         "albedo at 80°",
@@ -394,7 +381,10 @@ fn a_sampler_file_brings_its_own_settings() {
     succeeds(run(&[&["build", "nickel", "-o", "s"][..], &QUICK].concat()));
     let sample = ["sample", "s", "--theta", "5", "--count", "3"];
     for (extra, expected) in [
-        (&["--tables", "3"][..], "--tables has no effect on s"),
+        (
+            &["--sampler", "cascade-cdf:tables=4"][..],
+            "s holds the sampler cascade-cdf:tables=3; leave --sampler out",
+        ),
         (&["--sampler", "cosine"], "leave --sampler out"),
         (&["--lookup", "linear"], "leave --lookup out"),
         (&["--material", "teflon"], "the sampler was built from"),
@@ -459,7 +449,7 @@ fn files_and_draws_do_not_depend_on_threads() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| succeeds(run_in(folder.path(), arguments, ""));
     for sampler in ["half-vector", "adaptive-disc", "cascade-cdf"] {
-        let settings = ["--sampler", sampler, "--tables", "5"];
+        let settings = ["--sampler", &format!("{sampler}:tables=5")];
         let results = ["1", "2"].map(|threads| {
             let common = [&settings[..], &["--threads", threads]].concat();
             run(&[&["build", "chrome", "-o", "s", "--force"][..], &common].concat());

@@ -120,12 +120,8 @@ fn arguments_without_meaning_are_refused_before_the_work() {
                 "--count",
                 "1",
                 "--sampler",
-                "cascade-cdf",
-                "--uncompressed",
-            ]
-            .into_iter()
-            .chain(["--resolution", "8192x8192", "--tables", "64"])
-            .collect::<Vec<_>>(),
+                "cascade-cdf:cells=8192x8192,tables=64,tolerance=none",
+            ],
             "64 tables of 8192 × 8192 cells",
         ),
     ] {

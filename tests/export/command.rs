@@ -73,14 +73,14 @@ fn options_of_other_formats_are_refused() {
             "nickel",
             "--format",
             "bsdf",
-            "--table-size",
-            "2KB",
+            "--sampler",
+            "half-vector:2KB",
             "-o",
             "out",
         ],
     );
     assert!(
-        said.contains("--table-size is no option of --format bsdf"),
+        said.contains("--sampler is no option of --format bsdf"),
         "{said}"
     );
     assert!(said.contains("choose --format header or npz"), "{said}");
@@ -90,13 +90,13 @@ fn options_of_other_formats_are_refused() {
             "nickel",
             "--format",
             "header",
-            "--table-size",
-            "3KB",
+            "--sampler",
+            "half-vector:3KB",
             "-o",
             "out",
         ],
     );
-    assert!(said.contains("[possible values: 2KB"), "{said}");
+    assert!(said.contains("called 3KB; did you mean"), "{said}");
     assert!(
         fails(folder.path(), &["nickel", "--format", "h", "-o", "out"])
             .contains("bsdf, npz, header")
@@ -112,8 +112,8 @@ fn files_are_named_described_and_replaced_only_by_force() {
         "nickel",
         "--format",
         "header",
-        "--table-size",
-        "2kb",
+        "--sampler",
+        "half-vector:2kb",
         "-o",
         "new/out",
     ];
@@ -182,8 +182,8 @@ fn files_are_named_described_and_replaced_only_by_force() {
             "nickel",
             "--format",
             "npz",
-            "--table-size",
-            "2KB",
+            "--sampler",
+            "half-vector:2KB",
             "-o",
             "new/out",
         ],

@@ -155,8 +155,8 @@ fn the_reader_draws_from_archives_what_the_library_draws() {
         merlkit(&[
             "build",
             material,
-            "--table-size",
-            size,
+            "--sampler",
+            &format!("half-vector:{size}"),
             "-o",
             "s",
             "--force",
@@ -166,8 +166,8 @@ fn the_reader_draws_from_archives_what_the_library_draws() {
             material,
             "--format",
             "npz",
-            "--table-size",
-            size,
+            "--sampler",
+            &format!("half-vector:{size}"),
             "-o",
             ".",
         ]);

@@ -267,12 +267,8 @@ struct Parts {
 impl Parts {
     fn of(spec: SamplerSpec) -> Self {
         let material = Material::resolve("red-plastic").unwrap();
-        let bytes = encode(
-            &spec.build(&exercise::brdf()).unwrap(),
-            &material,
-            LookupRule::Floor,
-        )
-        .unwrap();
+        let sampler = spec.build(&exercise::material()).unwrap();
+        let bytes = encode(&sampler, &material).unwrap();
         let (_, header) = SafeTensors::read_metadata(&bytes).unwrap();
         let file = SafeTensors::deserialize(&bytes).unwrap();
         let mut tensors: Vec<_> = file
@@ -350,9 +346,9 @@ impl Parts {
     }
 
     fn change_setting(&mut self, random: &mut Stream) {
-        let spec = self.record["spec"].as_object_mut().unwrap();
-        let keys: Vec<String> = spec.keys().cloned().collect();
-        let value = &mut spec[&keys[below(random, keys.len())]];
+        let settings = self.record["settings"].as_object_mut().unwrap();
+        let keys: Vec<String> = settings.keys().cloned().collect();
+        let value = &mut settings[&keys[below(random, keys.len())]];
         *value = match below(random, 8) {
             0 => 0.into(),
             1 => (-1).into(),
@@ -369,10 +365,10 @@ impl Parts {
 fn drive_sampler(name: &str, spec: SamplerSpec) {
     // They share the reader of the file, and each has a reader of its tensors.
     let share = 7;
-    let (good, brdf) = (Parts::of(spec), exercise::brdf());
+    let (good, material) = (Parts::of(spec), exercise::material());
     let whole = good.clone().write();
     assert!(
-        exercise::sampler(&whole, &brdf),
+        exercise::sampler(&whole, &material),
         "{name}: what was not mutated is accepted"
     );
     let make = |random: &mut Stream| {
@@ -390,7 +386,7 @@ fn drive_sampler(name: &str, spec: SamplerSpec) {
         parts.write()
     };
     drive(name, SAMPLER_FACTOR, share, make, |input| {
-        exercise::sampler(input, &brdf)
+        exercise::sampler(input, &material)
     });
 }
 
@@ -572,7 +568,7 @@ fn a_hang_is_seen() {
 /// What once failed.
 #[test]
 fn kept_crashes_are_refused() {
-    let brdf = exercise::brdf();
+    let material = exercise::material();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/crashes");
     let files = |parser: &str| -> Vec<PathBuf> {
         std::fs::read_dir(folder.join(parser))
@@ -591,7 +587,7 @@ fn kept_crashes_are_refused() {
                 if parser == "exr" {
                     exercise::exr(&bytes)
                 } else {
-                    exercise::sampler(&bytes, &brdf)
+                    exercise::sampler(&bytes, &material)
                 }
             };
             let (_, peak) = peak_of(read);

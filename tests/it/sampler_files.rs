@@ -219,7 +219,7 @@ impl Forged {
     }
 
     fn settings(&mut self, key: &str, value: serde_json::Value) {
-        self.record["spec"][key] = value;
+        self.record["settings"][key] = value;
     }
 }
 
@@ -266,7 +266,7 @@ const COMMON: [Forgery; 5] = [
     (
         "another version",
         |f| f.record["version"] = 1.into(),
-        "layout version 2, found version 1",
+        "layout version 3, found version 1",
     ),
     (
         "no version",
@@ -275,18 +275,21 @@ const COMMON: [Forgery; 5] = [
     ),
     (
         "an unknown sampler",
-        |f| f.settings("sampler", "magic".into()),
+        |f| f.record["spec"] = "magic".into(),
         "metadata of a merlkit sampler",
     ),
     (
         "a sampler without tables",
-        |f| f.record["spec"] = serde_json::json!({"sampler": "cosine"}),
+        |f| {
+            f.record["spec"] = "cosine".into();
+            f.record["settings"] = serde_json::json!({});
+        },
         "cosine",
     ),
     (
         "a floor above 1",
         |f| f.settings("floor", 1.5.into()),
-        "floor is 1.5",
+        "floor=1.5",
     ),
 ];
 
@@ -388,12 +391,12 @@ fn forged_trees_are_refused() {
         (
             "no trees at all",
             |f| f.settings("tables", 0.into()),
-            "0 trees",
+            "tables=0",
         ),
         (
             "more trees than can be counted",
             |f| f.settings("tables", u64::MAX.into()),
-            "trees",
+            "tables=18446744073709551615",
         ),
         (
             "a missing tensor",
@@ -410,7 +413,7 @@ fn forged_trees_are_refused() {
         (
             "a depth past its domain",
             |f| f.settings("depth", 99.into()),
-            "depth is 99",
+            "depth=99",
         ),
     ];
     forgeries.extend(COMMON);
@@ -449,7 +452,7 @@ fn forged_warps_are_refused() {
         (
             "more trees than can be counted",
             |f| f.settings("tables", u64::MAX.into()),
-            "trees",
+            "tables=18446744073709551615",
         ),
         (
             "a missing split",
@@ -579,7 +582,7 @@ fn forged_curves_are_refused() {
         (
             "a grid past its domain",
             |f| f.settings("phi_h", 100_000.into()),
-            "100000 cells",
+            "x100000",
         ),
         (
             "a missing tensor",
@@ -720,7 +723,7 @@ fn forged_half_vector_tables_are_refused() {
         (
             "no segments",
             |f| f.settings("segments", 0.into()),
-            "0 segments",
+            "segments=0",
         ),
         (
             "more segments than can be",
@@ -769,7 +772,7 @@ fn forged_lobes_are_refused() {
         (
             "another lobe",
             |f| f.settings("kind", "magic".into()),
-            "metadata of a merlkit sampler",
+            "settings of a merlkit sampler",
         ),
         (
             "parameters past their domain in both places",
@@ -850,7 +853,7 @@ fn forged_factors_are_refused() {
             |f| f.settings("tables", 6.into()),
             "36 of 6 terms",
         ),
-        ("no tables", |f| f.settings("tables", 0.into()), "0 tables"),
+        ("no tables", |f| f.settings("tables", 0.into()), "tables=0"),
         (
             "more tables than can be",
             |f| f.settings("tables", u64::MAX.into()),
@@ -863,23 +866,23 @@ fn forged_factors_are_refused() {
         ),
         (
             "other cells",
-            |f| f.record["spec"]["factors"]["theta"] = 41.into(),
+            |f| f.record["settings"]["factors"]["theta"] = 41.into(),
             "theta curves over 41",
         ),
         (
             "another J",
-            |f| f.record["spec"]["factors"]["outer"] = 4.into(),
+            |f| f.record["settings"]["factors"]["outer"] = 4.into(),
             "of 8 terms",
         ),
         (
             "no J",
-            |f| f.record["spec"]["factors"]["outer"] = 0.into(),
-            "J is 0",
+            |f| f.record["settings"]["factors"]["outer"] = 0.into(),
+            "factors=0x2/",
         ),
         (
             "a floor past 1",
-            |f| f.record["spec"]["factors"]["floor"] = 1.5.into(),
-            "floor is 1.5",
+            |f| f.record["settings"]["factors"]["floor"] = 1.5.into(),
+            "/1.5",
         ),
         (
             "a missing tensor",

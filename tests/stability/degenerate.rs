@@ -1,5 +1,6 @@
 //! Materials and directions at which samplers of other kinds divide by zero.
 
+use crate::support::loaded;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
@@ -10,8 +11,8 @@ use merlkit::material::merl::{Header, MerlTable};
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, Construction, HalfVectorSettings, LeafChoice,
-    SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, Construction, CosineSettings, HalfVectorSettings,
+    LeafChoice, SamplerSpec,
 };
 
 type Cell = fn(usize, usize, usize) -> [f64; 3];
@@ -187,7 +188,7 @@ fn every_draw_and_density_is_finite_and_agrees() {
         for rule in [LookupRule::Floor, LookupRule::Linear] {
             let brdf = Arc::new(MerlBrdf::new(table.clone(), rule));
             for (name, spec) in specs() {
-                let sampler = spec.build(&brdf).unwrap();
+                let sampler = spec.build(&loaded(&brdf)).unwrap();
                 for &wo in &directions() {
                     for &u in &points() {
                         let Some(s) = sampler.sample(wo, u) else {
@@ -230,7 +231,7 @@ fn directions_outside_the_domain_draw_nothing() {
         Vec3::ZERO,
     ];
     for (name, spec) in specs() {
-        let sampler = spec.build(&brdf).unwrap();
+        let sampler = spec.build(&loaded(&brdf)).unwrap();
         for wo in bad {
             assert_eq!(sampler.sample(wo, Vec2::splat(0.3)), None, "{name} {wo}");
             assert_eq!(sampler.pdf(wo, Vec3::Z), 0.0, "{name} {wo}");
@@ -282,7 +283,10 @@ fn settings_out_of_range_are_errors() {
         }),
     ] {
         assert!(
-            matches!(spec.build(&brdf), Err(merlkit::Error::Argument { .. })),
+            matches!(
+                spec.build(&loaded(&brdf)),
+                Err(merlkit::Error::Argument { .. })
+            ),
             "{spec:?}"
         );
     }
@@ -302,7 +306,7 @@ fn no_weight_is_beyond_all_bounds_where_light_ends_at_an_edge() {
         tables: 3,
         ..Default::default()
     };
-    let disc = SamplerSpec::new(settings).build(&brdf).unwrap();
+    let disc = SamplerSpec::new(settings).build(&loaded(&brdf)).unwrap();
     let wo = spherical(60.25f64.to_radians(), 2.5).as_vec3();
     let (mut heaviest, mut lost) = (0.0f32, 0);
     for i in 0..100_000 {

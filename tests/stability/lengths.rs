@@ -1,5 +1,6 @@
 //! Directions whose length is not 1 are renormalised: BRDFs and samplers give what they give for the unit direction.
 
+use crate::support::loaded;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
@@ -15,8 +16,8 @@ fn directions_of_any_length_are_renormalised() {
     let table = Arc::new(HardCase::named("noise").unwrap().table());
     for rule in LookupRule::ALL {
         let brdf = Arc::new(MerlBrdf::new(table.clone(), rule));
-        for hard in hard_samplers() {
-            let sampler = hard.spec.build(&brdf).unwrap();
+        for hard in hard_samplers().unwrap() {
+            let sampler = hard.spec.build(&loaded(&brdf)).unwrap();
             for (wo_length, wi_length) in [
                 (1.001f32, 1.0f32),
                 (1.0, 0.999),

@@ -15,7 +15,7 @@ use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::{PointSet, Stream};
 use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, SceneSpec, render};
 use merlkit::sampler::store::encode;
-use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable, Sampler};
+use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable, SamplerSpec};
 
 use crate::support::half_vector_oracle::Oracle;
 use crate::support::precise::{Exact, ulp};
@@ -114,16 +114,11 @@ fn cosine_pdf() -> Row {
 /// The default half-vector table of nickel, and the same in f64.
 static NICKEL: LazyLock<(HalfVectorTable, Oracle)> = LazyLock::new(|| {
     let material = Material::resolve("nickel").unwrap();
-    let brdf = material.load(LookupRule::Floor).unwrap();
-    let brdf = &**brdf.brdf();
+    let loaded = material.load(LookupRule::Floor).unwrap();
     let settings = HalfVectorSettings::default();
-    let sampler = HalfVectorTable::build(brdf, settings).unwrap();
-    let file = encode(
-        &Sampler::HalfVector(sampler.clone()),
-        &material,
-        LookupRule::Floor,
-    )
-    .unwrap();
+    let sampler = HalfVectorTable::build(&**loaded.brdf(), settings).unwrap();
+    let stored = SamplerSpec::new(settings).build(&loaded).unwrap();
+    let file = encode(&stored, &material).unwrap();
     (sampler, Oracle::new(&file, settings.fold))
 });
 

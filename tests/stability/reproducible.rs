@@ -20,7 +20,8 @@ use merlkit::points::PointSet;
 use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render};
 use merlkit::sampler::store::{SamplerFile, encode};
 use merlkit::sampler::{
-    AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, Sampler, SamplerSpec,
+    AdaptiveDiscSettings, CascadeCdfSettings, CosineSettings, HalfVectorSettings, LeafChoice,
+    Sampler, SamplerSpec,
 };
 use merlkit_evaluate::measure::hard::{Thoroughness, check_hard};
 
@@ -87,7 +88,7 @@ fn draws(sampler: &Sampler) -> u64 {
     hash.0
 }
 
-fn picture(brdf: &Arc<MerlBrdf>, sampler: &Arc<Sampler>) -> Image {
+fn picture(brdf: &Arc<MerlBrdf>, sampler: &Sampler) -> Image {
     let row = SceneSpec::row(&["left".into(), "right".into()], 1.5);
     let lights = vec![
         row.light("area").unwrap(),
@@ -101,7 +102,7 @@ fn picture(brdf: &Arc<MerlBrdf>, sampler: &Arc<Sampler>) -> Image {
     };
     let surface = Surface {
         brdf: brdf.clone(),
-        sampler: Some(sampler.clone()),
+        sampler: Some(sampler.shared()),
     };
     let scene = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| Ok(surface.clone())).unwrap();
     let settings = RenderSettings {
@@ -126,17 +127,13 @@ fn everything(threads: usize) -> Vec<u64> {
         .unwrap();
     pool.install(|| {
         let material = Material::resolve("nickel").unwrap();
-        let brdf = material
-            .load(LookupRule::Floor)
-            .unwrap()
-            .table()
-            .unwrap()
-            .clone();
+        let loaded = material.load(LookupRule::Floor).unwrap();
+        let brdf = loaded.table().unwrap().clone();
         let mut all = Vec::new();
         for spec in specs() {
-            let sampler = Arc::new(spec.build(&brdf).unwrap());
+            let sampler = spec.build(&loaded).unwrap();
             let mut hash = Hash::new();
-            if let Ok(file) = encode(&sampler, &material, LookupRule::Floor) {
+            if let Ok(file) = encode(&sampler, &material) {
                 hash.bytes(&file);
             }
             hash.floats(bytemuck::cast_slice(picture(&brdf, &sampler).pixels()));
@@ -162,29 +159,22 @@ fn one_two_and_seven_threads_give_the_same_bytes() {
 fn a_loaded_sampler_draws_what_the_fresh_one_drew() {
     let folder = tempfile::tempdir().unwrap();
     let material = Material::resolve("nickel").unwrap();
-    let brdf = material
-        .load(LookupRule::Centred)
-        .unwrap()
-        .table()
-        .unwrap()
-        .clone();
+    let centred = material.load(LookupRule::Centred).unwrap();
+    let brdf = centred.table().unwrap().clone();
     for (i, spec) in specs().into_iter().enumerate() {
-        let fresh = spec.build(&brdf).unwrap();
-        let Ok(bytes) = encode(&fresh, &material, LookupRule::Centred) else {
+        let fresh = spec.build(&centred).unwrap();
+        let Ok(bytes) = encode(&fresh, &material) else {
             continue;
         };
         let path = folder.path().join(i.to_string());
         std::fs::write(&path, &bytes).unwrap();
         let loaded = SamplerFile::open(&path)
             .unwrap()
-            .into_sampler(&brdf)
+            .into_sampler(&centred)
             .unwrap();
         assert_eq!(draws(&fresh), draws(&loaded), "{spec:?}");
-        assert!(
-            encode(&loaded, &material, LookupRule::Centred).unwrap() == bytes,
-            "{spec:?}"
-        );
-        let pictures = [fresh, loaded].map(|s| picture(&brdf, &Arc::new(s)));
+        assert!(encode(&loaded, &material).unwrap() == bytes, "{spec:?}");
+        let pictures = [fresh, loaded].map(|s| picture(&brdf, &s));
         assert!(pictures[0].pixels() == pictures[1].pixels(), "{spec:?}");
     }
 }

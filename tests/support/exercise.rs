@@ -5,22 +5,20 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec2;
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{DirectionPairs, spherical};
 use merlkit::image::decode_exr;
+use merlkit::material::Loaded;
 use merlkit::material::merl::{Header, MerlTable, decode_cells};
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::sampler::store::SamplerFile;
 
 /// A material for samplers of any file: smooth, with a lobe.
-pub fn brdf() -> Arc<MerlBrdf> {
+pub fn material() -> Loaded {
     let lobe = |h: usize, d: usize, p: usize| {
         [1.0 / (1 + h * h) as f64, 0.1, 0.01 * (1 + d + p % 7) as f64]
     };
-    Arc::new(MerlBrdf::new(
-        Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, lobe)),
-        LookupRule::Floor,
-    ))
+    let table = Arc::new(MerlTable::from_fn(Header { phi_d_bins: 180 }, lobe));
+    Loaded::from_table(Arc::new(MerlBrdf::new(table, LookupRule::Floor)))
 }
 
 /// A length that a file claims (eight bytes), the beginning of the file, and numbers of the three planes.
@@ -44,9 +42,9 @@ pub fn merl(input: &[u8]) -> bool {
 }
 
 /// A sampler file; one that is accepted draws directions with finite densities.
-pub fn sampler(input: &[u8], brdf: &Arc<MerlBrdf>) -> bool {
+pub fn sampler(input: &[u8], material: &Loaded) -> bool {
     match SamplerFile::from_bytes(input.to_vec(), Path::new("fuzz"))
-        .and_then(|f| f.into_sampler(brdf))
+        .and_then(|f| f.into_sampler(material))
     {
         Ok(sampler) => {
             for (i, theta) in [0.0, 0.6, 1.5].into_iter().enumerate() {
