@@ -8,7 +8,6 @@ use glam::Vec3;
 use merlkit::brdf::Importance;
 use merlkit::geometry::{POINTS_PER_BIN, spherical};
 use merlkit::material::Loaded;
-use merlkit::material::Loaded;
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
@@ -70,7 +69,7 @@ fn errors(spec: &SamplerSpec, brdfs: &[Arc<MerlBrdf>]) -> Vec<Vec<ErrorAt>> {
             light: Incident::Function(&radiance),
             wo,
         };
-        point.errors(&sampler, point.reference(POINTS_PER_BIN), &SAMPLES, runs)
+        point.errors(&*sampler, point.reference(POINTS_PER_BIN), &SAMPLES, runs)
     };
     brdfs.iter().map(of).collect()
 }
