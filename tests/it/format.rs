@@ -84,7 +84,7 @@ fn each_number_of_a_file_lands_in_its_cell_and_channel() {
         for (c, rgb) in table.rgb(h, d, p).to_array().into_iter().enumerate() {
             let raw = number as f64 + c as f64 * f64::from(cells);
             assert_eq!(rgb, (raw * scale[c]) as f32, "{h} {d} {p} {c}");
-            let flat = table.cells()[number as usize];
+            let flat = table.cells()[number];
             assert_eq!([flat[c], flat.w], [rgb, 1.0]);
         }
     }
