@@ -16,9 +16,9 @@ mod azimuth_shift;
 mod batch;
 mod build;
 mod lookup;
-mod row_edges;
 mod sample;
 mod tables;
+mod tabulate;
 
 use std::f64::consts::PI;
 
@@ -36,10 +36,11 @@ pub(super) use crate::geometry::half_vector_chart::{MERL_PARTS, PARTS as SQUARE_
 pub(super) use azimuth_shift::AzimuthShift;
 pub(super) use batch::{LANES, PointLanes};
 pub(super) use lookup::InterpolatedTable;
+pub(super) use lookup::{NODE_SUM, ONE};
 pub(crate) use lookup::{NODE_UNIT, ROW_UNIT};
 pub(super) use sample::{DrawTerms, TableView, raise_above_horizon};
 pub(crate) use tables::Stored;
-pub(super) use tables::{NODE_SUM, ONE, STEEPEST, TablePair};
+pub(super) use tables::{STEEPEST, TablePair};
 
 /// Settings of [`HalfVectorTable::build`].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -129,7 +130,7 @@ pub(super) fn knot_cosines(tables: usize) -> Vec<f32> {
         .collect()
 }
 
-/// A density over the half-vector square at each of a few angles of `wo`.
+/// A density over the chart of half vectors at each of a few angles of `wo`.
 #[derive(Clone, Debug)]
 pub struct HalfVectorTable {
     settings: HalfVectorSettings,
@@ -161,13 +162,19 @@ impl HalfVectorTable {
     pub(super) fn from_parts(settings: HalfVectorSettings, stored: Stored) -> Self {
         Self {
             settings,
-            tables: IndexedTables::new(stored),
+            tables: IndexedTables::new(stored, settings.fold),
         }
     }
 
     /// The settings it was built with.
     pub fn settings(&self) -> &HalfVectorSettings {
         &self.settings
+    }
+
+    /// The tables of the two polar angles about that of a chart's `wo`, with their weights.
+    #[inline]
+    pub(super) fn interpolate(&self, chart: &HalfVectorChart) -> TablePair<'_> {
+        self.tables.interpolate(chart.cos_o())
     }
 
     pub(crate) fn stored(&self) -> &Stored {
@@ -179,7 +186,7 @@ impl HalfVectorTable {
     pub fn invert(&self, wo: Vec3, wi: Vec3) -> Option<Vec2> {
         let wo = unit_upper(wo)?;
         let wi = unit_upper(wi)?;
-        Some(self.view(HalfVectorChart::new(wo)).invert(wi))
+        Some(TableView::new(&self.tables, HalfVectorChart::new(wo)).invert(wi))
     }
 }
 
@@ -188,7 +195,7 @@ impl DirectionSampler for HalfVectorTable {
     #[inline]
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
         let wo = unit_upper(wo)?;
-        Some(self.view(HalfVectorChart::new(wo)).sample(u))
+        Some(TableView::new(&self.tables, HalfVectorChart::new(wo)).sample(u))
     }
 
     #[inline]
@@ -196,7 +203,7 @@ impl DirectionSampler for HalfVectorTable {
         let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
             return 0.0;
         };
-        self.view(HalfVectorChart::new(wo)).pdf(wi)
+        TableView::new(&self.tables, HalfVectorChart::new(wo)).pdf(wi)
     }
 
     fn bytes(&self) -> usize {
@@ -206,12 +213,12 @@ impl DirectionSampler for HalfVectorTable {
     #[track_caller]
     fn sample_batch(&self, wo: Wo<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
         wo.assert_lanes(u.len(), out.len());
-        batch::sample_batch(self, wo, u, out);
+        batch::sample_batch(&self.tables, wo, u, out);
     }
 
     #[track_caller]
     fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
         wo.assert_lanes(wi.len(), out.len());
-        batch::pdf_batch(self, wo, wi, out);
+        batch::pdf_batch(&self.tables, wo, wi, out);
     }
 }
