@@ -135,7 +135,7 @@ impl Tracer<'_> {
 
     fn is_hidden(&self, vertex: &Vertex<'_>, lit: &IncidentLight) -> bool {
         let ray = Ray {
-            origin: vertex.hit.at,
+            origin: vertex.hit.position,
             direction: lit.towards,
         };
         self.shadows && self.scene.is_hidden(&ray, vertex.hit.object, lit.distance)
@@ -175,7 +175,7 @@ impl Tracer<'_> {
             let direction = vertex.frame.to_world(sample.wi).as_dvec3();
             rays[k] = direction.try_normalize().map(|direction| ScatteredRay {
                 ray: Ray {
-                    origin: vertex.hit.at,
+                    origin: vertex.hit.position,
                     direction,
                 },
                 pdf,
@@ -198,7 +198,7 @@ fn choose_light(vertices: &[Vertex<'_>], light: &dyn Light, direct: &mut DirectL
         ..
     } = direct;
     from.clear();
-    from.extend(vertices.iter().map(|vertex| vertex.hit.at));
+    from.extend(vertices.iter().map(|vertex| vertex.hit.position));
     refill(samples, vertices.len(), None);
     light.sample_batch(from, points, samples);
     lights.clear();

@@ -56,6 +56,7 @@ impl<'a> Tracer<'a> {
 
     /// Estimates the radiance that arrives at the origins of a bundle's camera rays.
     fn follow(&self, bundle: &mut Bundle<'a>) {
+        self.begin_paths(bundle);
         let Bundle {
             starts,
             paths,
@@ -63,23 +64,6 @@ impl<'a> Tracer<'a> {
             radiance,
             scratch,
         } = bundle;
-        // Find what the camera rays meet, and what lights with an extent emit along them.
-        paths.clear();
-        scratch.emitted.clear();
-        for (lane, start) in starts.iter().enumerate() {
-            let ray = start.ray;
-            let hit = self.scene.hit(&ray, None);
-            scratch.emitted.push(&ray, hit);
-            paths.push(ActivePath {
-                lane,
-                ray,
-                hit,
-                throughput: DVec3::ONE,
-            });
-        }
-        self.sum_emitted(&mut scratch.emitted, |_, _| 1.0);
-        radiance.clear();
-        radiance.extend_from_slice(&scratch.emitted.sums);
         for bounce in 0..self.scene.depth {
             // Turn hits into vertices; paths that leave the scene, or meet a surface from below, end.
             vertices.clear();
@@ -106,6 +90,27 @@ impl<'a> Tracer<'a> {
                 *sum = DVec3::ZERO;
             }
         }
+    }
+
+    /// Finds what the camera rays meet, and what lights with an extent emit along them.
+    fn begin_paths(&self, bundle: &mut Bundle<'a>) {
+        let emitted = &mut bundle.scratch.emitted;
+        bundle.paths.clear();
+        emitted.clear();
+        for (lane, start) in bundle.starts.iter().enumerate() {
+            let ray = start.ray;
+            let hit = self.scene.hit(&ray, None);
+            emitted.push(&ray, hit);
+            bundle.paths.push(ActivePath {
+                lane,
+                ray,
+                hit,
+                throughput: DVec3::ONE,
+            });
+        }
+        self.sum_emitted(emitted, |_, _| 1.0);
+        bundle.radiance.clear();
+        bundle.radiance.extend_from_slice(&emitted.sums);
     }
 
     fn vertex(&self, path: &ActivePath) -> Option<Vertex<'a>> {
@@ -147,7 +152,27 @@ impl<'a> Tracer<'a> {
         if !(self.directions && (self.hits_count || follows)) {
             return;
         }
-        // Draw the directions, and find what they meet: T ← T · f_r·cos/p.
+        self.draw_next(run, scratch);
+        // Add the light that the directions find, as far as it counts.
+        if self.hits_count {
+            self.sum_found(&scratch.found, &mut scratch.emitted);
+            for (path, found) in scratch.next.iter().zip(&scratch.emitted.sums) {
+                radiance[path.lane] += path.throughput * *found;
+            }
+        }
+        // Let roulette decide which paths go on.
+        if follows {
+            for mut path in scratch.next.drain(..) {
+                let randoms = &run.starts[path.lane].randoms;
+                if self.survives(&mut path.throughput, run.bounce, randoms) {
+                    paths.push(path);
+                }
+            }
+        }
+    }
+
+    /// Draws a direction from each vertex of a surface and finds what it meets: T ← T · f_r·cos/p. Those that carry nothing end.
+    fn draw_next(&self, run: Run<'_, '_>, scratch: &mut Scratch) {
         scratch.scattered.points.clear();
         for vertex in run.vertices {
             let point = run.randoms(vertex).direction(run.bounce);
@@ -170,22 +195,6 @@ impl<'a> Tracer<'a> {
                 hit,
                 throughput,
             });
-        }
-        // Add the light that they find, as far as it counts.
-        if self.hits_count {
-            self.sum_found(&scratch.found, &mut scratch.emitted);
-            for (path, found) in scratch.next.iter().zip(&scratch.emitted.sums) {
-                radiance[path.lane] += path.throughput * *found;
-            }
-        }
-        // Let roulette decide which paths go on.
-        if follows {
-            for mut path in scratch.next.drain(..) {
-                let randoms = &run.starts[path.lane].randoms;
-                if self.survives(&mut path.throughput, run.bounce, randoms) {
-                    paths.push(path);
-                }
-            }
         }
     }
 

@@ -60,7 +60,7 @@ struct Object {
 #[derive(Clone, Copy)]
 pub(super) struct Hit {
     pub(super) object: usize,
-    pub(super) at: DVec3,
+    pub(super) position: DVec3,
     pub(super) normal: DVec3,
     pub(super) distance: f64,
 }
@@ -77,8 +77,8 @@ impl Scene {
     /// [`SceneSpec::materials`], with a sampler if `directions`; it is called once for each material that is used, in order.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a sphere without a radius or a material, a floor, light or strategy outside its domain, or a missing
-    /// sampler; what `surface` returns; what [`crate::light::LightSpec::load`] returns.
+    /// [`Error::Argument`] for a sphere without a radius or an object without a material, a floor, light or strategy outside
+    /// its domain, or a missing sampler; what `surface` returns; what [`crate::light::LightSpec::load`] returns.
     pub fn build(
         spec: &SceneSpec,
         request: PlanRequest,
@@ -119,7 +119,7 @@ impl Scene {
             if let Some(hit) = candidate.shape.intersect(ray, near, far) {
                 nearest = Some(Hit {
                     object,
-                    at: ray.at(hit.distance),
+                    position: ray.point_at(hit.distance),
                     normal: hit.normal,
                     distance: hit.distance,
                 });
@@ -224,29 +224,7 @@ fn load_lights(spec: &SceneSpec, plan: &EffectPlan) -> Result<Vec<Box<dyn Light>
 }
 
 fn check(spec: &SceneSpec) -> Result<()> {
-    let sphere_fits = |s: &SphereSpec| {
-        s.shape.centre.is_finite()
-            && s.shape.radius > 0.0
-            && s.shape.radius.is_finite()
-            && s.material < spec.materials.len()
-    };
-    if let Some(i) = spec.spheres.iter().position(|s| !sphere_fits(s)) {
-        let what = format!("sphere {i} has no finite centre, no radius or no material");
-        return Err(Error::argument(
-            what,
-            "give a finite centre, a radius > 0 and the index of a material",
-        ));
-    }
-    if let Some(i) = spec
-        .objects
-        .iter()
-        .position(|o| o.material >= spec.materials.len())
-    {
-        return Err(Error::argument(
-            format!("object {i} has no material"),
-            "give the index of a material",
-        ));
-    }
+    check_objects(spec)?;
     if spec.floor.is_some_and(|r| !(0.0..=1.0).contains(&r)) {
         return Err(Error::argument(
             "the floor's reflectance is not in [0, 1]",
@@ -272,13 +250,40 @@ fn check(spec: &SceneSpec) -> Result<()> {
     Ok(())
 }
 
+fn check_objects(spec: &SceneSpec) -> Result<()> {
+    let sphere_fits = |s: &SphereSpec| {
+        s.shape.centre.is_finite()
+            && s.shape.radius > 0.0
+            && s.shape.radius.is_finite()
+            && s.material < spec.materials.len()
+    };
+    if let Some(i) = spec.spheres.iter().position(|s| !sphere_fits(s)) {
+        let what = format!("sphere {i} has no finite centre, no radius or no material");
+        return Err(Error::argument(
+            what,
+            "give a finite centre, a radius > 0 and the index of a material",
+        ));
+    }
+    if let Some(i) = spec
+        .objects
+        .iter()
+        .position(|o| o.material >= spec.materials.len())
+    {
+        return Err(Error::argument(
+            format!("object {i} has no material"),
+            "give the index of a material",
+        ));
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::points::PointSet;
     use crate::render::{Budget, Film, Intersection, ObjectSpec, RenderSettings, Sphere, render};
 
-    /// Two spheres as one object: not convex, whatever it says.
+    /// Two spheres as one object: not convex, even where it claims to be.
     #[derive(Debug)]
     struct Pair {
         spheres: [Sphere; 2],

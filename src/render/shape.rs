@@ -15,7 +15,7 @@ pub struct Ray {
 
 impl Ray {
     /// The point at `distance`.
-    pub fn at(&self, distance: f64) -> DVec3 {
+    pub fn point_at(&self, distance: f64) -> DVec3 {
         self.origin + distance * self.direction
     }
 }
@@ -61,8 +61,8 @@ impl Sphere {
     pub fn enter(&self, ray: &Ray) -> Option<f64> {
         let to_centre = self.centre - ray.origin;
         let along = to_centre.dot(ray.direction);
-        let beside = to_centre - along * ray.direction;
-        let half_chord2 = self.radius * self.radius - beside.length_squared();
+        let perpendicular = to_centre - along * ray.direction;
+        let half_chord2 = self.radius * self.radius - perpendicular.length_squared();
         if half_chord2 < 0.0 {
             return None;
         }
@@ -81,7 +81,7 @@ impl Shape for Sphere {
         let distance = self.enter(ray).filter(|d| *d > near && *d < far)?;
         Some(Intersection {
             distance,
-            normal: self.normal(ray.at(distance)),
+            normal: self.normal(ray.point_at(distance)),
         })
     }
 

@@ -102,7 +102,7 @@ fn over_pixel(
         let ray = spec
             .camera
             .ray((DVec2::new(x as f64, y as f64) + within) / side as f64, 1.0);
-        let at = ray.at(ball.enter(&ray)?);
+        let at = ray.point_at(ball.enter(&ray)?);
         sum += value(&ray, at, (at - ball.centre) / ball.radius);
     }
     Some(sum / (GRID * GRID) as f64)
@@ -555,7 +555,7 @@ impl DirectionSampler for Failing {
 
 #[test]
 fn failed_draws_count_as_zero() {
-    for strategy in [MIS, Strategy::Brdf] {
+    for strategy in [MIS, Strategy::Brdf, Strategy::Ris { candidates: 4 }] {
         let mut spec = row(1, vec![uniform(1.0)], strategy);
         look_at_point(&mut spec, DVec3::Y);
         let brdf = lambert(0.6);

@@ -18,6 +18,6 @@ pub(super) fn direction_of(longitude: f64, cos: f64) -> DVec3 {
 #[inline(always)]
 pub(super) fn square_of(direction: DVec3) -> DVec2 {
     let longitude = fine_atan2(direction.x, -direction.z) * (0.5 * FRAC_1_PI) + 0.5;
-    let beside = (direction.x * direction.x + direction.z * direction.z).sqrt();
-    DVec2::new(longitude, fine_atan2(beside, direction.y) * FRAC_1_PI)
+    let horizontal = (direction.x * direction.x + direction.z * direction.z).sqrt();
+    DVec2::new(longitude, fine_atan2(horizontal, direction.y) * FRAC_1_PI)
 }

@@ -141,22 +141,13 @@ pub(super) fn render_to_error(
         target: error,
         most,
     };
-    // Step 1: pixels that show no object are done with the fewest paths.
+    // Step 1: pixels that show no object get the fewest paths.
     let count = settings.width * settings.height;
     let shown: Vec<bool> = (0..count)
         .into_par_iter()
         .map(|i| refiner.shows_object(i))
         .collect();
-    let pixels: Vec<Pixel> = (0..count)
-        .into_par_iter()
-        .map(|i| {
-            if shown[i] {
-                Pixel::default()
-            } else {
-                refiner.render_background(i)
-            }
-        })
-        .collect();
+    let pixels = refiner.render_backgrounds(&shown);
     // Step 2: the others are refined tile by tile.
     let tiles = group_tiles(&shown, settings);
     let background = count - tiles.iter().map(Vec::len).sum::<usize>();
@@ -328,6 +319,18 @@ impl Refiner<'_> {
                 .hit(&self.tracer.ray(self.column_and_row(pixel), within), None)
                 .is_some()
         })
+    }
+
+    /// The pixels that show no object; the others are empty.
+    fn render_backgrounds(&self, shown: &[bool]) -> Vec<Pixel> {
+        let pixel = |i: usize| {
+            if shown[i] {
+                Pixel::default()
+            } else {
+                self.render_background(i)
+            }
+        };
+        (0..shown.len()).into_par_iter().map(pixel).collect()
     }
 
     fn render_background(&self, pixel: usize) -> Pixel {
