@@ -33,7 +33,8 @@ use crate::brdf::Brdf;
 use crate::geometry::half_vector_chart::HalfVectorChart;
 use crate::geometry::unit_upper;
 use crate::{Error, Result};
-use tables::IndexedTables;
+use sample::TableView;
+use tables::{IndexedTables, TablePair};
 
 pub use azimuths::ByAzimuth;
 pub(crate) use lookup::{NODE_UNIT, ROW_UNIT};
