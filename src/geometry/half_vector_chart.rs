@@ -498,12 +498,12 @@ mod tests {
             for (s, t) in FibonacciLattice::at_least(300).points() {
                 let (cap, b) = (s * edge(&chart, PARTS), 2.0 * t - 1.0);
                 let theta_h = 2.0 * cap.sqrt().asin();
-                // The quarter's tangent as a share of the largest, against the angle's share.
+                // The fraction of the largest tan(φ/4), against the fraction of the largest φ.
                 let phi_max = rectangle.phi_max(theta_h);
-                let share = 4.0 * (b * (0.25 * phi_max).tan()).atan() / phi_max;
-                let slope = phi_max * (1.0 + (0.25 * share * phi_max).tan().powi(2))
+                let fraction = 4.0 * (b * (0.25 * phi_max).tan()).atan() / phi_max;
+                let slope = phi_max * (1.0 + (0.25 * fraction * phi_max).tan().powi(2))
                     / (4.0 * (0.25 * phi_max).tan());
-                let (expected, per_theta) = rectangle.direction(theta_h, share);
+                let (expected, per_theta) = rectangle.direction(theta_h, fraction);
                 let here = format!("θo {theta_o}, {s} {t}");
                 assert!(
                     chart

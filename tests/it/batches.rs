@@ -127,7 +127,7 @@ fn assert_lanes<I: Copy, O: Copy + PartialEq + std::fmt::Debug>(
         assert_eq!(all[k], single(wo[k], inputs[k]), "{name} {k} {}", wo[k]);
     }
     for wo in given_directions() {
-        for count in [0, 1, 31, 32, 33, 64, 200, 300, 1000] {
+        for count in [0, 1, 31, 32, 33, 64, 200, 300] {
             let mut out = vec![untouched; count];
             batch(Wo::One(wo), &inputs[300..300 + count], &mut out);
             for (k, out) in out.into_iter().enumerate() {

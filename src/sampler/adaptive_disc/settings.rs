@@ -149,8 +149,7 @@ impl Settings for AdaptiveDiscSettings {
             Field::real(
                 "waste",
                 0.0..1.0,
-                "a leaf is not split that wastes less than this fraction of the tree's trials, or, rejection-free, that adds \
-                 less than a hundredth of it to the variance of weights",
+                "a leaf that wastes less than this fraction of all trials is not split",
                 |s| s.waste,
                 |s, value| s.waste = value,
             ),
@@ -169,7 +168,7 @@ impl Settings for AdaptiveDiscSettings {
                 "grid",
                 "none",
                 8..=4096,
-                "pixels a side of an image that trees are built from, whose maxima are no bounds; none refines where needed",
+                "pixels a side of an image that trees are built from; none refines where needed",
                 |s| match s.construction {
                     Construction::Refined => None,
                     Construction::Grid(side) => Some(side as usize),
@@ -217,8 +216,7 @@ fn leaves() -> Field<AdaptiveDiscSettings> {
             ("integral", LeafChoice::Integral),
             ("rejection-free", LeafChoice::Warp),
         ],
-        "how a leaf is drawn: by bound × area, which is exact, by its integral, or by a warp down the quadtree, whose every \
-         draw counts and whose density is constant in each leaf",
+        "how a leaf is drawn: under its bound, by its integral, or by a warp that rejects nothing",
         |s: &AdaptiveDiscSettings| s.leaves,
         |s, value| s.leaves = value,
     )

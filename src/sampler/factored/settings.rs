@@ -78,10 +78,9 @@ impl Settings for FactoredSettings {
             ),
             Field::form(
                 "factors",
-                "fitted, or JxK/THETAxPHI/AXIS/FLOOR as in 8x4/64x32/half-vector/0.01: J and K 1 to 64, cells 2 to 1024, the \
-                 axis half-vector or wi, the floor 0 to 1",
-                "number of products over wo and within each, cells over the angles of w, what w is, and fraction of draws that \
-                 follow the cosine; fitted are those that make the weights of the material most even",
+                "fitted, or JxK/THETAxPHI/AXIS/FLOOR as in 8x4/64x32/half-vector/0.01: J and K 1 to 64, cells \
+                 2 to 1024, half-vector or wi, the floor 0 to 1",
+                "numbers of products, cells over the angles of w, what w is, and fraction of cosine draws",
                 |s: &Self| show_factors(s.factors),
                 |s, text| match parse_factors(text) {
                     Some(factors) => {

@@ -14,7 +14,7 @@ pub struct AzimuthShift {
     quarter_tan: f32,
 }
 
-/// The farthest that the middle of a row which the horizon ends is moved, as a share of the way to its end.
+/// The farthest that the middle of a row which the horizon ends is moved, as a fraction of the way to its end.
 const FARTHEST: f32 = 0.5;
 
 impl AzimuthShift {
@@ -82,20 +82,23 @@ mod tests {
     #[test]
     fn maps_are_inverted_and_their_slopes_integrate_to_their_length() {
         for angle in ANGLES {
-            for widest in [1.0, 0.999, 0.4, 0.01, 1e-6] {
+            for max_quarter_tan in [1.0, 0.999, 0.4, 0.01, 1e-6] {
                 let (mut sum, n) = (0.0, 20_000);
                 for k in 0..n {
                     let b = (k as f32 + 0.5) / n as f32 * 2.0 - 1.0;
-                    let (to, slope) = AzimuthShift::new(angle).to_table(b, widest);
+                    let (to, slope) = AzimuthShift::new(angle).to_table(b, max_quarter_tan);
                     assert!(
                         (-1.0..=1.0).contains(&to) && slope > 0.2 && slope < 5.0,
                         "{angle} {b}: {to}"
                     );
-                    let back = AzimuthShift::new(angle).to_surface(to, widest);
-                    assert!((back - b).abs() < 2e-6, "{angle} {widest} {b}: {to} {back}");
+                    let back = AzimuthShift::new(angle).to_surface(to, max_quarter_tan);
+                    assert!(
+                        (back - b).abs() < 2e-6,
+                        "{angle} {max_quarter_tan} {b}: {to} {back}"
+                    );
                     sum += f64::from(slope) / f64::from(n);
                 }
-                assert!((sum - 1.0).abs() < 1e-3, "{angle} {widest}: {sum}");
+                assert!((sum - 1.0).abs() < 1e-3, "{angle} {max_quarter_tan}: {sum}");
             }
         }
         for b in [-1.0, 1.0] {

@@ -34,7 +34,6 @@ pub struct ByAzimuth {
 /// A table about one azimuth, mixed for one polar angle of `wo`, and how far `wo` is turned from that azimuth.
 #[derive(Clone, Copy)]
 struct ShiftedTable<'a> {
-    table: &'a HalfVectorTable,
     pair: TablePair<'a>,
     shift: AzimuthShift,
 }
@@ -121,13 +120,9 @@ impl ByAzimuth {
         let first = (steps as usize).min(last);
         let weight = (steps - first as f64).min(1.0);
         // Either table is used about wo as far from its own azimuth as wo is.
-        let shifted = |k: usize, steps: f64| {
-            let table = &self.tables[k % count];
-            ShiftedTable {
-                table,
-                pair: table.interpolate(&chart),
-                shift: AzimuthShift::new(steps * step),
-            }
+        let shifted = |k: usize, steps: f64| ShiftedTable {
+            pair: self.tables[k % count].interpolate(&chart),
+            shift: AzimuthShift::new(steps * step),
         };
         AzimuthPair {
             chart,
@@ -162,7 +157,7 @@ impl<'a> ShiftedTable<'a> {
     /// The table about `wo`, azimuths being those of the table.
     #[inline(always)]
     fn view(&self, chart: HalfVectorChart) -> TableView<'a, TablePair<'a>> {
-        TableView::new(self.table, chart, self.pair)
+        TableView::from_pair(chart, self.pair)
     }
 
     /// The drawn direction, among the azimuths that have tables.
@@ -376,9 +371,9 @@ impl AzimuthDraws {
         // Choose a table, and in it a row: a search waits for each of its steps, but alone in a loop many searches overlap.
         let mut chosen = [0; LANES];
         let mut rows = [(0, 0.0); LANES];
-        for lane in 0..count {
+        for (lane, &u) in u[..count].iter().enumerate() {
             let pair = pair(lane);
-            let (table, left) = pair.choose_table(u[lane]);
+            let (table, left) = pair.choose_table(u);
             let (row, fraction) = pair.tables[table].pair.find_row(left.x);
             chosen[lane] = table;
             rows[lane] = (row.index, fraction);
@@ -394,10 +389,10 @@ impl AzimuthDraws {
         }
         // Arithmetic from there to a direction.
         let mut wi = Columns::splat([0.0; 3]);
-        for lane in 0..count {
+        for (lane, &table) in chosen[..count].iter().enumerate() {
             let pair = pair(lane);
             let terms = DrawTerms::from_array(terms.get(lane));
-            let direction = pair.tables[chosen[lane]].direction(pair.chart, terms);
+            let direction = pair.tables[table].direction(pair.chart, terms);
             wi.set(lane, direction.to_array());
         }
         let pdf = densities(pair, |lane| wi.get(lane).into(), count);
@@ -425,10 +420,10 @@ fn densities<'a>(
     // Arithmetic from a direction to its point in the chart.
     let mut points = PointLanes::new();
     let mut max_quarter_tans = [0.0; LANES];
-    for lane in 0..count {
+    for (lane, max_quarter_tan) in max_quarter_tans[..count].iter_mut().enumerate() {
         let chart = pair(lane).chart;
         let point = chart.locate(wi(lane));
-        max_quarter_tans[lane] = chart.max_quarter_tan_of_cap(point.cap);
+        *max_quarter_tan = chart.max_quarter_tan_of_cap(point.cap);
         points.set(lane, point);
     }
     // The density of either table there.

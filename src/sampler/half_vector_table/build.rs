@@ -1,35 +1,13 @@
-//! Tabulating a BRDF over the chart of half vectors, and fitting the tables to it.
+//! Fitting tables of integers to a BRDF that is tabulated over the chart of half vectors.
 
-use ndarray::{Array2, ArrayView1, Axis};
+use ndarray::{ArrayView1, Axis};
 use rayon::prelude::*;
 
-use super::row_edges::choose_row_edges;
-use super::tables::{NODE_SUM, ONE, SLOPE_UNIT, STEEPEST, Stored};
+use super::lookup::{NODE_SUM, ONE};
+use super::tables::{SLOPE_UNIT, STEEPEST, Stored};
+use super::tabulate::{Tabulated, choose_row_edges, columns, slope_of, tabulate};
 use super::{HalfVectorSettings, knot_cosines};
-use crate::batch::Wo;
 use crate::brdf::Brdf;
-use crate::color::Rgb;
-use crate::geometry::half_vector_chart::{ChartEdge, HalfVectorChart, PARTS};
-use crate::geometry::spherical;
-
-/// Points a part over its cap. Each is turned by its share of a column, so that together they resolve the azimuth finer.
-const CAP_POINTS: usize = 3;
-/// Least number of columns that the azimuth is tabulated in; some to a segment of the tables.
-const COLUMNS: usize = 48;
-/// Share of every table that follows the cosine: what a table sees nothing of, its neighbours in angle may still show.
-const COSINE_SHARE: f64 = 1e-4;
-
-/// ∫ f·cosθi dσ(wi) over the chart about one `wo`, as fractions of the whole.
-pub(super) struct Tabulated {
-    /// `[part, column]`; > 0.
-    pub mass: Array2<f64>,
-    /// Sums of the parts.
-    pub part: Vec<f64>,
-    /// Mean position of each part's mass on its cap, 0 to 1.
-    pub centre: Vec<f64>,
-    /// Widths of the parts in caps.
-    pub width: Vec<f64>,
-}
 
 /// Tables of all knots, in parallel over knots.
 pub(super) fn build_tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Stored {
@@ -66,110 +44,6 @@ pub(super) fn build_tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> St
     }
 }
 
-/// Columns of a tabulation, the same number to each segment.
-fn columns(settings: &HalfVectorSettings) -> usize {
-    settings.segments * COLUMNS.div_ceil(settings.segments).max(2)
-}
-
-fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tabulated {
-    let wo = spherical(theta_o, 0.0).as_vec3();
-    let chart = HalfVectorChart::new(wo);
-    let edge = |e: usize| f64::from(chart.edge_cap(ChartEdge::new(e)));
-    let width: Vec<f64> = (0..PARTS).map(|p| edge(p + 1) - edge(p)).collect();
-    // Sums of f·cosθi and of cosθi alone, by part and column.
-    let mut sums = [(); 2].map(|()| Sums::new(columns(settings)));
-    let (mut wi, mut jacobians, mut values) = (Vec::new(), Vec::new(), Vec::new());
-    for (part, &width) in width.iter().enumerate() {
-        wi.clear();
-        jacobians.clear();
-        for x in cap_points() {
-            let azimuths = azimuths(columns(settings), settings.fold, x as f32);
-            chart.for_each_azimuth((edge(part) + width * x) as f32, azimuths, |w, jacobian| {
-                wi.push(w);
-                jacobians.push(jacobian);
-            });
-        }
-        values.resize(wi.len(), Rgb::ZERO);
-        brdf.eval_batch(Wo::One(wo), &wi, &mut values);
-        for (x, place) in cap_points().zip(0..) {
-            let points = wi.len() / CAP_POINTS;
-            for k in place * points..(place + 1) * points {
-                let cosine = f64::from(wi[k].z.max(0.0) * jacobians[k]) * width;
-                let f = f64::from(settings.importance.of(values[k]));
-                sums[0].add(part, k % columns(settings), x, f * cosine);
-                sums[1].add(part, k % columns(settings), x, cosine);
-            }
-        }
-    }
-    let [f, cosine] = sums;
-    add_cosine(f, cosine, width)
-}
-
-/// Positions of points on the cap of a part.
-fn cap_points() -> impl Iterator<Item = f64> {
-    (0..CAP_POINTS).map(|i| (i as f64 + 0.5) / CAP_POINTS as f64)
-}
-
-/// Sums of points.
-struct Sums {
-    /// `[part, column]`.
-    mass: Array2<f64>,
-    /// First moments of the parts over their caps.
-    first: Vec<f64>,
-}
-
-impl Sums {
-    fn new(columns: usize) -> Self {
-        Self {
-            mass: Array2::zeros((PARTS, columns)),
-            first: vec![0.0; PARTS],
-        }
-    }
-
-    fn add(&mut self, part: usize, column: usize, x: f64, value: f64) {
-        self.mass[[part, column]] += value;
-        self.first[part] += value * x;
-    }
-}
-
-/// Azimuth shares in [−1, 1], one a column at the share `x` of its width; first all of one side, then of the other where
-/// folded.
-fn azimuths(columns: usize, fold: bool, x: f32) -> impl Iterator<Item = f32> + Clone {
-    let sides = if fold { 2 } else { 1 };
-    (0..columns * sides).map(move |i| {
-        let y = ((i % columns) as f32 + x) / columns as f32;
-        match (fold, i < columns) {
-            (false, _) => 2.0 * y - 1.0,
-            (true, true) => y,
-            (true, false) => -y,
-        }
-    })
-}
-
-/// The BRDF's masses and a little of the cosine's; the cosine's alone where the BRDF has none.
-fn add_cosine(f: Sums, cosine: Sums, width: Vec<f64>) -> Tabulated {
-    let (total, all) = (f.mass.sum(), cosine.mass.sum());
-    let (of_f, of_cosine) = if total > 0.0 && total.is_finite() {
-        ((1.0 - COSINE_SHARE) / total, COSINE_SHARE / all)
-    } else {
-        (0.0, 1.0 / all)
-    };
-    let first = f
-        .first
-        .iter()
-        .zip(&cosine.first)
-        .map(|(f, c)| f * of_f + c * of_cosine);
-    let mass = f.mass * of_f + cosine.mass * of_cosine;
-    let part = mass.sum_axis(Axis(1)).to_vec();
-    let centre = first.zip(&part).map(|(first, sum)| first / sum).collect();
-    Tabulated {
-        mass,
-        part,
-        centre,
-        width,
-    }
-}
-
 /// A row before it is quantised.
 struct FittedRow {
     mass: f64,
@@ -192,23 +66,6 @@ impl FittedRow {
     }
 }
 
-/// The slope of the density 1 + slope·(2x − 1) whose mean position is that of the parts' mass: mean = ½ + slope/6.
-pub(super) fn slope_of(tabulated: &Tabulated, parts: std::ops::Range<usize>) -> f64 {
-    let (mut mass, mut first, mut start) = (0.0, 0.0, 0.0);
-    for part in parts {
-        let m = tabulated.part[part];
-        first += m * (start + tabulated.centre[part] * tabulated.width[part]);
-        start += tabulated.width[part];
-        mass += m;
-    }
-    // Midpoints see 1 − 1/n² of a part's own slope, which is little of a row of many parts.
-    if mass > 0.0 {
-        6.0 * (first / (mass * start) - 0.5)
-    } else {
-        0.0
-    }
-}
-
 /// Least-squares fit of a function that is linear between equidistant nodes to sums over columns.
 struct Fit {
     columns: usize,
@@ -218,7 +75,7 @@ struct Fit {
     factor: Vec<f64>,
 }
 
-/// Nodes are at least this share of the mean.
+/// Nodes are at least this fraction of the mean.
 const LOWEST_NODE: f64 = 2e-3;
 
 impl Fit {
@@ -243,7 +100,7 @@ impl Fit {
         fit
     }
 
-    /// The node before a column's middle, and the share of the node after it.
+    /// The node before a column's middle, and the weight of the node after it.
     fn hat(&self, column: usize) -> (usize, f64) {
         let at = (column as f64 + 0.5) * self.segments as f64 / self.columns as f64;
         (at as usize, at.fract())
@@ -345,15 +202,6 @@ mod tests {
             segments,
             ..HalfVectorSettings::default()
         })
-    }
-
-    #[test]
-    fn azimuths_cover_both_sides() {
-        for fold in [false, true] {
-            let all: Vec<f32> = azimuths(8, fold, 0.25).collect();
-            assert!(all.iter().any(|b| *b < -0.8) && all.iter().any(|b| *b > 0.75));
-            assert!(all.iter().all(|b| (-1.0..=1.0).contains(b)));
-        }
     }
 
     fn random(count: usize, seed: u64) -> Vec<f64> {

@@ -1,6 +1,7 @@
 //! Half-vector tables in a file: their tensors, and what drawing relies on.
 
-use super::tables::{NODE_SUM, ONE, STEEPEST, Stored};
+use super::lookup::{NODE_SUM, ONE};
+use super::tables::{STEEPEST, Stored};
 use super::{ByAzimuth, HalfVectorSettings, HalfVectorTable};
 use crate::Result;
 use crate::geometry::Symmetry;

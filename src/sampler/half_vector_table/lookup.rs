@@ -1,8 +1,12 @@
 //! What lies between two tables, and how it is searched: questions that a pair of tables answers by mixing at every question
-//! ([`super::tables::TablePair`]) or from a mixture made beforehand ([`PremixedTable`]), to the same bits.
+//! (`TablePair`) or from a mixture made beforehand (`PremixedTable`), to the same bits.
 
-use super::tables::{NODE_SUM, ONE, TablePair, WEIGHT_ONE};
-use crate::geometry::half_vector_chart::PARTS;
+/// Probability 1 of a cumulative table.
+pub const ONE: u16 = u16::MAX;
+/// What the nodes of a row sum to, every inner one counted twice.
+pub const NODE_SUM: u32 = 2 * (ONE as u32 / 2);
+/// Weight 1 of a table: weights are in units of 2⁻¹⁶.
+pub const WEIGHT_ONE: u32 = 1 << 16;
 
 /// Probability 1 of the rows of an interpolated table, in its units.
 pub const ROW_TOTAL: f64 = ONE as f64 * WEIGHT_ONE as f64;
@@ -134,118 +138,4 @@ pub fn invert_slope(slope: f32, u: f32) -> f32 {
 pub fn slope_cdf(slope: f32, x: f32) -> f64 {
     let (slope, x) = (f64::from(slope), f64::from(x));
     x * (1.0 - slope + slope * x)
-}
-
-/// A pair of tables mixed beforehand, for many draws about one `wo`: that halves the time of a draw and takes as long as some
-/// hundred draws (`cargo bench --bench sample`). It has room for `NODES` nodes, on the stack, as batches allocate nothing.
-#[derive(Clone, Debug)]
-pub struct PremixedTable<const NODES: usize> {
-    row_count: usize,
-    segments: usize,
-    /// The first row that the guide's cell can mean.
-    guide: [u8; GUIDE],
-    rows: [InterpolatedRow; PARTS],
-    slopes: [f32; PARTS],
-    /// `[row, node]`.
-    nodes: [f32; NODES],
-    /// `[row, segment]`: sums up to and with each.
-    sums: [u32; NODES],
-}
-
-/// Cells of the guide; a power of two.
-const GUIDE: usize = 256;
-const GUIDE_SHIFT: u32 = u32::BITS - GUIDE.trailing_zeros();
-
-impl<const NODES: usize> PremixedTable<NODES> {
-    /// Mixes a pair of tables that have at most `NODES` nodes.
-    pub fn new(pair: &TablePair) -> Self {
-        let mut mixed = Self {
-            row_count: pair.tables.row_count(),
-            segments: pair.segments(),
-            guide: [0; GUIDE],
-            rows: [InterpolatedRow::default(); PARTS],
-            slopes: [0.0; PARTS],
-            nodes: [0.0; NODES],
-            sums: [0; NODES],
-        };
-        for row in 0..mixed.row_count {
-            mixed.rows[row] = pair.row(row);
-            mixed.slopes[row] = pair.slope(row);
-            mixed.mix_row(pair, row);
-        }
-        mixed.fill_guide();
-        mixed
-    }
-
-    /// Nodes and sums of a row.
-    fn mix_row(&mut self, pair: &TablePair, row: usize) {
-        let (first, second) = pair.nodes(row);
-        let nodes = &mut self.nodes[row * (self.segments + 1)..][..self.segments + 1];
-        let sums = &mut self.sums[row * self.segments..][..self.segments];
-        let mut last = pair.mix(first[0], second[0]);
-        nodes[0] = last as f32;
-        let mut sum = 0;
-        for segment in 0..self.segments {
-            let node = pair.mix(first[segment + 1], second[segment + 1]);
-            nodes[segment + 1] = node as f32;
-            sum += last + node;
-            sums[segment] = sum;
-            last = node;
-        }
-    }
-
-    fn fill_guide(&mut self) {
-        let mut row = 0;
-        for (cell, first) in self.guide.iter_mut().enumerate() {
-            let target = (cell as u32) << GUIDE_SHIFT;
-            while row + 1 < self.row_count && self.rows[row].end() <= target {
-                row += 1;
-            }
-            *first = row as u8;
-        }
-    }
-}
-
-impl<const NODES: usize> InterpolatedTable for &PremixedTable<NODES> {
-    #[inline(always)]
-    fn segments(&self) -> usize {
-        self.segments
-    }
-
-    #[inline(always)]
-    fn find_row_index(&self, target: u32) -> usize {
-        let mut row = usize::from(self.guide[(target >> GUIDE_SHIFT) as usize]);
-        while row + 1 < self.row_count && self.rows[row].end() <= target {
-            row += 1;
-        }
-        row
-    }
-
-    #[inline(always)]
-    fn row(&self, index: usize) -> InterpolatedRow {
-        self.rows[index]
-    }
-
-    #[inline(always)]
-    fn slope(&self, row: usize) -> f32 {
-        self.slopes[row]
-    }
-
-    #[inline(always)]
-    fn find_segment_index(&self, row: usize, target: u32) -> (usize, u32) {
-        let sums = &self.sums[row * self.segments..][..self.segments];
-        let passed = |sum: &u32| u32::from(*sum <= target);
-        let index = sums[..self.segments - 1].iter().map(passed).sum::<u32>() as usize;
-        (index, if index > 0 { sums[index - 1] } else { 0 })
-    }
-
-    #[inline(always)]
-    fn segment(&self, row: usize, index: usize) -> AzimuthSegment {
-        let nodes = &self.nodes[row * (self.segments + 1) + index..][..2];
-        AzimuthSegment {
-            index: index as u32 as f32,
-            low: nodes[0],
-            high: nodes[1],
-        }
-    }
 }

@@ -18,10 +18,10 @@ mod batch;
 mod build;
 mod codec;
 mod lookup;
-mod row_edges;
 mod sample;
 mod settings;
 mod tables;
+mod tabulate;
 
 use std::f64::consts::PI;
 
@@ -33,7 +33,8 @@ use crate::brdf::Brdf;
 use crate::geometry::half_vector_chart::HalfVectorChart;
 use crate::geometry::unit_upper;
 use crate::{Error, Result};
-use tables::IndexedTables;
+use sample::TableView;
+use tables::{IndexedTables, TablePair};
 
 pub use azimuths::ByAzimuth;
 pub(crate) use lookup::{NODE_UNIT, ROW_UNIT};
@@ -52,7 +53,7 @@ pub(super) fn knot_cosines(tables: usize) -> Vec<f32> {
         .collect()
 }
 
-/// A density over the half-vector square at each of a few angles of `wo`.
+/// A density over the chart of half vectors at each of a few angles of `wo`.
 #[derive(Clone, Debug)]
 pub struct HalfVectorTable {
     settings: HalfVectorSettings,
@@ -87,13 +88,19 @@ impl HalfVectorTable {
     pub(super) fn from_parts(settings: HalfVectorSettings, stored: Stored) -> Self {
         Self {
             settings,
-            tables: IndexedTables::new(stored),
+            tables: IndexedTables::new(stored, settings.fold),
         }
     }
 
     /// The settings it was built with.
     pub fn settings(&self) -> &HalfVectorSettings {
         &self.settings
+    }
+
+    /// The tables of the two polar angles about that of a chart's `wo`, with their weights.
+    #[inline]
+    pub(super) fn interpolate(&self, chart: &HalfVectorChart) -> TablePair<'_> {
+        self.tables.interpolate(chart.cos_o())
     }
 
     pub(crate) fn stored(&self) -> &Stored {
@@ -105,7 +112,7 @@ impl HalfVectorTable {
     pub fn invert(&self, wo: Vec3, wi: Vec3) -> Option<Vec2> {
         let wo = unit_upper(wo)?;
         let wi = unit_upper(wi)?;
-        Some(self.view(HalfVectorChart::new(wo)).invert(wi))
+        Some(TableView::new(&self.tables, HalfVectorChart::new(wo)).invert(wi))
     }
 }
 
@@ -114,7 +121,7 @@ impl DirectionSampler for HalfVectorTable {
     #[inline]
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
         let wo = unit_upper(wo)?;
-        Some(self.view(HalfVectorChart::new(wo)).sample(u))
+        Some(TableView::new(&self.tables, HalfVectorChart::new(wo)).sample(u))
     }
 
     #[inline]
@@ -122,7 +129,7 @@ impl DirectionSampler for HalfVectorTable {
         let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
             return 0.0;
         };
-        self.view(HalfVectorChart::new(wo)).pdf(wi)
+        TableView::new(&self.tables, HalfVectorChart::new(wo)).pdf(wi)
     }
 
     fn bytes(&self) -> usize {
@@ -132,12 +139,12 @@ impl DirectionSampler for HalfVectorTable {
     #[track_caller]
     fn sample_batch(&self, wo: Wo<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
         wo.assert_lanes(u.len(), out.len());
-        batch::sample_batch(self, wo, u, out);
+        batch::sample_batch(&self.tables, wo, u, out);
     }
 
     #[track_caller]
     fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
         wo.assert_lanes(wi.len(), out.len());
-        batch::pdf_batch(self, wo, wi, out);
+        batch::pdf_batch(&self.tables, wo, wi, out);
     }
 }

@@ -5,11 +5,10 @@
 
 use glam::{Vec2, Vec3};
 
-use super::HalfVectorTable;
 use super::lookup::{
     AzimuthSegment, InterpolatedRow, InterpolatedTable, invert_segment, invert_slope, slope_cdf,
 };
-use super::tables::TablePair;
+use super::tables::{IndexedTables, TablePair};
 use crate::direction_sampler::DirectionSample;
 use crate::geometry::half_vector_chart::{ChartPoint, HalfVectorChart};
 
@@ -19,7 +18,7 @@ const LOWEST_COSINE: f32 = 1e-9;
 /// A table about one `wo`: the chart of its half vectors, and the table interpolated to its polar angle.
 #[derive(Clone, Copy)]
 pub(in crate::sampler) struct TableView<'a, M> {
-    table: &'a HalfVectorTable,
+    tables: &'a IndexedTables,
     pub(super) chart: HalfVectorChart,
     pub(super) interpolated: M,
     /// Length of a segment on the azimuth's [0, 1].
@@ -144,32 +143,21 @@ impl DensityTerms {
     }
 }
 
-impl HalfVectorTable {
-    /// The table about the `wo` of a chart (steps 1 and 2).
-    #[inline]
-    pub(super) fn view(&self, chart: HalfVectorChart) -> TableView<'_, TablePair<'_>> {
-        TableView::new(self, chart, self.interpolate(&chart))
-    }
-
-    /// The tables of the two polar angles about that of a chart's `wo`, with their weights (step 4).
-    #[inline]
-    pub(in crate::sampler) fn interpolate(&self, chart: &HalfVectorChart) -> TablePair<'_> {
-        self.tables.interpolate(chart.cos_o())
-    }
-}
-
 impl<'a> TableView<'a, TablePair<'a>> {
+    /// The table about the `wo` of a chart (step 4).
+    #[inline]
+    pub(super) fn new(tables: &'a IndexedTables, chart: HalfVectorChart) -> Self {
+        Self::from_pair(chart, tables.interpolate(chart.cos_o()))
+    }
+
+    /// The same where the tables of the two polar angles about that of `wo` are known.
     #[inline(always)]
-    pub(in crate::sampler) fn new(
-        table: &'a HalfVectorTable,
-        chart: HalfVectorChart,
-        interpolated: TablePair<'a>,
-    ) -> Self {
-        let (segments, unit) = interpolated.scale();
+    pub(in crate::sampler) fn from_pair(chart: HalfVectorChart, pair: TablePair<'a>) -> Self {
+        let (segments, unit) = pair.scale();
         Self {
-            table,
+            tables: pair.tables,
             chart,
-            interpolated,
+            interpolated: pair,
             per_segment: 1.0 / segments,
             // The azimuth fraction runs over [−1, 1]: half the density on [0, 1].
             density_unit: 0.5 * unit,
@@ -179,7 +167,7 @@ impl<'a> TableView<'a, TablePair<'a>> {
     /// The same view with the two tables mixed beforehand.
     pub(super) fn with_premixed<M>(&self, premixed: M) -> TableView<'a, M> {
         TableView {
-            table: self.table,
+            tables: self.tables,
             chart: self.chart,
             interpolated: premixed,
             per_segment: self.per_segment,
@@ -192,7 +180,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
     /// Step 5: cap where a row begins, and its width.
     #[inline(always)]
     fn row_span(&self, row: usize) -> (f32, f32) {
-        let [low, high] = self.table.tables.edges(row);
+        let [low, high] = self.tables.edges(row);
         let low = self.chart.edge_cap(low);
         (low, self.chart.edge_cap(high) - low)
     }
@@ -201,7 +189,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
     #[inline(always)]
     fn find_row(&self, point: &ChartPoint) -> InterpolatedRow {
         let part = self.chart.find_part(point);
-        self.interpolated.row(self.table.tables.row_of_part(part))
+        self.interpolated.row(self.tables.row_of_part(part))
     }
 
     /// Looks up what a point of the unit square chooses.
@@ -222,7 +210,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
     ) -> DrawTerms {
         let (low, width) = self.row_span(row);
         // Step 10: v = u2, or |2·u2 − 1| and its sign if folded.
-        let (v, side) = unfold(u, self.table.settings.fold);
+        let (v, side) = unfold(u, self.tables.fold());
         // Steps 11 to 13: the segment in which the azimuth's probability passes v, and what is left of it.
         let (segment, rest) = self.interpolated.find_segment(row, v);
         DrawTerms {
@@ -245,7 +233,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
         let y =
             (terms.segment.index + invert_segment(terms.segment, terms.rest)) * self.per_segment;
         // Step 14: β = 2y − 1, or y with the side's sign if folded.
-        let azimuth_fraction = if self.table.settings.fold {
+        let azimuth_fraction = if self.tables.fold() {
             y * terms.side
         } else {
             2.0 * y - 1.0
@@ -267,7 +255,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
         let row = self.find_row(point);
         let (low, width) = self.row_span(row.index);
         // Step 21: y = (β + 1)/2, or |β| if folded; its segment k, and the position in it.
-        let y = unit_azimuth(point.azimuth_fraction, self.table.settings.fold);
+        let y = unit_azimuth(point.azimuth_fraction, self.tables.fold());
         let (segment, position) = self.interpolated.locate_segment(row.index, y);
         DensityTerms {
             low,
@@ -310,7 +298,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
 
     /// Steps 18 to 21, then 23 and 24: the point of the unit square that is drawn as `wi`.
     pub(super) fn invert(&self, wi: Vec3) -> Vec2 {
-        let fold = self.table.settings.fold;
+        let fold = self.tables.fold();
         let point = self.chart.locate(wi);
         let row = self.find_row(&point);
         let (low, width) = self.row_span(row.index);

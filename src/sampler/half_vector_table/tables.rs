@@ -5,20 +5,13 @@
 
 use std::hint::select_unpredictable;
 
-use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable, NODE_UNIT};
+use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable, NODE_UNIT, WEIGHT_ONE};
 use crate::geometry::half_vector_chart::{ChartEdge, PARTS};
 
-/// Probability 1 of a cumulative table.
-pub const ONE: u16 = u16::MAX;
-/// What the nodes of a row sum to, every inner one counted twice.
-pub const NODE_SUM: u32 = 2 * (ONE as u32 / 2);
 /// Slopes are in units of 1/128.
 pub const SLOPE_UNIT: f32 = 1.0 / 128.0;
 /// The steepest slope: densities stay above 0 at both ends of a row.
 pub const STEEPEST: i8 = 122;
-
-/// Weight 1 of a table: weights are in units of 2⁻¹⁶.
-pub const WEIGHT_ONE: u32 = 1 << 16;
 
 /// What a file holds: one table for each of a few `wo`.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,11 +20,11 @@ pub struct Stored {
     pub cosines: Vec<f32>,
     /// Edges of the rows, as numbers of the chart's edges; one more than rows.
     pub edges: Vec<u16>,
-    /// `[table, row]`: probability of the rows up to and with this one, in units of 1/[`ONE`]; rises to [`ONE`].
+    /// `[table, row]`: probability of the rows up to and with this one, in units of 1/65535; rises to 65535.
     pub rows: Vec<u16>,
     /// `[table, row]`: slope of the density over a row, in units of [`SLOPE_UNIT`].
     pub slopes: Vec<i8>,
-    /// `[table, row, node]`: density over the azimuth, at equidistant nodes and linear between; > 0, see [`NODE_SUM`].
+    /// `[table, row, node]`: density over the azimuth, at equidistant nodes and linear between; > 0, each row's trapezoids sum to 65534.
     pub nodes: Vec<u16>,
     /// Nodes a row.
     pub width: usize,
@@ -41,6 +34,8 @@ pub struct Stored {
 #[derive(Clone, Debug)]
 pub struct IndexedTables {
     stored: Stored,
+    /// Whether both sides of the plane of incidence are held as one.
+    fold: bool,
     /// Edges of the rows.
     edges: Vec<ChartEdge>,
     /// The row that holds each part of the chart.
@@ -77,7 +72,7 @@ pub struct TablePair<'a> {
 
 impl IndexedTables {
     /// Adds the derived tables to arrays that keep the rules of [`Stored`].
-    pub fn new(stored: Stored) -> Self {
+    pub fn new(stored: Stored, fold: bool) -> Self {
         let edges = stored
             .edges
             .iter()
@@ -99,6 +94,7 @@ impl IndexedTables {
         let blocks = stored.nodes.chunks(stored.width).flat_map(sums).collect();
         Self {
             stored,
+            fold,
             edges,
             part_rows,
             blocks,
@@ -109,6 +105,12 @@ impl IndexedTables {
     /// What a file holds of them.
     pub fn stored(&self) -> &Stored {
         &self.stored
+    }
+
+    /// Whether both sides of the plane of incidence are held as one.
+    #[inline]
+    pub fn fold(&self) -> bool {
+        self.fold
     }
 
     /// Bytes of all arrays.
@@ -311,8 +313,9 @@ impl InterpolatedTable for TablePair<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::batch::PremixedTable;
     use super::super::build::{quantise_nodes, quantise_rows};
-    use super::super::lookup::{PremixedTable, invert_segment, invert_slope, slope_cdf};
+    use super::super::lookup::{invert_segment, invert_slope, slope_cdf};
     use super::*;
     use crate::points::Stream;
 
@@ -335,14 +338,15 @@ mod tests {
         let nodes = (0..33)
             .flat_map(|i| quantise_nodes(&random(12, 10 + i)))
             .collect();
-        IndexedTables::new(Stored {
+        let stored = Stored {
             cosines: vec![1.0, 0.5, 0.1],
             edges: (0..=11).collect(),
             rows,
             slopes: (0..33).map(|i| (i * 7 - 110) as i8).collect(),
             nodes,
             width: 12,
-        })
+        };
+        IndexedTables::new(stored, false)
     }
 
     #[test]

@@ -121,8 +121,7 @@ impl Settings for LobeSettings {
         let kind = Field::choice(
             "kind",
             KINDS,
-            "which lobe: powers of cosines about the mirror direction, over its half space or the sphere, or distributions of \
-             half vectors or, ggx, of visible normals",
+            "which lobe",
             |s: &Self| s.kind,
             |s, value| s.kind = value,
         );
@@ -132,7 +131,7 @@ impl Settings for LobeSettings {
             Field::form(
                 "parameters",
                 "fitted, or ALONG/ACROSS/DIFFUSE as in 0.1/0.1/0.05",
-                "exponent or roughness along and across the plane of incidence, and fraction of draws that follow the cosine",
+                "shape along and across the plane of incidence, and fraction of draws that follow the cosine",
                 |s: &Self| show_parameters(s.parameters),
                 |s, text| match parse_parameters(text) {
                     Some(parameters) => {

@@ -28,7 +28,7 @@ use crate::{args, output, table};
 /// prints it. The same command gives the same bytes on any number of threads.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries or .bsdf files, names of embedded materials, or formulas; one sphere each, from left to right
+    /// MERL binaries, .bsdf files, embedded names or formulas; one sphere each, left to right
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     #[arg(long = "light", value_name = "LIGHT", default_value = "environment", help = light_help())]
@@ -42,8 +42,8 @@ pub struct Args {
     /// Spend more paths on noisy pixels and fewer on clean ones, keeping the total about the same. Needs --spp 16 or more
     #[arg(long, conflicts_with = "target_error")]
     adaptive: bool,
-    /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as lattices of as many
-    /// points as the pixel has paths [default: lattice; with --target-error sobol, because the number of paths is not known in advance]
+    /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as a lattice
+    /// [default: lattice; with --target-error, where the number of paths is not known in advance, sobol]
     #[arg(long, value_name = "SET", value_parser = args::named(&POINTS))]
     points: Option<PointSet>,
     /// Keep sampling each tile of 16 × 16 pixels until its estimated relative error is at most E: 0.05 or 5%
@@ -70,8 +70,7 @@ pub struct Args {
     /// Surfaces a path may meet; 1 is direct light only
     #[arg(long = "bounces", value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
     bounces: u32,
-    /// How light from lights with an extent is found: by multiple importance sampling, by light, by BRDF alone, or by
-    /// resampling candidates from the BRDF
+    /// How extended lights are found: by light and BRDF (mis), by one of them, or by resampling
     #[arg(long, value_name = "HOW", default_value = "mis", value_parser = STRATEGIES)]
     strategy: String,
     /// Weights of --strategy mis: by squared densities or by densities [default: power]

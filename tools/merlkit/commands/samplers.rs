@@ -137,11 +137,11 @@ fn list(all: &[Description]) -> String {
     )
 }
 
-/// The sampler with a few settings: its last preset, if it has one, and another number of tables, if it has any.
+/// The sampler with a few settings: its first preset, if it has one, and another number of tables, if it has any.
 fn example(default: &SamplerSpec) -> Result<SamplerSpec, Error> {
     let presets = default.preset_facts();
     let mut settings: Vec<String> = Vec::new();
-    settings.extend(presets.last().map(|preset| preset.name.to_owned()));
+    settings.extend(presets.first().map(|preset| preset.name.to_owned()));
     if default.setting("tables").is_some() {
         settings.push("tables=24".to_owned());
     }

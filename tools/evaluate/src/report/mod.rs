@@ -36,7 +36,7 @@ use serde::Serialize;
 use std::io::{self, Write};
 
 /// Version of the JSON documents' shape; it grows when a field changes its name, place or meaning.
-pub const JSON_SCHEMA: u32 = 1;
+pub const JSON_SCHEMA: u32 = 2;
 
 /// Writes `{"schema": …, "kind": kind, "results": results}` and a line feed. Numbers that are not finite become `null`.
 ///
