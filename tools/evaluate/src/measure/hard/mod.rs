@@ -168,7 +168,7 @@ struct Subject<'a> {
 impl Subject<'_> {
     fn cross(&self, hard: &HardSampler) -> Result<Vec<HardOutcome>> {
         let sampler = Arc::new(hard.spec.build(&self.brdf)?);
-        let mut out = pointwise::draws(self, hard, &*sampler);
+        let mut out = pointwise::draws(self, hard, &sampler);
         out.extend(integrals::integrals(self, hard, &*sampler));
         let bytes = sampler.bytes() as f64;
         let bound = Some(BYTES_A_TABLE * samplers::tables_of(&hard.spec) as f64);
