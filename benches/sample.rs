@@ -23,10 +23,10 @@ const SAMPLERS: [(&str, &str); 9] = [
     ("half-vector 2KB", "half-vector:2KB"),
     ("half-vector 64KB", "half-vector:64KB"),
     ("disc mixture", "adaptive-disc"),
-    ("disc nearest", "adaptive-disc:choice=nearest"),
+    ("disc nearest", "adaptive-disc:nearest"),
     ("disc rejection-free", "adaptive-disc:rejection-free"),
     ("cdf mixture", "cascade-cdf"),
-    ("cdf nearest", "cascade-cdf:choice=nearest"),
+    ("cdf nearest", "cascade-cdf:nearest"),
     ("cdf whole", "cascade-cdf:uniform"),
 ];
 
