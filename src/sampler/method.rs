@@ -1,16 +1,21 @@
-//! What makes a sampler a method that commands, files and figures know by name.
+//! What makes a sampler a method that commands, files and figures know by name, and its settings a text.
 
 use std::any::Any;
 use std::fmt;
+use std::fmt::Debug;
 use std::sync::Arc;
 
 use glam::Vec3;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
-use super::settings::Settings;
+use super::settings::{
+    Field, Preset, PresetFacts, SettingFacts, differing_words, find_field, unknown_setting,
+};
 use super::store::{TensorWriter, Tensors};
-use crate::Result;
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::material::{Loaded, MaterialFacts};
+use crate::{Error, Result};
 
 /// What a method asks of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -109,4 +114,128 @@ pub trait Method: Any + Send + Sync + Sized {
     /// # Errors
     /// [`crate::Error::Invalid`] for a tensor that is missing or breaks an invariant.
     fn read(tensors: &Tensors, settings: Self::Settings, material: &Loaded) -> Result<Self>;
+}
+
+/// The settings of a [`Method`].
+pub trait Settings:
+    Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static
+{
+    /// What they are the settings of.
+    type Method: Method<Settings = Self>;
+
+    /// All that can be set, in the order in which it is shown.
+    fn fields() -> Vec<Field<Self>>;
+
+    /// Settings that have a name.
+    fn presets() -> Vec<Preset<Self>> {
+        Vec::new()
+    }
+
+    /// What must hold between several settings, each of which is within its domain.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for settings that contradict each other.
+    fn check_together(&self) -> Result<()> {
+        Ok(())
+    }
+
+    /// Checks every domain, and what must hold between settings.
+    ///
+    /// # Errors
+    /// [`Error::Argument`], naming the first setting that is outside its domain.
+    fn check(&self) -> Result<()> {
+        let mut copy = self.clone();
+        for field in Self::fields() {
+            let value = field.value(self);
+            if !field.set(&mut copy, &value) {
+                return Err(field.refused(Self::Method::NAME, &value));
+            }
+        }
+        self.check_together()
+    }
+
+    /// Reads settings, separated by commas: a preset or nothing, then words that stand alone and `key=value`. What is not
+    /// named is as in the preset, or as by default. Case does not matter.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a setting that does not exist, with the one most like it; for one outside its domain, with that
+    /// domain; for one given twice; and for settings that contradict each other.
+    fn parse_text(text: &str) -> Result<Self> {
+        let name = Self::Method::NAME;
+        let fields = Self::fields();
+        let presets = Self::presets();
+        let mut settings = Self::default();
+        let mut given = Vec::new();
+        for (place, item) in text.split(',').map(str::trim).enumerate() {
+            if let Some(preset) = presets.iter().find(|p| p.name.eq_ignore_ascii_case(item)) {
+                if place > 0 {
+                    return Err(Error::argument(
+                        format!(
+                            "the preset {} of {name} follows other settings",
+                            preset.name
+                        ),
+                        format!(
+                            "write it first, and one preset only: {name}:{},…",
+                            preset.name
+                        ),
+                    ));
+                }
+                settings = preset.settings.clone();
+                continue;
+            }
+            let Some((field, value)) = find_field(&fields, item) else {
+                return Err(unknown_setting(name, &fields, &presets, item));
+            };
+            if given.contains(&field.key()) {
+                return Err(Error::argument(
+                    format!("{} of {name} is given twice", field.key()),
+                    "give it once",
+                ));
+            }
+            given.push(field.key());
+            if !field.set(&mut settings, value) {
+                return Err(field.refused(name, value));
+            }
+        }
+        settings.check_together()?;
+        Ok(settings)
+    }
+
+    /// The shortest text that [`Self::parse_text`] reads as these settings; empty for the default, unless that is a preset.
+    fn to_text(&self) -> String {
+        let presets = Self::presets();
+        if let Some(preset) = presets.iter().find(|p| p.settings == *self) {
+            return preset.name.to_owned();
+        }
+        let fields = Self::fields();
+        // Words needed from the default on, and from each preset on, whose name is one word more.
+        let mut best = differing_words(&fields, &Self::default(), self);
+        for preset in &presets {
+            let mut words = differing_words(&fields, &preset.settings, self);
+            words.insert(0, preset.name.to_owned());
+            if words.len() < best.len() {
+                best = words;
+            }
+        }
+        best.join(",")
+    }
+}
+
+/// What can be set in a method.
+pub(super) fn list_fields<S: Settings>() -> Vec<SettingFacts> {
+    let default = S::default();
+    let fields = S::fields();
+    fields.into_iter().map(|f| f.facts(&default)).collect()
+}
+
+/// All presets of a method.
+pub(super) fn list_presets<S: Settings>() -> Vec<PresetFacts> {
+    S::presets().into_iter().map(Preset::facts).collect()
+}
+
+/// The value of the setting called `key`, as text.
+pub(super) fn value_text<S: Settings>(settings: &S, key: &str) -> Option<String> {
+    let fields = S::fields();
+    let field = fields.iter().find(|f| f.key() == key)?;
+    Some(field.value(settings))
 }

@@ -26,9 +26,9 @@ pub use half_vector_table::{ByAzimuth, HalfVector, HalfVectorSettings, HalfVecto
 pub(crate) use half_vector_table::{NODE_UNIT, ROW_UNIT, Stored};
 pub use knots::TableChoice;
 pub use lobe::{LEAST_DIFFUSE, Lobe, LobeKind, LobeParameters, LobeSettings};
-pub use method::{Method, Needs};
+pub use method::{Method, Needs, Settings};
 pub use own_sampler::{OwnSampler, OwnSamplerSettings};
-pub use settings::{Field, Preset, PresetFacts, SettingFacts, Settings};
+pub use settings::{Field, Preset, PresetFacts, SettingFacts};
 pub use spec::{Sampler, SamplerSpec};
 
 use glam::Vec3;

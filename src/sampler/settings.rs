@@ -3,121 +3,15 @@
 //! A method declares each of its settings once, as a [`Field`]: key, domain, meaning, and how it is read and written. Parsing,
 //! printing, the checks of domains, the list that `merlkit samplers NAME` prints and all errors follow from that declaration.
 
-use std::fmt::{Debug, Display};
+use std::fmt::Display;
 use std::ops::{Bound, RangeBounds, RangeInclusive};
 use std::str::FromStr;
 
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use super::knots::TableChoice;
-use super::method::Method;
+use crate::Error;
 use crate::brdf::Importance;
-use crate::{Error, Result};
-
-/// The settings of a [`Method`].
-pub trait Settings:
-    Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static
-{
-    /// What they are the settings of.
-    type Method: Method<Settings = Self>;
-
-    /// All that can be set, in the order in which it is shown.
-    fn fields() -> Vec<Field<Self>>;
-
-    /// Settings that have a name.
-    fn presets() -> Vec<Preset<Self>> {
-        Vec::new()
-    }
-
-    /// What must hold between several settings, each of which is within its domain.
-    ///
-    /// # Errors
-    /// [`Error::Argument`] for settings that contradict each other.
-    fn check_together(&self) -> Result<()> {
-        Ok(())
-    }
-
-    /// Checks every domain, and what must hold between settings.
-    ///
-    /// # Errors
-    /// [`Error::Argument`], naming the first setting that is outside its domain.
-    fn check(&self) -> Result<()> {
-        let mut copy = self.clone();
-        for field in Self::fields() {
-            let value = (field.get)(self);
-            if !(field.set)(&mut copy, &value) {
-                return Err(field.refused(Self::Method::NAME, &value));
-            }
-        }
-        self.check_together()
-    }
-
-    /// Reads settings, separated by commas: a preset or nothing, then words that stand alone and `key=value`. What is not
-    /// named is as in the preset, or as by default. Case does not matter.
-    ///
-    /// # Errors
-    /// [`Error::Argument`] for a setting that does not exist, with the one most like it; for one outside its domain, with that
-    /// domain; for one given twice; and for settings that contradict each other.
-    fn parse_text(text: &str) -> Result<Self> {
-        let name = Self::Method::NAME;
-        let fields = Self::fields();
-        let presets = Self::presets();
-        let mut settings = Self::default();
-        let mut given = Vec::new();
-        for (place, item) in text.split(',').map(str::trim).enumerate() {
-            if let Some(preset) = presets.iter().find(|p| p.name.eq_ignore_ascii_case(item)) {
-                if place > 0 {
-                    return Err(Error::argument(
-                        format!(
-                            "the preset {} of {name} follows other settings",
-                            preset.name
-                        ),
-                        format!(
-                            "write it first, and one preset only: {name}:{},…",
-                            preset.name
-                        ),
-                    ));
-                }
-                settings = preset.settings.clone();
-                continue;
-            }
-            let Some((field, value)) = find_field(&fields, item) else {
-                return Err(unknown_setting::<Self>(&fields, item));
-            };
-            if given.contains(&field.key) {
-                return Err(Error::argument(
-                    format!("{} of {name} is given twice", field.key),
-                    "give it once",
-                ));
-            }
-            given.push(field.key);
-            if !(field.set)(&mut settings, value) {
-                return Err(field.refused(name, value));
-            }
-        }
-        settings.check_together()?;
-        Ok(settings)
-    }
-
-    /// The shortest text that [`Self::parse_text`] reads as these settings; empty for the default, unless that is a preset.
-    fn to_text(&self) -> String {
-        let presets = Self::presets();
-        if let Some(preset) = presets.iter().find(|p| p.settings == *self) {
-            return preset.name.to_owned();
-        }
-        // Words needed from the default on, and from each preset on, whose name is one word more.
-        let mut best = words_from(&Self::default(), self);
-        for preset in &presets {
-            let mut words = words_from(&preset.settings, self);
-            words.insert(0, preset.name.to_owned());
-            if words.len() < best.len() {
-                best = words;
-            }
-        }
-        best.join(",")
-    }
-}
 
 /// Settings with a name.
 #[derive(Clone, Debug)]
@@ -137,6 +31,14 @@ impl<S> Preset<S> {
             name,
             meaning: meaning.into(),
             settings,
+        }
+    }
+
+    /// What a list of presets says about it.
+    pub(super) fn facts(self) -> PresetFacts {
+        PresetFacts {
+            name: self.name,
+            meaning: self.meaning,
         }
     }
 }
@@ -279,9 +181,35 @@ impl<S: 'static> Field<S> {
         self
     }
 
+    /// The word in front of the `=`.
+    pub(super) fn key(&self) -> &'static str {
+        self.key
+    }
+
+    /// The value, as text.
+    pub(super) fn value(&self, settings: &S) -> String {
+        (self.get)(settings)
+    }
+
+    /// Sets the value from its text, and answers whether the text was understood and within the domain.
+    pub(super) fn set(&self, settings: &mut S, text: &str) -> bool {
+        (self.set)(settings, text)
+    }
+
+    /// What a list of settings says about it.
+    pub(super) fn facts(self, default: &S) -> SettingFacts {
+        SettingFacts {
+            key: self.key,
+            default: self.value(default),
+            standing_alone: self.words,
+            domain: self.domain,
+            meaning: self.meaning,
+        }
+    }
+
     /// The setting as it is printed: the value alone, or behind its key.
     fn text(&self, settings: &S) -> String {
-        let value = (self.get)(settings);
+        let value = self.value(settings);
         if self.words.contains(&value.as_str()) {
             value
         } else {
@@ -290,7 +218,7 @@ impl<S: 'static> Field<S> {
     }
 
     /// The error for a value outside the domain.
-    fn refused(&self, name: &str, value: &str) -> Error {
+    pub(super) fn refused(&self, name: &str, value: &str) -> Error {
         Error::argument(
             format!("{}={value} is outside the domain of {name}", self.key),
             format!("choose {}", self.domain),
@@ -364,46 +292,24 @@ pub struct PresetFacts {
     pub meaning: String,
 }
 
-/// All settings of a method, with the values of `settings`.
-pub(super) fn list_fields<S: Settings>() -> Vec<SettingFacts> {
-    let default = S::default();
-    let facts = |field: Field<S>| SettingFacts {
-        key: field.key,
-        default: (field.get)(&default),
-        standing_alone: field.words,
-        domain: field.domain,
-        meaning: field.meaning,
-    };
-    S::fields().into_iter().map(facts).collect()
-}
-
-/// All presets of a method.
-pub(super) fn list_presets<S: Settings>() -> Vec<PresetFacts> {
-    let facts = |preset: Preset<S>| PresetFacts {
-        name: preset.name,
-        meaning: preset.meaning,
-    };
-    S::presets().into_iter().map(facts).collect()
-}
-
-/// The value of the setting called `key`, as text.
-pub(super) fn value_text<S: Settings>(settings: &S, key: &str) -> Option<String> {
-    let fields = S::fields();
-    let field = fields.iter().find(|f| f.key == key)?;
-    Some((field.get)(settings))
-}
-
 /// The settings in which `settings` differs from `base`, and those that are always shown, as they are printed.
-fn words_from<S: Settings>(base: &S, settings: &S) -> Vec<String> {
-    S::fields()
+pub(super) fn differing_words<S: 'static>(
+    fields: &[Field<S>],
+    base: &S,
+    settings: &S,
+) -> Vec<String> {
+    fields
         .iter()
-        .filter(|field| field.always_shown || (field.get)(base) != (field.get)(settings))
+        .filter(|field| field.always_shown || field.value(base) != field.value(settings))
         .map(|field| field.text(settings))
         .collect()
 }
 
 /// The setting that an item of a text names, and the value it gives.
-fn find_field<'a, S>(fields: &'a [Field<S>], item: &'a str) -> Option<(&'a Field<S>, &'a str)> {
+pub(super) fn find_field<'a, S>(
+    fields: &'a [Field<S>],
+    item: &'a str,
+) -> Option<(&'a Field<S>, &'a str)> {
     if let Some((key, value)) = item.split_once('=') {
         let field = fields
             .iter()
@@ -415,8 +321,12 @@ fn find_field<'a, S>(fields: &'a [Field<S>], item: &'a str) -> Option<(&'a Field
 }
 
 /// The error for an item that names no setting, with what it may have meant.
-fn unknown_setting<S: Settings>(fields: &[Field<S>], item: &str) -> Error {
-    let name = S::Method::NAME;
+pub(super) fn unknown_setting<S>(
+    name: &str,
+    fields: &[Field<S>],
+    presets: &[Preset<S>],
+    item: &str,
+) -> Error {
     let list = format!("`merlkit samplers {name}` lists what can be set");
     let (key, has_value) = match item.split_once('=') {
         Some((key, _)) => (key.trim(), true),
@@ -436,7 +346,7 @@ fn unknown_setting<S: Settings>(fields: &[Field<S>], item: &str) -> Error {
     }
     let mut words: Vec<&str> = fields.iter().map(|f| f.key).collect();
     words.extend(fields.iter().flat_map(|f| f.words.iter().copied()));
-    words.extend(S::presets().iter().map(|p| p.name));
+    words.extend(presets.iter().map(|p| p.name));
     let fix = match most_alike(key, &words) {
         Some(word) => format!("did you mean {word}? {list}"),
         None if words.is_empty() => "write its name alone".to_owned(),

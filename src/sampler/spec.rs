@@ -10,11 +10,8 @@ use glam::Vec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::METHODS;
-use super::method::{Method, Needs};
-use super::settings::{
-    PresetFacts, SettingFacts, Settings, list_fields, list_presets, list_words, most_alike,
-    value_text,
-};
+use super::method::{Method, Needs, Settings, list_fields, list_presets, value_text};
+use super::settings::{PresetFacts, SettingFacts, list_words, most_alike};
 use super::store::{TensorWriter, Tensors};
 use crate::direction_sampler::{DirectionSample, DirectionSampler, draw_stratified};
 use crate::material::merl::LookupRule;

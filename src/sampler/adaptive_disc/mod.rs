@@ -26,12 +26,14 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use super::Settings;
 use super::knots::{Neighbours, ThetaKnots, split_unit};
+use super::store::{TensorWriter, Tensors};
+use super::{Method, Needs, Settings};
 use crate::Result;
 use crate::brdf::Brdf;
 use crate::direction_sampler::{DirectionSample, DirectionSampler, draw_stratified};
 use crate::geometry::{cosine_hemisphere, is_upper, unit_upper};
+use crate::material::Loaded;
 use crate::material::merl::MerlBrdf;
 use crate::points::Stream;
 
@@ -302,6 +304,46 @@ impl AdaptiveDisc {
         }
         let pdf = self.density(view, wi);
         (pdf > 0.0).then_some(DirectionSample { wi, pdf })
+    }
+}
+
+impl Method for AdaptiveDisc {
+    const NAME: &'static str = "adaptive-disc";
+    const SUMMARY: &'static str =
+        "quadtrees over the disc, whose draws are accepted under bounds or warped";
+    const NEEDS: Needs = Needs::MerlTable;
+    type Settings = AdaptiveDiscSettings;
+
+    fn build(material: &Loaded, settings: &AdaptiveDiscSettings) -> Result<Self> {
+        let table = material.require_table("the adaptive disc")?;
+        Self::build(table.clone(), *settings)
+    }
+
+    fn settings(&self) -> AdaptiveDiscSettings {
+        *self.settings()
+    }
+
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
+        self
+    }
+
+    fn draw_own_strata(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Option<Vec<Option<DirectionSample>>> {
+        Some(self.draw_stratified(wo, count, seed))
+    }
+
+    fn write(&self, out: &mut TensorWriter) -> Result<()> {
+        codec::write(self.trees(), out);
+        Ok(())
+    }
+
+    fn read(tensors: &Tensors, settings: AdaptiveDiscSettings, material: &Loaded) -> Result<Self> {
+        let table = material.require_table("the adaptive disc")?;
+        codec::read(tensors, table.clone(), settings)
     }
 }
 

@@ -1,18 +1,12 @@
-//! Settings of the adaptive disc, and the method that builds it.
+//! Settings of the adaptive disc.
 
 use std::ops::Bound;
-use std::sync::Arc;
 
-use glam::Vec3;
-
+use super::AdaptiveDisc;
 use super::square::DEEPEST;
-use super::{AdaptiveDisc, codec};
 use crate::brdf::Importance;
-use crate::direction_sampler::{DirectionSample, DirectionSampler};
-use crate::material::Loaded;
 use crate::sampler::settings::{floor, importance, table_choice};
-use crate::sampler::store::{TensorWriter, Tensors};
-use crate::sampler::{Field, Method, Needs, Preset, Settings, TableChoice};
+use crate::sampler::{Field, Preset, Settings, TableChoice};
 use crate::{Error, Result};
 
 /// How the values behind a tree are gathered.
@@ -228,45 +222,5 @@ fn construction(side: Option<usize>) -> Construction {
     match side {
         Some(side) => Construction::Grid(side as u32),
         None => Construction::Refined,
-    }
-}
-
-impl Method for AdaptiveDisc {
-    const NAME: &'static str = "adaptive-disc";
-    const SUMMARY: &'static str =
-        "quadtrees over the disc, whose draws are accepted under bounds or warped";
-    const NEEDS: Needs = Needs::MerlTable;
-    type Settings = AdaptiveDiscSettings;
-
-    fn build(material: &Loaded, settings: &AdaptiveDiscSettings) -> Result<Self> {
-        let table = material.require_table("the adaptive disc")?;
-        Self::build(table.clone(), *settings)
-    }
-
-    fn settings(&self) -> AdaptiveDiscSettings {
-        *self.settings()
-    }
-
-    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
-        self
-    }
-
-    fn draw_own_strata(
-        &self,
-        wo: Vec3,
-        count: usize,
-        seed: u64,
-    ) -> Option<Vec<Option<DirectionSample>>> {
-        Some(self.draw_stratified(wo, count, seed))
-    }
-
-    fn write(&self, out: &mut TensorWriter) -> Result<()> {
-        codec::write(self.trees(), out);
-        Ok(())
-    }
-
-    fn read(tensors: &Tensors, settings: AdaptiveDiscSettings, material: &Loaded) -> Result<Self> {
-        let table = material.require_table("the adaptive disc")?;
-        codec::read(tensors, table.clone(), settings)
     }
 }

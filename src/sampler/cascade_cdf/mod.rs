@@ -17,15 +17,18 @@ pub(super) use axis::ThetaAxis;
 pub(super) use build::{contribution, masses};
 
 use std::f64::consts::{FRAC_1_PI, TAU};
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::knots::{Neighbours, ThetaKnots, split_unit};
-use super::{DirectionSample, DirectionSampler, Settings};
+use super::store::{TensorWriter, Tensors};
+use super::{DirectionSample, DirectionSampler, Method, Needs, Settings};
 use crate::Result;
 use crate::brdf::Brdf;
 use crate::distribution::Curves;
 use crate::geometry::{approx, cosine_hemisphere, is_upper, reflect_about, unit_upper};
+use crate::material::Loaded;
 
 /// The tables of all knots.
 #[derive(Clone, Debug, PartialEq)]
@@ -180,6 +183,35 @@ impl CascadeCdf {
         let (s, c) = approx::sin_cos_turns(at.y / self.settings.phi_h as f64);
         let turn = wo.truncate().as_dvec2().try_normalize().unwrap_or(DVec2::X);
         (turn.rotate(DVec2::new(c, s)) * sin).extend(cos)
+    }
+}
+
+impl Method for CascadeCdf {
+    const NAME: &'static str = "cascade-cdf";
+    const SUMMARY: &'static str =
+        "a marginal and conditional CDFs over the half vector, compressed or whole";
+    const NEEDS: Needs = Needs::IsotropicMaterial;
+    type Settings = CascadeCdfSettings;
+
+    fn build(material: &Loaded, settings: &CascadeCdfSettings) -> Result<Self> {
+        Self::build(&**material.brdf(), *settings)
+    }
+
+    fn settings(&self) -> CascadeCdfSettings {
+        *self.settings()
+    }
+
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
+        self
+    }
+
+    fn write(&self, out: &mut TensorWriter) -> Result<()> {
+        codec::write(self.tables(), out);
+        Ok(())
+    }
+
+    fn read(tensors: &Tensors, settings: CascadeCdfSettings, _: &Loaded) -> Result<Self> {
+        codec::read(tensors, settings)
     }
 }
 

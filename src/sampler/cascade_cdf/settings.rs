@@ -1,14 +1,9 @@
-//! Settings of the cascade CDF, and the method that builds it.
+//! Settings of the cascade CDF.
 
-use std::sync::Arc;
-
-use super::{CascadeCdf, ThetaSpacing, codec};
+use super::{CascadeCdf, ThetaSpacing};
 use crate::brdf::Importance;
-use crate::direction_sampler::DirectionSampler;
-use crate::material::Loaded;
 use crate::sampler::settings::{floor, importance, table_choice};
-use crate::sampler::store::{TensorWriter, Tensors};
-use crate::sampler::{Field, Method, Needs, Preset, Settings, TableChoice};
+use crate::sampler::{Field, Preset, Settings, TableChoice};
 use crate::{Error, Result};
 
 /// Settings of the cascade CDF.
@@ -171,33 +166,4 @@ fn parse_cells(text: &str) -> Option<[usize; 2]> {
     let (theta_h, phi_h) = text.split_once(['x', 'X', '×'])?;
     let cells = [theta_h.parse().ok()?, phi_h.parse().ok()?];
     cells.iter().all(|n| CELLS.contains(n)).then_some(cells)
-}
-
-impl Method for CascadeCdf {
-    const NAME: &'static str = "cascade-cdf";
-    const SUMMARY: &'static str =
-        "a marginal and conditional CDFs over the half vector, compressed or whole";
-    const NEEDS: Needs = Needs::IsotropicMaterial;
-    type Settings = CascadeCdfSettings;
-
-    fn build(material: &Loaded, settings: &CascadeCdfSettings) -> Result<Self> {
-        Self::build(&**material.brdf(), *settings)
-    }
-
-    fn settings(&self) -> CascadeCdfSettings {
-        *self.settings()
-    }
-
-    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
-        self
-    }
-
-    fn write(&self, out: &mut TensorWriter) -> Result<()> {
-        codec::write(self.tables(), out);
-        Ok(())
-    }
-
-    fn read(tensors: &Tensors, settings: CascadeCdfSettings, _: &Loaded) -> Result<Self> {
-        codec::read(tensors, settings)
-    }
 }

@@ -12,15 +12,20 @@ mod settings;
 pub use settings::{FactoredSettings, Factors};
 
 use std::f64::consts::{FRAC_1_PI, TAU};
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::cascade_cdf::ThetaAxis;
 use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
-use super::{DirectionSample, DirectionSampler, Settings, ThetaSpacing, with_density};
+use super::store::{TensorWriter, Tensors};
+use super::{
+    DirectionSample, DirectionSampler, Method, Needs, Settings, ThetaSpacing, with_density,
+};
 use crate::brdf::Brdf;
 use crate::distribution::Curves;
 use crate::geometry::{cosine_hemisphere, reflect_about, spherical, to_spherical, unit_upper};
+use crate::material::Loaded;
 use crate::{Error, Result};
 
 /// The terms of the sum.
@@ -156,6 +161,34 @@ fn turned(w: DVec3, wo: DVec3, sign: f64) -> DVec3 {
     DVec2::new(turn.x, sign * turn.y)
         .rotate(w.truncate())
         .extend(w.z)
+}
+
+impl Method for Factored {
+    const NAME: &'static str = "factored";
+    const SUMMARY: &'static str = "a sum of products of functions of one angle each";
+    const NEEDS: Needs = Needs::IsotropicMaterial;
+    type Settings = FactoredSettings;
+
+    fn build(material: &Loaded, settings: &FactoredSettings) -> Result<Self> {
+        Self::build(&**material.brdf(), *settings)
+    }
+
+    fn settings(&self) -> FactoredSettings {
+        *self.settings()
+    }
+
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
+        self
+    }
+
+    fn write(&self, out: &mut TensorWriter) -> Result<()> {
+        codec::write(self.terms(), out);
+        Ok(())
+    }
+
+    fn read(tensors: &Tensors, settings: FactoredSettings, _: &Loaded) -> Result<Self> {
+        codec::read(tensors, settings)
+    }
 }
 
 impl DirectionSampler for Factored {

@@ -1,16 +1,11 @@
-//! Settings of the factored BRDF, and the method that builds it.
+//! Settings of the factored BRDF.
 
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
-use super::{Factored, codec};
-use crate::Result;
+use super::Factored;
 use crate::brdf::Importance;
-use crate::direction_sampler::DirectionSampler;
-use crate::material::Loaded;
 use crate::sampler::settings::importance;
-use crate::sampler::store::{TensorWriter, Tensors};
-use crate::sampler::{Field, Method, Needs, Settings};
+use crate::sampler::{Field, Settings};
 
 /// How many factors there are, and over what.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -137,32 +132,4 @@ fn parse_pair(text: &str, range: &RangeInclusive<usize>) -> Option<[usize; 2]> {
     let (first, second) = text.split_once(['x', 'X', '×'])?;
     let pair = [first.parse().ok()?, second.parse().ok()?];
     pair.iter().all(|n| range.contains(n)).then_some(pair)
-}
-
-impl Method for Factored {
-    const NAME: &'static str = "factored";
-    const SUMMARY: &'static str = "a sum of products of functions of one angle each";
-    const NEEDS: Needs = Needs::IsotropicMaterial;
-    type Settings = FactoredSettings;
-
-    fn build(material: &Loaded, settings: &FactoredSettings) -> Result<Self> {
-        Self::build(&**material.brdf(), *settings)
-    }
-
-    fn settings(&self) -> FactoredSettings {
-        *self.settings()
-    }
-
-    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
-        self
-    }
-
-    fn write(&self, out: &mut TensorWriter) -> Result<()> {
-        codec::write(self.terms(), out);
-        Ok(())
-    }
-
-    fn read(tensors: &Tensors, settings: FactoredSettings, _: &Loaded) -> Result<Self> {
-        codec::read(tensors, settings)
-    }
 }

@@ -24,21 +24,24 @@ mod tables;
 mod tabulate;
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::{DirectionSample, DirectionSampler, Settings};
+use super::store::{TensorWriter, Tensors};
+use super::{DirectionSample, DirectionSampler, Method, Needs, Settings};
 use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::geometry::half_vector_chart::HalfVectorChart;
-use crate::geometry::unit_upper;
+use crate::geometry::{Symmetry, unit_upper};
+use crate::material::{Loaded, MaterialFacts};
 use crate::{Error, Result};
 use sample::TableView;
 use tables::{IndexedTables, TablePair};
 
 pub use azimuths::ByAzimuth;
 pub(crate) use lookup::{NODE_UNIT, ROW_UNIT};
-pub use settings::{HalfVector, HalfVectorSettings};
+pub use settings::HalfVectorSettings;
 pub(crate) use tables::Stored;
 
 /// The last table stands short of the horizon.
@@ -146,5 +149,78 @@ impl DirectionSampler for HalfVectorTable {
     fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
         wo.assert_lanes(wi.len(), out.len());
         batch::pdf_batch(&self.tables, wo, wi, out);
+    }
+}
+
+/// The half-vector table of an isotropic material, or those of an anisotropic one.
+#[derive(Clone, Debug)]
+pub enum HalfVector {
+    /// One azimuth of `wo` is enough.
+    Isotropic(Arc<HalfVectorTable>),
+    /// A table for each of a few azimuths of `wo`.
+    Anisotropic(Arc<ByAzimuth>),
+}
+
+impl Method for HalfVector {
+    const NAME: &'static str = "half-vector";
+    const SUMMARY: &'static str =
+        "densities over a square of half vectors that ends at the horizon, interpolated";
+    const NEEDS: Needs = Needs::AnyMaterial;
+    type Settings = HalfVectorSettings;
+
+    fn check_facts(settings: &HalfVectorSettings, facts: &MaterialFacts) -> Result<()> {
+        if facts.is_isotropic() && settings.azimuths.is_some() {
+            return Err(settings::azimuths_of_isotropic());
+        }
+        Ok(())
+    }
+
+    fn build(material: &Loaded, settings: &HalfVectorSettings) -> Result<Self> {
+        let brdf = &**material.brdf();
+        if material.symmetry() == Symmetry::Isotropic {
+            let table = HalfVectorTable::build(brdf, *settings)?;
+            return Ok(Self::Isotropic(Arc::new(table)));
+        }
+        let tables = ByAzimuth::build(brdf, *settings)?;
+        Ok(Self::Anisotropic(Arc::new(tables)))
+    }
+
+    fn settings(&self) -> HalfVectorSettings {
+        match self {
+            Self::Isotropic(table) => *table.settings(),
+            Self::Anisotropic(tables) => *tables.settings(),
+        }
+    }
+
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
+        match &*self {
+            Self::Isotropic(table) => table.clone(),
+            Self::Anisotropic(tables) => tables.clone(),
+        }
+    }
+
+    fn write(&self, out: &mut TensorWriter) -> Result<()> {
+        match self {
+            Self::Isotropic(table) => codec::write(&[table.stored()], out),
+            Self::Anisotropic(tables) => codec::write(&tables.stored(), out),
+        }
+        Ok(())
+    }
+
+    fn read(tensors: &Tensors, settings: HalfVectorSettings, material: &Loaded) -> Result<Self> {
+        match (material.symmetry(), settings.azimuths) {
+            (Symmetry::Isotropic, None) => {
+                let table = codec::read(tensors, settings)?;
+                Ok(Self::Isotropic(Arc::new(table)))
+            }
+            (Symmetry::Isotropic, Some(azimuths)) => {
+                let found = format!("tables of {azimuths} azimuths");
+                Err(tensors.invalid("one table for an isotropic material", found))
+            }
+            (symmetry, _) => {
+                let tables = codec::read_by_azimuth(tensors, settings, symmetry)?;
+                Ok(Self::Anisotropic(Arc::new(tables)))
+            }
+        }
     }
 }

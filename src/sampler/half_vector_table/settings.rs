@@ -1,17 +1,11 @@
-//! Settings of half-vector tables, and the method that builds them for isotropic and anisotropic materials.
+//! Settings of half-vector tables.
 
-use std::sync::Arc;
-
-use super::{ByAzimuth, HalfVectorTable, codec, tables};
+use super::{HalfVector, tables};
+use crate::Error;
 use crate::brdf::Importance;
-use crate::direction_sampler::DirectionSampler;
-use crate::geometry::Symmetry;
 use crate::geometry::half_vector_chart::PARTS;
-use crate::material::{Loaded, MaterialFacts};
 use crate::sampler::settings::importance;
-use crate::sampler::store::{TensorWriter, Tensors};
-use crate::sampler::{Field, Method, Needs, Preset, Settings};
-use crate::{Error, Result};
+use crate::sampler::{Field, Preset, Settings};
 
 /// Settings of half-vector tables.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -161,79 +155,6 @@ impl Settings for HalfVectorSettings {
             Preset::new(name, meaning, settings)
         };
         Self::PRESETS.map(preset).to_vec()
-    }
-}
-
-/// The half-vector table of an isotropic material, or those of an anisotropic one.
-#[derive(Clone, Debug)]
-pub enum HalfVector {
-    /// One azimuth of `wo` is enough.
-    Isotropic(Arc<HalfVectorTable>),
-    /// A table for each of a few azimuths of `wo`.
-    Anisotropic(Arc<ByAzimuth>),
-}
-
-impl Method for HalfVector {
-    const NAME: &'static str = "half-vector";
-    const SUMMARY: &'static str =
-        "densities over a square of half vectors that ends at the horizon, interpolated";
-    const NEEDS: Needs = Needs::AnyMaterial;
-    type Settings = HalfVectorSettings;
-
-    fn check_facts(settings: &HalfVectorSettings, facts: &MaterialFacts) -> Result<()> {
-        if facts.is_isotropic() && settings.azimuths.is_some() {
-            return Err(azimuths_of_isotropic());
-        }
-        Ok(())
-    }
-
-    fn build(material: &Loaded, settings: &HalfVectorSettings) -> Result<Self> {
-        let brdf = &**material.brdf();
-        if material.symmetry() == Symmetry::Isotropic {
-            let table = HalfVectorTable::build(brdf, *settings)?;
-            return Ok(Self::Isotropic(Arc::new(table)));
-        }
-        let tables = ByAzimuth::build(brdf, *settings)?;
-        Ok(Self::Anisotropic(Arc::new(tables)))
-    }
-
-    fn settings(&self) -> HalfVectorSettings {
-        match self {
-            Self::Isotropic(table) => *table.settings(),
-            Self::Anisotropic(tables) => *tables.settings(),
-        }
-    }
-
-    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
-        match &*self {
-            Self::Isotropic(table) => table.clone(),
-            Self::Anisotropic(tables) => tables.clone(),
-        }
-    }
-
-    fn write(&self, out: &mut TensorWriter) -> Result<()> {
-        match self {
-            Self::Isotropic(table) => codec::write(&[table.stored()], out),
-            Self::Anisotropic(tables) => codec::write(&tables.stored(), out),
-        }
-        Ok(())
-    }
-
-    fn read(tensors: &Tensors, settings: HalfVectorSettings, material: &Loaded) -> Result<Self> {
-        match (material.symmetry(), settings.azimuths) {
-            (Symmetry::Isotropic, None) => {
-                let table = codec::read(tensors, settings)?;
-                Ok(Self::Isotropic(Arc::new(table)))
-            }
-            (Symmetry::Isotropic, Some(azimuths)) => {
-                let found = format!("tables of {azimuths} azimuths");
-                Err(tensors.invalid("one table for an isotropic material", found))
-            }
-            (symmetry, _) => {
-                let tables = codec::read_by_azimuth(tensors, settings, symmetry)?;
-                Ok(Self::Anisotropic(Arc::new(tables)))
-            }
-        }
     }
 }
 

@@ -13,14 +13,17 @@ pub(super) use fit::Nodes;
 pub use settings::{LEAST_DIFFUSE, LobeKind, LobeParameters, LobeSettings};
 
 use std::f64::consts::FRAC_1_PI;
+use std::sync::Arc;
 
 use glam::{DVec2, Vec2, Vec3};
 
 use super::knots::split_unit;
-use super::{DirectionSample, DirectionSampler, Settings, with_density};
+use super::store::{TensorWriter, Tensors};
+use super::{DirectionSample, DirectionSampler, Method, Needs, Settings, with_density};
 use crate::Result;
 use crate::brdf::Brdf;
 use crate::geometry::{cosine_hemisphere, unit_upper};
+use crate::material::Loaded;
 
 /// A lobe and its share of cosine.
 #[derive(Clone, Debug)]
@@ -80,6 +83,34 @@ fn density(kind: LobeKind, parameters: &LobeParameters, wo: Vec3, wi: Vec3) -> f
     let shape = [parameters.along, parameters.across].map(f64::from);
     let lobe = shape::density(kind, shape, wo.as_dvec3(), wi.as_dvec3());
     (1.0 - diffuse) * lobe + diffuse * f64::from(wi.z) * FRAC_1_PI
+}
+
+impl Method for Lobe {
+    const NAME: &'static str = "lobe";
+    const SUMMARY: &'static str = "an analytic lobe fitted to the material, mixed with the cosine";
+    const NEEDS: Needs = Needs::IsotropicMaterial;
+    type Settings = LobeSettings;
+
+    fn build(material: &Loaded, settings: &LobeSettings) -> Result<Self> {
+        Self::build(&**material.brdf(), *settings)
+    }
+
+    fn settings(&self) -> LobeSettings {
+        *self.settings()
+    }
+
+    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
+        self
+    }
+
+    fn write(&self, out: &mut TensorWriter) -> Result<()> {
+        codec::write(self.parameters(), out);
+        Ok(())
+    }
+
+    fn read(tensors: &Tensors, settings: LobeSettings, _: &Loaded) -> Result<Self> {
+        codec::read(tensors, settings)
+    }
 }
 
 impl DirectionSampler for Lobe {

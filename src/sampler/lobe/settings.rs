@@ -1,14 +1,9 @@
-//! Settings of lobes, and the method that builds them.
+//! Settings of lobes.
 
-use std::sync::Arc;
-
-use super::{Lobe, codec};
+use super::Lobe;
 use crate::brdf::Importance;
-use crate::direction_sampler::DirectionSampler;
-use crate::material::Loaded;
 use crate::sampler::settings::importance;
-use crate::sampler::store::{TensorWriter, Tensors};
-use crate::sampler::{Field, Method, Needs, Settings};
+use crate::sampler::{Field, Settings};
 use crate::{Error, Result};
 
 /// Which lobe.
@@ -198,32 +193,4 @@ fn parse_parameters(text: &str) -> Option<Option<LobeParameters>> {
         diffuse: numbers.next()??,
     };
     numbers.next().is_none().then_some(Some(parameters))
-}
-
-impl Method for Lobe {
-    const NAME: &'static str = "lobe";
-    const SUMMARY: &'static str = "an analytic lobe fitted to the material, mixed with the cosine";
-    const NEEDS: Needs = Needs::IsotropicMaterial;
-    type Settings = LobeSettings;
-
-    fn build(material: &Loaded, settings: &LobeSettings) -> Result<Self> {
-        Self::build(&**material.brdf(), *settings)
-    }
-
-    fn settings(&self) -> LobeSettings {
-        *self.settings()
-    }
-
-    fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
-        self
-    }
-
-    fn write(&self, out: &mut TensorWriter) -> Result<()> {
-        codec::write(self.parameters(), out);
-        Ok(())
-    }
-
-    fn read(tensors: &Tensors, settings: LobeSettings, _: &Loaded) -> Result<Self> {
-        codec::read(tensors, settings)
-    }
 }
