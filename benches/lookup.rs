@@ -100,7 +100,7 @@ fn bins(table: &MerlTable, pairs: &Pairs) -> usize {
     let index = |b: BinIndex| table.index(b.theta_h, b.theta_d, b.phi_d);
     pairs
         .iter()
-        .filter_map(|(wo, wi)| BinIndex::of(wo, wi, 180))
+        .filter_map(|(wo, wi)| BinIndex::find(wo, wi, 180))
         .map(index)
         .sum()
 }

@@ -78,7 +78,7 @@ impl Importance {
 
     /// The scalar of a value.
     #[inline]
-    pub fn of(self, value: Rgb) -> f32 {
+    pub fn reduce(self, value: Rgb) -> f32 {
         match self {
             Self::Mean => color::mean(value),
             Self::Luminance => color::luminance(value),

@@ -108,7 +108,7 @@ fn lattice_pair(count: u64, seed: u64, index: u64, pair: u64) -> [f32; 2] {
         if is_first {
             within
         } else {
-            place(size, within, key)
+            permute_index(size, within, key)
         },
         key,
     )
@@ -129,7 +129,7 @@ fn lattice(count: u32, i: u32, key: u64) -> [f32; 2] {
 /// Place of `index` in a lattice of `count`: shuffled, and turned by as many as the bits of `key` say that shift nothing. By the
 /// shuffling alone some places of small lattices would be taken more often than others.
 #[inline]
-fn place(count: u32, index: u32, key: u64) -> u32 {
+fn permute_index(count: u32, index: u32, key: u64) -> u32 {
     let turn = ((((key >> 24) & 0xff) * u64::from(count)) >> 8) as u32;
     let place = shuffled(count, index, mix(!key)) + turn;
     if place < count { place } else { place - count }
@@ -224,7 +224,9 @@ mod tests {
             let mut landed = vec![0u32; (count * count) as usize];
             const KEYS: u64 = 4000;
             for key in 0..KEYS {
-                let places: Vec<u32> = (0..count).map(|i| place(count, i, mix(key))).collect();
+                let places: Vec<u32> = (0..count)
+                    .map(|i| permute_index(count, i, mix(key)))
+                    .collect();
                 let mut sorted = places.clone();
                 sorted.sort_unstable();
                 assert_eq!(sorted, (0..count).collect::<Vec<_>>());

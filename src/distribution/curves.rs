@@ -132,7 +132,7 @@ impl Curves {
 
     /// The piece of curve `curve` that holds grid coordinate `x` ≥ 0; the last one past the end.
     #[inline]
-    pub fn at(&self, curve: usize, x: f64) -> Segment {
+    pub fn find_segment(&self, curve: usize, x: f64) -> Segment {
         let range = self.range(curve);
         let index = if self.positions.is_empty() {
             (x as usize).min(range.len() - 2)
@@ -272,12 +272,12 @@ mod tests {
             (5.0, 3),
             (9.0, 3),
         ] {
-            assert_eq!(c.at(0, x).index, index, "{x}");
+            assert_eq!(c.find_segment(0, x).index, index, "{x}");
         }
         let mut uniform = Curves::new();
         uniform.push(&[0.0, 1.0, 2.0], None);
-        assert!((uniform.at(0, 1.5).c0 - 0.5).abs() < 1e-5);
-        assert_eq!(uniform.at(0, 7.0).index, 1);
+        assert!((uniform.find_segment(0, 1.5).c0 - 0.5).abs() < 1e-5);
+        assert_eq!(uniform.find_segment(0, 7.0).index, 1);
     }
     /// Masses over eighteen orders of magnitude, none lost and none where there was none.
     #[test]
@@ -331,7 +331,11 @@ mod tests {
             for i in 0..4 * grid {
                 let x = i as f64 / 4.0;
                 let by_count = positions.iter().filter(|&&p| p as f64 <= x).count() - 1;
-                assert_eq!(curves.at(0, x).index, by_count, "{knots} knots, {x}");
+                assert_eq!(
+                    curves.find_segment(0, x).index,
+                    by_count,
+                    "{knots} knots, {x}"
+                );
                 let u = x / grid as f64;
                 let s = curves.find(0, u);
                 assert!(

@@ -79,9 +79,9 @@ impl Piecewise2d {
     }
 
     /// The cell, of positive mass, that `u` in [0, 1)² falls into, and where in it; coordinates outside are clamped.
-    pub(crate) fn place(&self, u: DVec2) -> Placed {
-        let (row, y) = place(&self.rows, self.row_guide.of(0), u.y);
-        let (column, x) = place(self.row(row), self.column_guide.of(row), u.x);
+    pub(crate) fn locate(&self, u: DVec2) -> Placed {
+        let (row, y) = find_interval(&self.rows, self.row_guide.row_guide(0), u.y);
+        let (column, x) = find_interval(self.row(row), self.column_guide.row_guide(row), u.x);
         Placed {
             column,
             row,
@@ -91,7 +91,7 @@ impl Piecewise2d {
 
     /// Maps `u` in [0, 1)² to a point in [0, 1)² that lies where the density is positive; coordinates outside are clamped.
     pub fn sample(&self, u: DVec2) -> DVec2 {
-        let Placed { column, row, share } = self.place(u);
+        let Placed { column, row, share } = self.locate(u);
         let point = |cell: usize, share: f64, cells: usize| {
             // Rounding must not carry the point into the next cell, whose density may be zero.
             ((cell as f64 + share) / cells as f64)
@@ -228,7 +228,7 @@ impl Guide {
     }
 
     /// The guide to one of the sums.
-    fn of(&self, sum: usize) -> &[u16] {
+    fn row_guide(&self, sum: usize) -> &[u16] {
         self.starts
             .get(sum * (self.cells + 1)..(sum + 1) * (self.cells + 1))
             .unwrap_or_default()
@@ -253,7 +253,7 @@ fn guide_cell(u: f64, cells: usize) -> usize {
 
 /// The interval of positive mass that holds `u`, and the share of it below `u`, in [0, 1].
 #[inline]
-fn place(cdf: &[f64], guide: &[u16], u: f64) -> (usize, f64) {
+fn find_interval(cdf: &[f64], guide: &[u16], u: f64) -> (usize, f64) {
     // Not a number counts as 0, and −0, whose sign would mislead, becomes 0.
     let u = u.max(0.0).min(1.0f64.next_down()) + 0.0;
     let i = above(cdf, guide, u).saturating_sub(1).min(cdf.len() - 2);
@@ -402,7 +402,7 @@ mod tests {
                 push_cumulative(&mut cdf, &weights, 1.0);
                 let guide = Guide::new(&cdf, width as usize);
                 for u in hard_values(if width < 1000 { &cdf } else { &cdf[..1000] }) {
-                    let (i, share) = place(&cdf, guide.of(0), u);
+                    let (i, share) = find_interval(&cdf, guide.row_guide(0), u);
                     let u = u.max(0.0).min(1.0f64.next_down());
                     let expected = cdf.partition_point(|&c| c <= u).saturating_sub(1);
                     assert_eq!(i, expected, "{width} {w} {u:e}");

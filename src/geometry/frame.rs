@@ -12,7 +12,7 @@ pub struct Frame {
 
 impl Frame {
     /// Frame about the unit normal `n`, without branches at the pole (Duff et al. 2017).
-    pub fn about(n: Vec3) -> Self {
+    pub fn from_normal(n: Vec3) -> Self {
         let (x, y) = n.any_orthonormal_pair();
         Self { x, y, z: n }
     }
@@ -22,7 +22,7 @@ impl Frame {
     pub fn around(n: Vec3, axis: Vec3) -> Self {
         let along = axis.cross(n);
         if along.length_squared() < 1e-12 {
-            return Self::about(n);
+            return Self::from_normal(n);
         }
         let x = along.normalize();
         Self {

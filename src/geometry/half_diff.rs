@@ -23,7 +23,7 @@ impl HalfDiff {
     /// (wo.z − wi.z)/(2 sin θh) and (wo × wi).z/ρ, so that
     /// φd = atan2((wo × wi).z, (wo.z − wi.z)·|H|/2). Arctangents keep small angles accurate where arc cosines don't. At
     /// θh = 0 the normal fixes no plane, and φd is the azimuth of `wi`.
-    pub fn of(wo: DVec3, wi: DVec3) -> Option<Self> {
+    pub fn from_directions(wo: DVec3, wi: DVec3) -> Option<Self> {
         let sum = wo + wi;
         let length = sum.length();
         if length == 0.0 {
@@ -87,7 +87,10 @@ mod tests {
                 (k * 0.732).fract() * 1.57,
                 (k * 0.236).fract() * std::f64::consts::TAU,
             );
-            let (a, b) = (HalfDiff::of(wo, wi).unwrap(), by_rotation(wo, wi));
+            let (a, b) = (
+                HalfDiff::from_directions(wo, wi).unwrap(),
+                by_rotation(wo, wi),
+            );
             assert!((a.theta_h - b.theta_h).abs() < 1e-12, "{a:?} {b:?}");
             assert!((a.theta_d - b.theta_d).abs() < 1e-12, "{a:?} {b:?}");
             let turn = (a.phi_d - b.phi_d).rem_euclid(std::f64::consts::TAU);
@@ -97,14 +100,14 @@ mod tests {
 
     #[test]
     fn opposed_directions_have_no_half_vector() {
-        assert_eq!(HalfDiff::of(DVec3::Z, -DVec3::Z), None);
+        assert_eq!(HalfDiff::from_directions(DVec3::Z, -DVec3::Z), None);
         assert_eq!(half_vector(DVec3::X, -DVec3::X), None);
     }
 
     #[test]
     fn equal_directions_have_no_difference() {
         let w = spherical(0.7, 1.0);
-        let a = HalfDiff::of(w, w).unwrap();
+        let a = HalfDiff::from_directions(w, w).unwrap();
         assert_eq!(a.theta_d, 0.0);
         assert!((a.theta_h - 0.7).abs() < 1e-15);
     }

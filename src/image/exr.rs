@@ -21,7 +21,7 @@ use crate::{Error, Result};
 pub fn write_exr(path: &Path, image: &Image, overwrite: Overwrite) -> Result<()> {
     write_new(path, overwrite, |out| {
         let channels = SpecificChannels::rgb(|Vec2(x, y)| {
-            let c = image.at(x, y);
+            let c = image.pixel(x, y);
             (c.x, c.y, c.z)
         });
         // Parallel compression writes its blocks in the order in which they finish.

@@ -84,7 +84,7 @@ impl Image {
     }
 
     /// The pixel in column `x` and row `y`; 0 outside.
-    pub fn at(&self, x: usize, y: usize) -> Rgb {
+    pub fn pixel(&self, x: usize, y: usize) -> Rgb {
         if x < self.width && y < self.height {
             self.pixels[y * self.width + x]
         } else {

@@ -129,6 +129,9 @@ mod tests {
         );
         let film = Film::new(1, 1, vec![p]);
         assert_eq!(film.mean(1, 0), DVec3::ZERO);
-        assert_eq!(film.to_image().unwrap().at(0, 0), Rgb::new(4.0, 3.0, 0.0));
+        assert_eq!(
+            film.to_image().unwrap().pixel(0, 0),
+            Rgb::new(4.0, 3.0, 0.0)
+        );
     }
 }

@@ -149,14 +149,18 @@ impl EffectPlan {
 }
 
 fn force(decision: Decision) -> Decision {
-    if decision.on { decision } else { on("forced") }
+    if decision.on {
+        decision
+    } else {
+        enabled("forced")
+    }
 }
 
-const fn on(why: &'static str) -> Decision {
+const fn enabled(why: &'static str) -> Decision {
     Decision { on: true, why }
 }
 
-const fn off(why: &'static str) -> Decision {
+const fn disabled(why: &'static str) -> Decision {
     Decision { on: false, why }
 }
 
@@ -198,10 +202,10 @@ impl SceneFacts {
 
     fn decide(self, effect: Effect) -> Decision {
         if !self.lit {
-            return off("no light");
+            return disabled("no light");
         }
         if self.objects == 0 {
-            return off("no object");
+            return disabled("no object");
         }
         match effect {
             Effect::Directions => self.directions(),
@@ -220,101 +224,105 @@ impl SceneFacts {
             self.extended && self.strategy != Strategy::Light,
             self.interreflection().on,
         ) {
-            (true, _) => on("a light has an extent that directions can hit"),
-            (false, true) => on("objects light one another"),
+            (true, _) => enabled("a light has an extent that directions can hit"),
+            (false, true) => enabled("objects light one another"),
             (false, false) if self.extended => {
-                off("the lights are sampled, and nothing else is lit")
+                disabled("the lights are sampled, and nothing else is lit")
             }
-            (false, false) => off("delta lights only: no direction drawn by chance can hit them"),
+            (false, false) => {
+                disabled("delta lights only: no direction drawn by chance can hit them")
+            }
         }
     }
 
     fn light_sampling(self) -> Decision {
         match (self.extended, self.strategy) {
-            (false, _) => off("delta lights only: they are evaluated, not sampled"),
+            (false, _) => disabled("delta lights only: they are evaluated, not sampled"),
             (true, Strategy::Brdf | Strategy::Ris { .. }) => {
-                off("the strategy draws directions from the BRDF only")
+                disabled("the strategy draws directions from the BRDF only")
             }
-            (true, _) => on("a light has an extent"),
+            (true, _) => enabled("a light has an extent"),
         }
     }
 
     fn environment_tables(self) -> Decision {
         match (self.environment, self.strategy) {
-            (false, _) => off("no environment"),
+            (false, _) => disabled("no environment"),
             (true, Strategy::Brdf | Strategy::Ris { .. }) => {
-                off("the strategy draws directions from the BRDF only")
+                disabled("the strategy draws directions from the BRDF only")
             }
-            (true, _) => on("the environment is sampled"),
+            (true, _) => enabled("the environment is sampled"),
         }
     }
 
     fn mis(self) -> Decision {
         match (self.extended, self.strategy) {
-            (false, _) => off("delta lights only: one technique"),
-            (true, Strategy::Mis(_)) => on("two techniques find the same light"),
-            (true, _) => off("the strategy uses one technique"),
+            (false, _) => disabled("delta lights only: one technique"),
+            (true, Strategy::Mis(_)) => enabled("two techniques find the same light"),
+            (true, _) => disabled("the strategy uses one technique"),
         }
     }
 
     fn resampling(self) -> Decision {
         match (self.extended, self.strategy) {
-            (false, _) => off("delta lights only: no direction drawn by chance can hit them"),
-            (true, Strategy::Ris { candidates: 0 | 1 }) => off("one candidate: nothing to choose"),
-            (true, Strategy::Ris { .. }) => {
-                on("of several directions, the one kept is likely to find much light")
+            (false, _) => disabled("delta lights only: no direction drawn by chance can hit them"),
+            (true, Strategy::Ris { candidates: 0 | 1 }) => {
+                disabled("one candidate: nothing to choose")
             }
-            (true, _) => off("the strategy takes each direction as it is drawn"),
+            (true, Strategy::Ris { .. }) => {
+                enabled("of several directions, the one kept is likely to find much light")
+            }
+            (true, _) => disabled("the strategy takes each direction as it is drawn"),
         }
     }
 
     fn shadows(self) -> Decision {
         if self.lone_convex {
-            off("one convex object hides no light from itself")
+            disabled("one convex object hides no light from itself")
         } else if self.objects == 1 {
-            on("an object that is not convex hides light from itself")
+            enabled("an object that is not convex hides light from itself")
         } else {
-            on("several objects hide lights from one another")
+            enabled("several objects hide lights from one another")
         }
     }
 
     fn interreflection(self) -> Decision {
         if self.lone_convex {
-            off("one convex object does not light itself")
+            disabled("one convex object does not light itself")
         } else if self.depth <= 1 {
-            off("depth 1: direct light only")
+            disabled("depth 1: direct light only")
         } else if self.objects == 1 {
-            on("an object that is not convex lights itself")
+            enabled("an object that is not convex lights itself")
         } else {
-            on("several objects light one another")
+            enabled("several objects light one another")
         }
     }
 
     fn roulette(self) -> Decision {
         if !self.interreflection().on {
-            off("paths end at the first surface")
+            disabled("paths end at the first surface")
         } else if self.depth <= ROULETTE_FROM {
-            off("paths are short")
+            disabled("paths are short")
         } else {
-            on("paths can be long")
+            enabled("paths can be long")
         }
     }
 
     fn decide_material(self, used: bool) -> Decision {
         match (used, self.lit) {
-            (true, true) => on("an object is made of it"),
-            (true, false) => off("no light falls on it"),
-            (false, _) => off("no object is made of it"),
+            (true, true) => enabled("an object is made of it"),
+            (true, false) => disabled("no light falls on it"),
+            (false, _) => disabled("no object is made of it"),
         }
     }
 
     fn decide_light(self, light: &LightSpec) -> Decision {
         if light.is_dark() {
-            off("it is dark")
+            disabled("it is dark")
         } else if self.objects == 0 && light.is_delta() {
-            off("no object for it to fall on")
+            disabled("no object for it to fall on")
         } else {
-            on("it shines")
+            enabled("it shines")
         }
     }
 }

@@ -30,7 +30,7 @@ impl Surface {
     /// The local frame at a normal. An anisotropic surface lies as if turned on a lathe: its x runs horizontally, about +y.
     pub(super) fn frame(&self, normal: Vec3) -> Frame {
         if self.brdf.is_isotropic() {
-            Frame::about(normal)
+            Frame::from_normal(normal)
         } else {
             Frame::around(normal, Vec3::Y)
         }

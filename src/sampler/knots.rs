@@ -30,7 +30,7 @@ pub(super) struct ThetaKnots {
 
 /// One or two tables and the share of the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Neighbours {
+pub(super) struct KnotPair {
     pub first: usize,
     pub second: usize,
     pub share: f64,
@@ -76,9 +76,9 @@ impl ThetaKnots {
 
     /// Tables that serve the upper direction `wo`.
     #[inline]
-    pub fn neighbours(self, wo: Vec3) -> Neighbours {
+    pub fn neighbours(self, wo: Vec3) -> KnotPair {
         if self.count == 1 {
-            return Neighbours {
+            return KnotPair {
                 first: 0,
                 second: 0,
                 share: 0.0,
@@ -96,14 +96,14 @@ impl ThetaKnots {
             0.0
         };
         match self.choice {
-            TableChoice::Mixture => Neighbours {
+            TableChoice::Mixture => KnotPair {
                 first,
                 second: first + 1,
                 share,
             },
             TableChoice::Nearest => {
                 let nearest = first + usize::from(share > 0.5);
-                Neighbours {
+                KnotPair {
                     first: nearest,
                     second: nearest,
                     share: 0.0,
@@ -165,7 +165,7 @@ mod tests {
         let n = knots.neighbours(spherical(f64::to_radians(16.0), 0.0).as_vec3());
         assert_eq!(
             n,
-            Neighbours {
+            KnotPair {
                 first: 2,
                 second: 2,
                 share: 0.0

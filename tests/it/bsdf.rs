@@ -19,7 +19,7 @@ use merlkit::material::rgl::{
     BsdfFile, BsdfSize, Colour, RglBrdf, Tensor, looks_like_bsdf, tabulate,
 };
 use merlkit::points::Stream;
-use merlkit_evaluate::measure::chi_square::{ChiSquareTest, Verdict};
+use merlkit_evaluate::measure::chi_square::{ChiSquareTest, ChiSquareVerdict};
 use merlkit_evaluate::measure::{colour_error, draw_quality, size_within, value_errors};
 
 const PATH: &str = "some.bsdf";
@@ -389,7 +389,7 @@ fn draws_follow_the_density() {
             let found = test.run(&rgl, wo);
             assert_eq!(
                 found.verdict,
-                Verdict::Pass,
+                ChiSquareVerdict::Pass,
                 "{name}, {degrees}°: {found:?}"
             );
         }

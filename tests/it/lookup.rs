@@ -21,12 +21,12 @@ fn golden_directions_give_golden_angles_and_bins() {
     for row in &rows {
         let v: Vec<f64> = row.iter().map(|x| x.parse().unwrap()).collect();
         let (wi, wo) = (DVec3::new(v[0], v[1], v[2]), DVec3::new(v[3], v[4], v[5]));
-        let angles = HalfDiff::of(wo, wi).unwrap();
+        let angles = HalfDiff::from_directions(wo, wi).unwrap();
         assert!((angles.theta_h - v[6]).abs() < 1e-9, "{angles:?} {v:?}");
         assert!((angles.theta_d - v[7]).abs() < 1e-9, "{angles:?} {v:?}");
         let phi = angles.phi_d.rem_euclid(std::f64::consts::PI);
         assert!((phi - v[8]).abs() < 1e-7, "{angles:?} {v:?}");
-        let bins = BinIndex::of(wo.as_vec3(), wi.as_vec3(), 180).unwrap();
+        let bins = BinIndex::find(wo.as_vec3(), wi.as_vec3(), 180).unwrap();
         let expected = BinIndex {
             theta_h: v[9] as usize,
             theta_d: v[10] as usize,
@@ -48,7 +48,7 @@ fn bins_without_trigonometry_equal_bins_by_trigonometry() {
     let pairs = 400_000;
     for (wo, wi) in support::pairs(pairs, 11) {
         for bins in [180, 360] {
-            let (fast, slow) = (BinIndex::of(wo, wi, bins), naive::bins(wo, wi, bins));
+            let (fast, slow) = (BinIndex::find(wo, wi, bins), naive::bins(wo, wi, bins));
             if fast != slow {
                 assert!(
                     naive::near_an_edge(wo, wi, 1e-9),
@@ -69,7 +69,7 @@ fn of_two_million_random_pairs_none_is_in_another_bin_than_by_trigonometry() {
     for _ in 0..2_000_000 {
         let (wo, wi) = (direction(), direction());
         assert_eq!(
-            BinIndex::of(wo, wi, 360),
+            BinIndex::find(wo, wi, 360),
             naive::bins(wo, wi, 360),
             "{wo} {wi}"
         );
@@ -246,7 +246,9 @@ fn tables_of_360_tell_phi_d_from_its_opposite() {
     for rule in LookupRule::ALL {
         let brdf = MerlBrdf::new(table.clone(), rule);
         for (wo, wi) in support::pairs(50_000, 31) {
-            let phi_d = HalfDiff::of(wo.as_dvec3(), wi.as_dvec3()).unwrap().phi_d;
+            let phi_d = HalfDiff::from_directions(wo.as_dvec3(), wi.as_dvec3())
+                .unwrap()
+                .phi_d;
             // A degree or less from 0 and π the linear rules blend the halves.
             if wi.z <= 0.0 || wo.z <= 0.0 || phi_d.sin().abs() < 0.02 {
                 continue;
@@ -277,7 +279,7 @@ fn pairs_in_one_plane_with_the_normal_have_the_bins_of_arctangents() {
         };
         let (wo, wi) = (flat(a), flat(b));
         for bins in [180, 360] {
-            let (fast, slow) = (BinIndex::of(wo, wi, bins), naive::bins(wo, wi, bins));
+            let (fast, slow) = (BinIndex::find(wo, wi, bins), naive::bins(wo, wi, bins));
             assert!(
                 fast == slow || naive::near_an_edge_of_theta(wo, wi, 1e-9),
                 "{wo} {wi}: {fast:?} {slow:?}"
@@ -287,7 +289,7 @@ fn pairs_in_one_plane_with_the_normal_have_the_bins_of_arctangents() {
     for azimuth in [0.3f32, 1.9, 3.5, 5.8] {
         let wi = Vec3::new(0.6 * azimuth.cos(), 0.6 * azimuth.sin(), 0.8);
         let wo = Vec3::new(-wi.x, -wi.y, wi.z);
-        let bins = BinIndex::of(wo, wi, 360).unwrap();
+        let bins = BinIndex::find(wo, wi, 360).unwrap();
         assert_eq!(
             (bins.theta_h, bins.phi_d),
             (0, azimuth.to_degrees() as usize)

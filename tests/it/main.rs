@@ -17,6 +17,7 @@ mod image;
 mod layering;
 mod lookup;
 mod mitsuba;
+mod names;
 mod page;
 mod plot;
 mod render;

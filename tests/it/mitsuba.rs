@@ -21,7 +21,7 @@ use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{BsdfFile, BsdfSize, Colour, RglBrdf, Tensor, tabulate};
 use merlkit::points::{PointSet, Stream};
 use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render};
-use merlkit_evaluate::measure::chi_square::{ChiSquareTest, Verdict};
+use merlkit_evaluate::measure::chi_square::{ChiSquareTest, ChiSquareVerdict};
 use merlkit_evaluate::measure::{directional_albedo, value_errors};
 
 const ASK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/mitsuba/ask.py");
@@ -241,7 +241,7 @@ fn draws_follow_our_density_and_weigh_what_the_table_reflects() {
         let found = test.run(&replay, wo);
         assert_eq!(
             found.verdict,
-            Verdict::Pass,
+            ChiSquareVerdict::Pass,
             "{variant}, {degrees}°: {found:?}"
         );
         let weights: Vec<f64> = answer.chunks(5).map(|d| f64::from(d[4])).collect();

@@ -17,7 +17,7 @@ use merlkit_evaluate::measure::accuracy::weight_spread;
 use merlkit_evaluate::measure::check::{
     Check, CheckReport, CheckSettings, check_directions, check_sampler,
 };
-use merlkit_evaluate::measure::chi_square::{ChiSquareTest, Verdict};
+use merlkit_evaluate::measure::chi_square::{ChiSquareTest, ChiSquareVerdict};
 
 fn measured(name: &str, rule: LookupRule) -> MerlBrdf {
     MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), rule)
@@ -348,7 +348,7 @@ fn an_exponent_fifteen_per_cent_off_is_rejected() {
             .run(&wrong, wo);
             assert_eq!(
                 result.verdict,
-                Verdict::Unlikely,
+                ChiSquareVerdict::Unlikely,
                 "{exponent} {wo}: {result:?}"
             );
             assert!(result.worst.iter().all(|c| c.term > 0.0) && !result.worst.is_empty());
@@ -400,7 +400,7 @@ fn draws_that_are_no_directions_are_rejected() {
 fn draws_where_the_pdf_is_zero_are_rejected() {
     let wo = directions(&[30.0])[0];
     let result = ChiSquareTest::default().run(&Faulty::Impossible, wo);
-    assert_eq!(result.verdict, Verdict::Impossible);
+    assert_eq!(result.verdict, ChiSquareVerdict::Impossible);
     assert!(result.impossible > 1000);
 }
 

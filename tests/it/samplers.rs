@@ -25,7 +25,7 @@ use merlkit_evaluate::measure::accuracy::{LIMIT_ANGLES_DEG, WeightSpread, weight
 use merlkit_evaluate::measure::check::{
     Check, CheckReport, CheckSettings, check_directions, check_sampler,
 };
-use merlkit_evaluate::measure::chi_square::{ChiSquareTest, Verdict};
+use merlkit_evaluate::measure::chi_square::{ChiSquareTest, ChiSquareVerdict};
 
 use crate::support::tampered::Tampered;
 
@@ -299,8 +299,8 @@ fn a_density_without_the_floor_is_rejected() {
             test.run(&*draws, direction(45.0)),
             test.run(&wrong, direction(45.0)),
         );
-        assert_eq!(right.verdict, Verdict::Pass, "{ours:?}: {right:?}");
-        assert_ne!(wrong.verdict, Verdict::Pass, "{ours:?}: {wrong:?}");
+        assert_eq!(right.verdict, ChiSquareVerdict::Pass, "{ours:?}: {right:?}");
+        assert_ne!(wrong.verdict, ChiSquareVerdict::Pass, "{ours:?}: {wrong:?}");
     }
 }
 
@@ -344,7 +344,7 @@ fn half_vectors_carried_past_the_horizon_are_accounted_for() {
                 let result = test.run(&*sampler, direction(degrees));
                 assert_eq!(
                     (result.verdict, result.failed),
-                    (Verdict::Pass, 0),
+                    (ChiSquareVerdict::Pass, 0),
                     "{spec:?} {degrees}: {result:?}"
                 );
             }
@@ -366,7 +366,8 @@ fn well_spread_points_serve_the_rejection_free_disc() {
             let estimates: Vec<f64> = (0..200)
                 .map(|seed| {
                     let weight = |s: DirectionSample| {
-                        f64::from(Importance::Mean.of(brdf.eval_cos(wo, s.wi))) / f64::from(s.pdf)
+                        f64::from(Importance::Mean.reduce(brdf.eval_cos(wo, s.wi)))
+                            / f64::from(s.pdf)
                             * light(s.wi)
                     };
                     let draws =
@@ -484,7 +485,7 @@ struct Batches {
 impl Batches {
     fn of(brdf: &MerlBrdf, wo: Vec3, draw: impl Fn(u64) -> Vec<Option<DirectionSample>>) -> Self {
         let weight = |d: &DirectionSample| {
-            f64::from(Importance::Mean.of(brdf.eval_cos(wo, d.wi))) / f64::from(d.pdf)
+            f64::from(Importance::Mean.reduce(brdf.eval_cos(wo, d.wi))) / f64::from(d.pdf)
         };
         let (mut means, mut counts) = (Vec::new(), Vec::new());
         for seed in 0..SEEDS {
@@ -602,7 +603,11 @@ fn batches_fall_where_the_density_says() {
                 ..Default::default()
             }
             .run(&batched, wo);
-            assert_eq!(result.verdict, Verdict::Pass, "{spec:?}: {result:?}");
+            assert_eq!(
+                result.verdict,
+                ChiSquareVerdict::Pass,
+                "{spec:?}: {result:?}"
+            );
         }
     }
 }

@@ -34,7 +34,7 @@ fn precision_sheet() -> Sheet {
 }
 
 fn page() -> String {
-    let sheets = HardSheets::of(&CROSSING);
+    let sheets = HardSheets::from_outcomes(&CROSSING);
     format!(
         "{}{}{}## Precision\n\nAgainst oracles in f64 (`tests/support`) and compensated sums.\n\n{}{}",
         include_str!("page_head.md"),

@@ -248,7 +248,7 @@ fn constant_pixel() -> Row {
     let relative = (film.mean(0, 0) / radiance.as_dvec3() - DVec3::ONE)
         .abs()
         .max_element();
-    let image = film.to_image().unwrap().at(0, 0);
+    let image = film.to_image().unwrap().pixel(0, 0);
     let ulp = (0..3)
         .map(|c| ulp(image[c], radiance[c].into()))
         .fold(0.0, f64::max);

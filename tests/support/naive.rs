@@ -84,7 +84,7 @@ pub fn near_an_edge_of_theta(wo: Vec3, wi: Vec3, slack: f64) -> bool {
 }
 
 fn coordinates(wo: Vec3, wi: Vec3, phi_d_bins: usize) -> (f64, f64, f64) {
-    let a = HalfDiff::of(wo.as_dvec3(), wi.as_dvec3()).unwrap();
+    let a = HalfDiff::from_directions(wo.as_dvec3(), wi.as_dvec3()).unwrap();
     let period = if phi_d_bins == 360 { 2.0 * PI } else { PI };
     let h = (a.theta_h / FRAC_PI_2).sqrt() * 90.0;
     (

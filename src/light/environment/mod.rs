@@ -206,7 +206,7 @@ impl Environment {
         match &self.table {
             None => (u.x, 1.0 - 2.0 * u.y),
             Some(table) => {
-                let at = table.cells.place(u);
+                let at = table.cells.locate(u);
                 // Uniform in solid angle within a row, so that the density is constant in a cell and finite at the poles.
                 let (top, bottom) = (self.cos_edges[at.row], self.cos_edges[at.row + 1]);
                 let longitude = (at.column as f64 + at.share.x) / self.extent.x;

@@ -7,8 +7,8 @@ use glam::Vec3;
 use super::BinIndex;
 use super::lookup::batch;
 use super::lookup::coordinates::CoordinateTables;
-use super::lookup::half_diff_tan2::Tangents;
-use super::lookup::trilinear::Neighbours;
+use super::lookup::half_diff_tan2::HalfDiffTan2;
+use super::lookup::trilinear::CellNeighbours;
 use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
@@ -88,7 +88,7 @@ impl MerlBrdf {
 
     #[inline]
     fn floor(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        match BinIndex::of(wo, wi, self.table.phi_d_bins()) {
+        match BinIndex::find(wo, wi, self.table.phi_d_bins()) {
             Some(b) => {
                 self.table.cells()[self.table.index(b.theta_h, b.theta_d, b.phi_d)].truncate()
             }
@@ -98,8 +98,14 @@ impl MerlBrdf {
 
     fn trilinear(&self, offset: f64, wo: Vec3, wi: Vec3) -> Rgb {
         let (tables, bins) = (CoordinateTables::get(), self.table.phi_d_bins());
-        Neighbours::of(tables, Tangents::of(wo, wi), wi, bins, offset)
-            .map_or(Rgb::ZERO, |n| n.mean(&self.table))
+        CellNeighbours::find(
+            tables,
+            HalfDiffTan2::from_directions(wo, wi),
+            wi,
+            bins,
+            offset,
+        )
+        .map_or(Rgb::ZERO, |n| n.mean(&self.table))
     }
 }
 

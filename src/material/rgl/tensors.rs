@@ -49,11 +49,11 @@ pub(super) enum Data<'a> {
 pub(super) struct TensorFile {
     path: PathBuf,
     bytes: Vec<u8>,
-    fields: BTreeMap<String, Field>,
+    fields: BTreeMap<String, TensorField>,
 }
 
 #[derive(Debug)]
-struct Field {
+struct TensorField {
     /// Where the list of fields names it.
     entry: usize,
     dtype: u8,
@@ -141,7 +141,7 @@ impl TensorFile {
         }
     }
 
-    fn field(&self, name: &str, dtype: u8, axes: usize) -> Result<&Field> {
+    fn field(&self, name: &str, dtype: u8, axes: usize) -> Result<&TensorField> {
         let Some(field) = self.fields.get(name) else {
             return Err(wrong(
                 &self.path,
@@ -219,7 +219,7 @@ impl Cursor<'_> {
         Ok(u32::from_le_bytes(self.take()?))
     }
 
-    fn field(&mut self) -> Result<(String, Field)> {
+    fn field(&mut self) -> Result<(String, TensorField)> {
         let entry = self.at;
         let length = usize::from(u16::from_le_bytes(self.take()?));
         let name = self.slice(length)?;
@@ -256,7 +256,7 @@ impl Cursor<'_> {
         };
         Ok((
             name,
-            Field {
+            TensorField {
                 entry,
                 dtype,
                 shape,
@@ -288,8 +288,8 @@ impl Cursor<'_> {
 }
 
 /// Data lie behind the list of fields, aligned, and none in another's.
-fn check_places(fields: &BTreeMap<String, Field>, list: &Cursor<'_>) -> Result<()> {
-    let mut by_start: Vec<(&String, &Field)> =
+fn check_places(fields: &BTreeMap<String, TensorField>, list: &Cursor<'_>) -> Result<()> {
+    let mut by_start: Vec<(&String, &TensorField)> =
         fields.iter().filter(|(_, f)| f.end > f.start).collect();
     by_start.sort_by_key(|(_, f)| f.start);
     let mut free = list.at;

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::square::Rect;
+use super::quad_cell::Rect;
 use crate::brdf::Importance;
 use crate::material::merl::{BinIndex, LookupRule, MerlBrdf};
 use crate::material::merl::{THETA_D_BINS, THETA_H_BINS};
@@ -39,7 +39,7 @@ impl MaxTable {
         let values: Vec<f32> = table
             .cells()
             .iter()
-            .map(|c| importance.of(c.truncate()))
+            .map(|c| importance.reduce(c.truncate()))
             .collect();
         let phi_d_bins = table.phi_d_bins();
         let (mut levels, mut widths) = (vec![values], vec![phi_d_bins]);
@@ -72,14 +72,14 @@ impl MaxTable {
     /// The table's value for a pair of directions by floor lookup: from a plane of scalars, a quarter of the table's memory.
     #[inline]
     pub fn floor_value(&self, wo: Vec3, wi: Vec3) -> f32 {
-        BinIndex::of(wo, wi, self.phi_d_bins).map_or(0.0, |b| {
+        BinIndex::find(wo, wi, self.phi_d_bins).map_or(0.0, |b| {
             self.levels[0][(b.theta_h * THETA_D_BINS + b.theta_d) * self.phi_d_bins + b.phi_d]
         })
     }
 
     /// Upper bound of f(wo, ·) over a rectangle of the disc, for `wo` in the plane of φ = 0 with x ≥ 0.
     pub fn over(&self, wo: DVec3, rect: Rect) -> f32 {
-        let region = Region::of(wo, rect);
+        let region = Region::enclose(wo, rect);
         let h = self.widen(region.theta_h(), THETA_H_BINS);
         let d = self.widen(region.theta_d(), THETA_D_BINS);
         let phi = region
@@ -161,7 +161,7 @@ struct Region {
 }
 
 impl Region {
-    fn of(wo: DVec3, rect: Rect) -> Self {
+    fn enclose(wo: DVec3, rect: Rect) -> Self {
         let rect = Rect {
             low: rect.low - SLACK,
             high: rect.high + SLACK,

@@ -4,7 +4,7 @@ use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
 use super::bounds::MaxTable;
-use super::square::{Rect, Square};
+use super::quad_cell::{QuadCell, Rect};
 use super::tree::{Forest, Grown, MOST_LEAVES};
 use super::warp::{self, WarpGrower, Warps};
 use super::{AdaptiveDiscSettings, Construction, LeafChoice, MOST_TRIALS, ThetaKnots, Trees};
@@ -12,7 +12,7 @@ use crate::brdf::Brdf;
 use crate::geometry::{Quadrature, spherical};
 use crate::material::merl::{LookupRule, MerlBrdf};
 
-/// Points along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
+/// PointValues along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
 /// decides on splits, and a rough one will do.
 fn points_a_side(leaves: LeafChoice) -> usize {
     match leaves {
@@ -26,7 +26,7 @@ const NORMALISER_STEP: f64 = 5e-4;
 /// Bounds that exceed ∫ f by this factor, where leaves were split until there were no more to be had, mean that ∫ f may have
 /// missed what they are bounds of: spikes narrower than the lattices that agreed.
 const SUSPECT: f64 = 4.0;
-/// Points in each bin of θh then.
+/// PointValues in each bin of θh then.
 const FINEST: usize = 10_946;
 /// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
 const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
@@ -82,11 +82,11 @@ fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
             let leaves = match (&settings.construction, &bounds) {
                 _ if !USABLE.contains(&integral) => Vec::new(),
                 (Construction::Grid(side), _) => {
-                    Grower::new(settings, Image::new(&slice, *side)).grow()
+                    Grower::new(settings, DiscImage::new(&slice, *side)).grow()
                 }
                 (_, Some(bounds)) => Grower::new(
                     settings,
-                    Points {
+                    PointValues {
                         slice: &slice,
                         bounds,
                         integral,
@@ -139,7 +139,7 @@ impl<'a> Slice<'a> {
     fn value(&self, wi: Vec3) -> f64 {
         f64::from(match self.plane {
             Some(plane) => plane.floor_value(self.wo, wi),
-            None => self.settings.importance.of(self.brdf.eval(self.wo, wi)),
+            None => self.settings.importance.reduce(self.brdf.eval(self.wo, wi)),
         })
     }
 
@@ -178,9 +178,9 @@ trait Contents {
     /// Whether the square is split before a look at it.
     fn too_coarse(&self, depth: u32) -> bool;
     /// Whether the values allow a further split.
-    fn too_fine(&self, square: Square) -> bool;
+    fn too_fine(&self, square: QuadCell) -> bool;
     /// Integral and largest value over the square's part inside the disc.
-    fn of(&self, square: Square, rect: Rect) -> Content;
+    fn content(&self, square: QuadCell, rect: Rect) -> Content;
     /// The bound to draw under: at least `seen`.
     fn bound(&self, rect: Rect, content: &Content) -> f32;
     /// ∫ f over the disc.
@@ -208,11 +208,11 @@ impl<'a, C: Contents> Grower<'a, C> {
 
     /// The leaves that can be drawn, in Z-order.
     fn grow(mut self) -> Vec<Grown> {
-        self.visit(Square::ROOT, 0);
+        self.visit(QuadCell::ROOT, 0);
         self.leaves
     }
 
-    fn visit(&mut self, square: Square, depth: u32) {
+    fn visit(&mut self, square: QuadCell, depth: u32) {
         let Some(rect) = square.inside_disc() else {
             return;
         };
@@ -220,7 +220,7 @@ impl<'a, C: Contents> Grower<'a, C> {
         if has_room && self.contents.too_coarse(depth) {
             return self.split(square, depth);
         }
-        let content = self.contents.of(square, rect);
+        let content = self.contents.content(square, rect);
         let may_split = has_room && !self.contents.too_fine(square);
         if may_split && self.wants_split(&content, content.seen) {
             return self.split(square, depth);
@@ -248,7 +248,7 @@ impl<'a, C: Contents> Grower<'a, C> {
         content.integral * self.settings.n_max < volume && volume - content.integral > self.wasted
     }
 
-    fn split(&mut self, square: Square, depth: u32) {
+    fn split(&mut self, square: QuadCell, depth: u32) {
         for i in 0..4 {
             self.visit(square.child(i), depth + 1);
         }
@@ -256,27 +256,27 @@ impl<'a, C: Contents> Grower<'a, C> {
 }
 
 /// Values at points of the square itself, bounds from the table.
-struct Points<'a> {
+struct PointValues<'a> {
     slice: &'a Slice<'a>,
     bounds: &'a MaxTable,
     integral: f64,
 }
 
-impl Contents for Points<'_> {
+impl Contents for PointValues<'_> {
     fn too_coarse(&self, depth: u32) -> bool {
         depth < COARSEST
     }
 
-    fn too_fine(&self, _: Square) -> bool {
+    fn too_fine(&self, _: QuadCell) -> bool {
         false
     }
 
-    fn of(&self, _: Square, rect: Rect) -> Content {
+    fn content(&self, _: QuadCell, rect: Rect) -> Content {
         let (mut sum, mut seen) = (0.0, 0.0f64);
         let side = points_a_side(self.slice.settings.leaves);
         for k in 0..side * side {
             let t = DVec2::new((k % side) as f64 + 0.5, (k / side) as f64 + 0.5) / side as f64;
-            let f = self.slice.value_on_disc(rect.at(t));
+            let f = self.slice.value_on_disc(rect.point(t));
             sum += f;
             seen = seen.max(f);
         }
@@ -297,13 +297,13 @@ impl Contents for Points<'_> {
 }
 
 /// The thesis's image of f over [−1, 1]² (6.3.3): pixel centres, row by row.
-struct Image {
+struct DiscImage {
     side: usize,
     values: Vec<f32>,
     total: f64,
 }
 
-impl Image {
+impl DiscImage {
     fn new(slice: &Slice<'_>, side: u32) -> Self {
         let n = side as usize;
         let at = |i: usize| (i as f64 + 0.5) / n as f64 * 2.0 - 1.0;
@@ -325,17 +325,17 @@ impl Image {
     }
 }
 
-impl Contents for Image {
+impl Contents for DiscImage {
     fn too_coarse(&self, _: u32) -> bool {
         false
     }
 
     /// Children of fewer than four pixels would be guesses.
-    fn too_fine(&self, square: Square) -> bool {
+    fn too_fine(&self, square: QuadCell) -> bool {
         square.side * 0.5 * (self.side as f64) < 8.0
     }
 
-    fn of(&self, square: Square, rect: Rect) -> Content {
+    fn content(&self, square: QuadCell, rect: Rect) -> Content {
         let (mut sum, mut seen) = (0.0, 0.0f64);
         for y in self.pixels(square.corner.y, square.side) {
             for x in self.pixels(square.corner.x, square.side) {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::square::DEEPEST;
+use super::quad_cell::DEEPEST;
 use super::tree::{Forest, Leaf, MOST_LEAVES, WHOLE};
 use super::warp::{Node, Warps};
 use super::{AdaptiveDisc, AdaptiveDiscSettings, LeafChoice, Trees};

@@ -3,7 +3,7 @@
 use glam::{DVec2, Vec3};
 
 use super::tree::{Drawn, Forest};
-use super::{AdaptiveDisc, LeafChoice, MAX_TRIALS, View};
+use super::{AdaptiveDisc, LeafChoice, MAX_TRIALS, TreeView};
 use crate::direction_sampler::DirectionSample;
 use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::points::{PointSet, Stream};
@@ -62,7 +62,7 @@ fn share_out<const N: usize>(count: usize, weights: [f64; N], random: &mut Strea
 struct Batch<'a> {
     disc: &'a AdaptiveDisc,
     forest: &'a Forest,
-    view: View,
+    view: TreeView,
     random: Stream,
     out: Vec<Option<DirectionSample>>,
 }

@@ -8,8 +8,8 @@ mod bounds;
 mod build;
 mod codec;
 mod many;
+mod quad_cell;
 mod settings;
-mod square;
 mod subdivision;
 mod tree;
 mod warp;
@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use super::knots::{Neighbours, ThetaKnots, split_unit};
+use super::knots::{KnotPair, ThetaKnots, split_unit};
 use super::store::{TensorWriter, Tensors};
 use super::{Method, Needs, Settings};
 use crate::Result;
@@ -79,11 +79,11 @@ const MOST_TRIALS: f64 = 1000.0;
 const LEAST_LEFT: f64 = 1e-4;
 
 /// `wo` as the trees see it: turned into the plane of φ = 0, with its neighbours among the knots.
-struct View {
+struct TreeView {
     wo: DVec3,
     /// Cosine and sine of the azimuth of `wo`.
     turn: DVec2,
-    near: Neighbours,
+    near: KnotPair,
 }
 
 impl AdaptiveDisc {
@@ -137,10 +137,10 @@ impl AdaptiveDisc {
         &self.trees
     }
 
-    fn view(&self, wo: Vec3) -> View {
+    fn view(&self, wo: Vec3) -> TreeView {
         let xy = wo.truncate().as_dvec2();
         let turn = xy.try_normalize().unwrap_or(DVec2::X);
-        View {
+        TreeView {
             wo: wo.as_dvec3(),
             turn,
             near: self.knots.neighbours(wo),
@@ -157,7 +157,7 @@ impl AdaptiveDisc {
     #[inline]
     fn value(&self, k: usize, turn: DVec2, wi: Vec3) -> f64 {
         let f = self.brdf.eval(self.knot_direction(k, turn).as_vec3(), wi);
-        f64::from(self.settings.importance.of(f))
+        f64::from(self.settings.importance.reduce(f))
     }
 
     /// Density per solid angle of the tree at knot `k`, for the knot's own direction. A tree without mass stands for the
@@ -179,7 +179,7 @@ impl AdaptiveDisc {
 
     /// Density per solid angle at `wi` of what the tree at knot `k` draws for the `wo` of `view`.
     #[inline]
-    fn tree_density(&self, k: usize, view: &View, wi: Vec3) -> f64 {
+    fn tree_density(&self, k: usize, view: &TreeView, wi: Vec3) -> f64 {
         if self.settings.carry == Carry::Direction {
             return self.knot_density(k, view.turn, wi);
         }
@@ -201,7 +201,7 @@ impl AdaptiveDisc {
 
     /// A direction drawn for knot `k`, carried over to the `wo` of `view`.
     #[inline]
-    fn carry(&self, k: usize, view: &View, drawn: Vec3) -> Vec3 {
+    fn carry(&self, k: usize, view: &TreeView, drawn: Vec3) -> Vec3 {
         if self.settings.carry == Carry::Direction {
             return drawn;
         }
@@ -213,7 +213,7 @@ impl AdaptiveDisc {
     /// [`Self::carry`]; `None` if rounding took the direction across the edge of a bin to where its tree has next to no
     /// density: such draws, one in 10⁵ where f jumps from nothing to a highlight, would have weights beyond all bounds.
     #[inline]
-    fn carried(&self, k: usize, view: &View, drawn: Vec3) -> Option<Vec3> {
+    fn carried(&self, k: usize, view: &TreeView, drawn: Vec3) -> Option<Vec3> {
         let wi = self.carry(k, view, drawn);
         let stays = self.settings.carry == Carry::Direction
             || self.tree_density(k, view, wi)
@@ -222,8 +222,8 @@ impl AdaptiveDisc {
     }
 
     /// Density per solid angle of the mixture of the trees at `view` and the floor.
-    fn density(&self, view: &View, wi: Vec3) -> f32 {
-        let Neighbours {
+    fn density(&self, view: &TreeView, wi: Vec3) -> f32 {
+        let KnotPair {
             first,
             second,
             share,
@@ -298,7 +298,7 @@ impl AdaptiveDisc {
         }
     }
 
-    fn finish(&self, view: &View, wi: Vec3) -> Option<DirectionSample> {
+    fn finish(&self, view: &TreeView, wi: Vec3) -> Option<DirectionSample> {
         if !is_upper(wi) {
             return None;
         }

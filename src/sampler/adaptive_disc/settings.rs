@@ -3,7 +3,7 @@
 use std::ops::Bound;
 
 use super::AdaptiveDisc;
-use super::square::DEEPEST;
+use super::quad_cell::DEEPEST;
 use crate::brdf::Importance;
 use crate::sampler::settings::{floor, importance, table_choice};
 use crate::sampler::{Field, Preset, Settings, TableChoice};

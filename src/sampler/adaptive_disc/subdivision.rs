@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use super::square::Square;
+use super::quad_cell::QuadCell;
 use super::tree::WHOLE;
 use super::{AdaptiveDisc, Forest, Trees, Warps};
 use crate::geometry::concentric_disc;
@@ -82,7 +82,7 @@ fn laid(forest: &Forest, k: usize) -> Vec<Cell> {
             (code, depth) = (parent(code), depth - 1);
         }
     }
-    let (mut open, mut cells) = (vec![Square::ROOT], Vec::new());
+    let (mut open, mut cells) = (vec![QuadCell::ROOT], Vec::new());
     while let Some(square) = open.pop() {
         let code = square.code();
         if !leaves.contains_key(&code) && parents.contains(&code) {
@@ -109,7 +109,7 @@ fn parent(code: u32) -> u32 {
 fn mapped(warps: &Warps, k: usize) -> Vec<Cell> {
     let root = (!warps.is_void(k)).then(|| warps.starts[k] as usize);
     let (mut open, mut cells) = (
-        vec![(Square::ROOT, root.map_or(0.0, |_| 1.0), root)],
+        vec![(QuadCell::ROOT, root.map_or(0.0, |_| 1.0), root)],
         Vec::new(),
     );
     while let Some((square, share, node)) = open.pop() {

@@ -6,7 +6,7 @@
 
 use glam::{DVec2, Vec3};
 
-use super::square::{Rect, Square};
+use super::quad_cell::{QuadCell, Rect};
 
 /// A leaf of twelve bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,7 +15,7 @@ pub(in crate::sampler) struct Leaf {
     pub upper: u32,
     /// Upper bound of f in the leaf, > 0.
     pub bound: f32,
-    /// The leaf's square: see [`Square::code`].
+    /// The leaf's square: see [`QuadCell::code`].
     pub code: u32,
 }
 
@@ -40,7 +40,7 @@ pub(in crate::sampler) struct Forest {
 /// A leaf before its tree is complete.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grown {
-    pub square: Square,
+    pub square: QuadCell,
     pub bound: f32,
     /// What the leaf is drawn in proportion to.
     pub weight: f64,
@@ -168,7 +168,7 @@ fn guide(leaves: &[Leaf]) -> Vec<u16> {
 
 impl Drawn {
     pub fn new(leaf: &Leaf, rest: f64) -> Self {
-        let square = Square::of_code(leaf.code);
+        let square = QuadCell::of_code(leaf.code);
         let rect = square.inside_disc().unwrap_or(Rect {
             low: square.corner,
             high: square.corner,
@@ -184,7 +184,7 @@ impl Drawn {
     /// outside the disc.
     #[inline]
     pub fn direction(&self, t: DVec2, turn: DVec2) -> Option<Vec3> {
-        let p = self.rect.at(t);
+        let p = self.rect.point(t);
         let z2 = 1.0 - p.length_squared();
         (z2 > 0.0).then(|| turn.rotate(p).extend(z2.sqrt()).as_vec3())
     }

@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
 use glam::{DVec2, Vec3};
 
 use super::build::Slice;
-use super::square::{DEEPEST, Rect};
+use super::quad_cell::{DEEPEST, Rect};
 use super::{AdaptiveDiscSettings, MaxTable};
 use crate::geometry::{concentric_disc, concentric_square};
 use crate::sampler::knots::split_unit;
@@ -261,7 +261,7 @@ impl WarpGrower<'_> {
         for k in 0..POINTS * POINTS {
             let t =
                 DVec2::new((k % POINTS) as f64 + 0.5, (k / POINTS) as f64 + 0.5) / POINTS as f64;
-            let f = self.slice.value_on_disc(concentric_disc(cell.at(t)));
+            let f = self.slice.value_on_disc(concentric_disc(cell.point(t)));
             sum += f;
             squares += f * f;
         }
@@ -417,7 +417,7 @@ mod tests {
                 };
                 let bounds = box_on_disc(cell);
                 for (x, y) in FibonacciLattice::at_least(50).points() {
-                    let p = concentric_disc(cell.at(DVec2::new(x, y)));
+                    let p = concentric_disc(cell.point(DVec2::new(x, y)));
                     let inside =
                         p.cmpge(bounds.low - 1e-12).all() && p.cmple(bounds.high + 1e-12).all();
                     assert!(inside, "{cell:?} {bounds:?} {p}");

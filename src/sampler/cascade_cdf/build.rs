@@ -79,7 +79,7 @@ pub(in crate::sampler) fn contribution(
     if wi.z <= 0.0 {
         return 0.0;
     }
-    let f = f64::from(importance.of(brdf.eval(wo, wi.as_vec3())));
+    let f = f64::from(importance.reduce(brdf.eval(wo, wi.as_vec3())));
     f * wi.z * 4.0 * wo.as_dvec3().dot(h)
 }
 

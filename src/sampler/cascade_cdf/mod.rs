@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use super::knots::{Neighbours, ThetaKnots, split_unit};
+use super::knots::{KnotPair, ThetaKnots, split_unit};
 use super::store::{TensorWriter, Tensors};
 use super::{DirectionSample, DirectionSampler, Method, Needs, Settings};
 use crate::Result;
@@ -124,18 +124,18 @@ impl CascadeCdf {
     /// Density of table `k` per unit of the square (θh, φh), each axis scaled to 0..1.
     #[inline]
     fn square_density(&self, k: usize, at: DVec2) -> f64 {
-        let piece = self.tables.marginal.at(k, at.x);
+        let piece = self.tables.marginal.find_segment(k, at.x);
         let within = self
             .tables
             .conditional
-            .at(self.tables.first[k] as usize + piece.index, at.y);
+            .find_segment(self.tables.first[k] as usize + piece.index, at.y);
         let cells = (self.settings.theta_h * self.settings.phi_h) as f64;
         // One division for both densities: it is what takes time here.
         (piece.c1 - piece.c0) * (within.c1 - within.c0) * cells
             / ((piece.x1 - piece.x0) * (within.x1 - within.x0))
     }
 
-    fn density(&self, near: Neighbours, wo: DVec3, wi: DVec3) -> f32 {
+    fn density(&self, near: KnotPair, wo: DVec3, wi: DVec3) -> f32 {
         let sum = wo + wi;
         let rho = (sum.x * sum.x + sum.y * sum.y).sqrt();
         let a = self.axis.coordinate(approx::atan2(rho, sum.z));

@@ -63,10 +63,15 @@ impl CascadeCdf {
     }
 }
 
-type Points = Vec<(f64, f64)>;
+type CurvePoints = Vec<(f64, f64)>;
 
 /// A curve at every edge of `cells` and at its knots.
-fn shown(curves: &Curves, k: usize, cells: usize, angle: impl Fn(f64) -> f64) -> (Points, Points) {
+fn shown(
+    curves: &Curves,
+    k: usize,
+    cells: usize,
+    angle: impl Fn(f64) -> f64,
+) -> (CurvePoints, CurvePoints) {
     if curves.is_void(k) {
         return (Vec::new(), Vec::new());
     }
@@ -74,7 +79,7 @@ fn shown(curves: &Curves, k: usize, cells: usize, angle: impl Fn(f64) -> f64) ->
         .map(|i| curves.segment(k, i))
         .map(|piece| (angle(piece.x1), piece.c1));
     let at = |cell: f64| {
-        let piece = curves.at(k, cell);
+        let piece = curves.find_segment(k, cell);
         let t = (cell - piece.x0) / (piece.x1 - piece.x0);
         (angle(cell), piece.c0 * (1.0 - t) + piece.c1 * t)
     };

@@ -30,7 +30,7 @@ pub(super) fn factored(
     factors: Factors,
 ) -> Result<Factored> {
     let grid = grid(brdf, &settings, &factors)?;
-    let outer = Factorisation::of(&grid, factors.outer);
+    let outer = Factorisation::factorise(&grid, factors.outer);
     Factored::from_parts(settings, terms(&outer, &factors))
 }
 
@@ -53,7 +53,7 @@ pub(super) fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factor
         },
         least,
     )?;
-    let nodes = Nodes::of(brdf, settings.importance);
+    let nodes = Nodes::tabulate(brdf, settings.importance);
     if nodes.is_empty() {
         return Ok(smallest);
     }
@@ -71,7 +71,7 @@ pub(super) fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factor
         .flat_map(|grid| TRIED.0.map(|outer| (grid, outer)))
         .collect();
     let of_job = |&((base, grid), outer): &(&(Factors, Array2<f64>), usize)| {
-        let found = Factorisation::of(grid, outer);
+        let found = Factorisation::factorise(grid, outer);
         let each = TRIED.1.map(|inner| Factors {
             outer,
             inner,
@@ -141,7 +141,7 @@ fn grid(brdf: &dyn Brdf, settings: &FactoredSettings, factors: &Factors) -> Resu
 
 /// f·cosθi of a direction.
 fn of_direction(brdf: &dyn Brdf, importance: Importance, wo: DVec3, wi: DVec3) -> f64 {
-    f64::from(importance.of(brdf.eval(wo.as_vec3(), wi.as_vec3()))) * wi.z
+    f64::from(importance.reduce(brdf.eval(wo.as_vec3(), wi.as_vec3()))) * wi.z
 }
 
 /// A matrix as a product of two without negative numbers, `left · right`; rows of `right` add up to 1, or to 0.
@@ -153,7 +153,7 @@ struct Factorisation {
 impl Factorisation {
     /// The product of rank `rank` nearest to `matrix` in Kullback–Leibler's divergence, by multiplicative updates (Lee and
     /// Seung 2001). The divergence, unlike squares, keeps the sums of rows and leaves no cell with mass at 0.
-    fn of(matrix: &Array2<f64>, rank: usize) -> Self {
+    fn factorise(matrix: &Array2<f64>, rank: usize) -> Self {
         let (rows, columns) = matrix.dim();
         let block = |i: usize| i * rank / rows;
         // Each term begins as the mean of a block of rows, with some of all rows so that nothing is 0 for good.
@@ -202,7 +202,7 @@ fn terms(outer: &Factorisation, factors: &Factors) -> Terms {
         let cells = Array2::from_shape_fn((factors.theta, factors.phi), |(a, b)| {
             function[a * factors.phi + b]
         });
-        let inner = Factorisation::of(&cells, factors.inner);
+        let inner = Factorisation::factorise(&cells, factors.inner);
         let masses = inner.left.sum_axis(Axis(0));
         let whole = masses.sum();
         for k in 0..factors.inner {

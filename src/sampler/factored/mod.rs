@@ -17,7 +17,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::cascade_cdf::ThetaAxis;
-use super::knots::{Neighbours, TableChoice, ThetaKnots, split_unit};
+use super::knots::{KnotPair, TableChoice, ThetaKnots, split_unit};
 use super::store::{TensorWriter, Tensors};
 use super::{
     DirectionSample, DirectionSampler, Method, Needs, Settings, ThetaSpacing, with_density,
@@ -89,7 +89,7 @@ impl Factored {
 
     /// Share of term `l` at `wo`, before the floor.
     #[inline]
-    fn share(&self, near: Neighbours, l: usize) -> f64 {
+    fn share(&self, near: KnotPair, l: usize) -> f64 {
         let of = |table: usize| f64::from(self.terms.weights[table * self.factors.terms() + l]);
         (1.0 - near.share) * of(near.first) + near.share * of(near.second)
     }
@@ -105,7 +105,7 @@ impl Factored {
         let cells = [self.factors.theta as f64, self.factors.phi as f64];
         let slope = |curves: &Curves, l: usize, x: f64| {
             // Every cell has a knot, so that pieces are one wide.
-            let piece = curves.at(l, x);
+            let piece = curves.find_segment(l, x);
             piece.c1 - piece.c0
         };
         let (mut sum, mut shares) = (0.0, 0.0);
@@ -138,7 +138,7 @@ impl Factored {
     }
 
     /// The term that `u` falls to and what is left of `u`; `None` for the cosine, which has the last part of the unit.
-    fn choose(&self, near: Neighbours, u: f64) -> (Option<usize>, f64) {
+    fn choose(&self, near: KnotPair, u: f64) -> (Option<usize>, f64) {
         let kept = 1.0 - self.factors.floor;
         let mut below = 0.0;
         for l in 0..self.factors.terms() {

@@ -57,7 +57,7 @@ pub(super) fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: 
             let points = wi.len() / CAP_POINTS;
             for k in place * points..(place + 1) * points {
                 let cosine = f64::from(wi[k].z.max(0.0) * jacobians[k]) * width;
-                let f = f64::from(settings.importance.of(values[k]));
+                let f = f64::from(settings.importance.reduce(values[k]));
                 sums[0].add(part, k % columns(settings), x, f * cosine);
                 sums[1].add(part, k % columns(settings), x, cosine);
             }

@@ -29,5 +29,5 @@ pub(super) fn read(tensors: &Tensors, settings: LobeSettings) -> Result<Lobe> {
         let expected = format!("the parameters of the record, {:?},", settings.parameters);
         return Err(tensors.invalid_in("lobe.parameter", 0, &expected, format!("{stored:?}")));
     }
-    Lobe::with(settings, parameters)
+    Lobe::from_settings(settings, parameters)
 }

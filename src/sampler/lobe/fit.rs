@@ -24,9 +24,9 @@ const COSINE: LobeParameters = LobeParameters {
 };
 
 /// f_r·cosθ of a material at the nodes of a quadrature, for each of a few `wo`.
-pub(in crate::sampler) struct Nodes(Vec<View>);
+pub(in crate::sampler) struct Nodes(Vec<LobeView>);
 
-struct View {
+struct LobeView {
     wo: Vec3,
     /// ∫ f cosθ, > 0.
     albedo: f64,
@@ -36,20 +36,20 @@ struct View {
 
 impl Nodes {
     /// The material's values, without the angles at which it is black.
-    pub fn of(brdf: &dyn Brdf, importance: Importance) -> Self {
+    pub fn tabulate(brdf: &dyn Brdf, importance: Importance) -> Self {
         let view = |theta: &f64| {
             let wo = spherical(theta.to_radians(), 0.0).as_vec3();
             let (mut albedo, mut nodes) = (0.0, Vec::new());
             Quadrature::new(wo, POINTS).for_each(|wi, d_sigma| {
-                let f_cos = f64::from(importance.of(brdf.eval_cos(wo, wi)));
+                let f_cos = f64::from(importance.reduce(brdf.eval_cos(wo, wi)));
                 albedo += f_cos * d_sigma;
                 if f_cos > 0.0 {
                     nodes.push((wi, f_cos * f_cos * d_sigma));
                 }
             });
-            View { wo, albedo, nodes }
+            LobeView { wo, albedo, nodes }
         };
-        let views: Vec<View> = ANGLES_DEG.par_iter().map(view).collect();
+        let views: Vec<LobeView> = ANGLES_DEG.par_iter().map(view).collect();
         Self(views.into_iter().filter(|v| v.albedo > 0.0).collect())
     }
 
@@ -60,7 +60,7 @@ impl Nodes {
 
     /// Mean over the angles of ln(E\[w²\]/E\[w\]²) of draws with density `pdf(wo, wi)`; 0 for a black material.
     pub fn unevenness(&self, pdf: impl Fn(Vec3, Vec3) -> f64 + Sync) -> f64 {
-        let of = |view: &View| {
+        let of = |view: &LobeView| {
             let sum: f64 = view
                 .nodes
                 .iter()
@@ -181,7 +181,7 @@ mod tests {
     fn a_fit_is_no_worse_than_its_start_and_than_its_neighbours() {
         for name in ["nickel", "teflon", "red-plastic"] {
             let brdf = MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
-            let nodes = Nodes::of(&brdf, Importance::Mean);
+            let nodes = Nodes::tabulate(&brdf, Importance::Mean);
             for kind in LobeKind::ALL {
                 let search = Search {
                     kind,

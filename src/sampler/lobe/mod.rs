@@ -43,16 +43,19 @@ impl Lobe {
     pub fn build(brdf: &dyn Brdf, settings: LobeSettings) -> Result<Self> {
         let parameters = match settings.parameters {
             Some(given) => given,
-            None => fit::fit(settings.kind, &Nodes::of(brdf, settings.importance)),
+            None => fit::fit(settings.kind, &Nodes::tabulate(brdf, settings.importance)),
         };
-        Self::with(settings, parameters)
+        Self::from_settings(settings, parameters)
     }
 
     /// The lobe with these parameters, whatever the settings say.
     ///
     /// # Errors
     /// [`Error::Argument`] for parameters outside their domains.
-    pub(super) fn with(settings: LobeSettings, parameters: LobeParameters) -> Result<Self> {
+    pub(super) fn from_settings(
+        settings: LobeSettings,
+        parameters: LobeParameters,
+    ) -> Result<Self> {
         let settings = LobeSettings {
             parameters: Some(parameters),
             ..settings

@@ -80,8 +80,8 @@ pub(super) fn draw(kind: LobeKind, shape: [f64; 2], wo: DVec3, u: DVec2) -> DVec
     let circle = DVec2::new(cos, sin);
     let n = shape[0];
     match kind {
-        LobeKind::CosineLobe => about(mirror(wo), -(log / (n + 1.0)).exp_m1(), circle),
-        LobeKind::CosineLobeSphere => about(mirror(wo), -2.0 * (log / (n + 1.0)).exp_m1(), circle),
+        LobeKind::CosineLobe => tilt(mirror(wo), -(log / (n + 1.0)).exp_m1(), circle),
+        LobeKind::CosineLobeSphere => tilt(mirror(wo), -2.0 * (log / (n + 1.0)).exp_m1(), circle),
         LobeKind::Blinn => reflected(wo, circle, (-2.0 * log / (n + 1.0)).exp_m1()),
         LobeKind::Ward => reflected(wo, circle, -n * n * log),
         LobeKind::AshikhminShirley => {
@@ -99,7 +99,7 @@ pub(super) fn draw(kind: LobeKind, shape: [f64; 2], wo: DVec3, u: DVec2) -> DVec
 }
 
 /// The direction at 1 − cosα = `less` from the unit vector `axis`.
-fn about(axis: DVec3, less: f64, circle: DVec2) -> DVec3 {
+fn tilt(axis: DVec3, less: f64, circle: DVec2) -> DVec3 {
     let sin = (less * (2.0 - less)).max(0.0).sqrt();
     let (x, y) = axis.any_orthonormal_pair();
     (x * (sin * circle.x) + y * (sin * circle.y) + axis * (1.0 - less)).normalize_or(axis)

@@ -159,7 +159,7 @@ fn hard(args: &Args) -> Outcome {
     })?;
     drop(progress);
     if args.json != Some(Destination::Stdout) {
-        let sheets = HardSheets::of(&outcomes);
+        let sheets = HardSheets::from_outcomes(&outcomes);
         output::stdout(|out| {
             writeln!(
                 out,

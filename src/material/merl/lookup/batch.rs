@@ -7,8 +7,8 @@ use glam::Vec3;
 
 use super::bins::find_bins;
 use super::coordinates::CoordinateTables;
-use super::half_diff_tan2::Tangents;
-use super::trilinear::Neighbours;
+use super::half_diff_tan2::HalfDiffTan2;
+use super::trilinear::CellNeighbours;
 use crate::batch::Wo;
 use crate::color::Rgb;
 use crate::geometry::merl_axes::AxisBins;
@@ -69,7 +69,7 @@ impl Block {
         }
         self.wi = UnitDirections::load(wi);
         for lane in 0..wi.len().min(LANES) {
-            let tan2 = Tangents::of(self.wo.get(lane), self.wi.get(lane));
+            let tan2 = HalfDiffTan2::from_directions(self.wo.get(lane), self.wi.get(lane));
             let upper = self.wo.is_upper(lane) & self.wi.is_upper(lane);
             let theta_h = if upper { tan2.theta_h } else { f64::NAN };
             let columns = [theta_h, tan2.theta_d, tan2.phi_d, tan2.half_turn];
@@ -78,9 +78,9 @@ impl Block {
     }
 
     #[inline(always)]
-    fn tangents(&self, lane: usize) -> Tangents {
+    fn tangents(&self, lane: usize) -> HalfDiffTan2 {
         let [theta_h, theta_d, phi_d, half_turn] = self.tan2.get(lane);
-        Tangents {
+        HalfDiffTan2 {
             theta_h,
             theta_d,
             phi_d,
@@ -112,7 +112,7 @@ impl Block {
         let mut neighbours = [None; LANES];
         let count = out.len().min(LANES);
         for (lane, n) in neighbours[..count].iter_mut().enumerate() {
-            *n = Neighbours::of(tables, self.tangents(lane), self.wi.get(lane), bins, offset);
+            *n = CellNeighbours::find(tables, self.tangents(lane), self.wi.get(lane), bins, offset);
         }
         for (out, n) in out.iter_mut().zip(&neighbours) {
             *out = n.as_ref().map_or(Rgb::ZERO, |n| n.mean(table));

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::half_diff_tan2::Tangents;
+use super::half_diff_tan2::HalfDiffTan2;
 use crate::geometry::merl_axes::AxisBins;
 
 /// Bin indices of a pair of directions.
@@ -22,8 +22,13 @@ pub struct BinIndex {
 impl BinIndex {
     /// Bins of a pair for a table of `phi_d_bins` (180 or 360); `None` unless both directions are above the horizon.
     #[inline(always)]
-    pub fn of(wo: Vec3, wi: Vec3, phi_d_bins: usize) -> Option<Self> {
-        find_bins(AxisBins::get(), Tangents::of(wo, wi), wi, phi_d_bins)
+    pub fn find(wo: Vec3, wi: Vec3, phi_d_bins: usize) -> Option<Self> {
+        find_bins(
+            AxisBins::get(),
+            HalfDiffTan2::from_directions(wo, wi),
+            wi,
+            phi_d_bins,
+        )
     }
 
     /// Bin of θh by its squared tangent, 0 to infinity.
@@ -43,7 +48,7 @@ impl BinIndex {
 #[inline(always)]
 pub(super) fn find_bins(
     axes: &AxisBins,
-    tan2: Tangents,
+    tan2: HalfDiffTan2,
     wi: Vec3,
     phi_d_bins: usize,
 ) -> Option<BinIndex> {

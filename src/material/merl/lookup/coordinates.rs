@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::half_diff_tan2::Tangents;
+use super::half_diff_tan2::HalfDiffTan2;
 use crate::geometry::merl_axes::{degree_coordinate, theta_h_coordinate};
 use crate::geometry::tan2_cells::{self, CELLS};
 
@@ -36,23 +36,25 @@ impl CoordinateTables {
 
     /// Coordinates of a valid pair. `azimuth` gives the azimuth of wi in degrees, wanted where it is φd.
     #[inline(always)]
-    pub fn of(
+    pub fn compute(
         &self,
-        tan2: Tangents,
+        tan2: HalfDiffTan2,
         phi_d_bins: usize,
         azimuth: impl FnOnce() -> f64,
     ) -> Coordinates {
         let phi_d = if tan2.theta_h > 0.0 {
             // Degrees on either side of φd = 0 or, in a table of 360, of φd = π.
             let opposite = (phi_d_bins == 360) & ((tan2.half_turn < 0.0) != (tan2.phi_d < 0.0));
-            self.degrees.at(tan2.phi_d.abs()).copysign(tan2.phi_d)
+            self.degrees
+                .interpolate(tan2.phi_d.abs())
+                .copysign(tan2.phi_d)
                 + 180.0 * f64::from(u8::from(opposite))
         } else {
             azimuth()
         };
         Coordinates {
-            theta_h: self.theta_h.at(tan2.theta_h),
-            theta_d: self.degrees.at(tan2.theta_d),
+            theta_h: self.theta_h.interpolate(tan2.theta_h),
+            theta_d: self.degrees.interpolate(tan2.theta_d),
             phi_d,
         }
     }
@@ -74,7 +76,7 @@ impl Cubics {
 
     /// The function at a squared tangent ≥ 0; its value at 0 for NaN.
     #[inline(always)]
-    fn at(&self, t: f64) -> f64 {
+    fn interpolate(&self, t: f64) -> f64 {
         let Some(c) = self.cells.get(tan2_cells::cell(t)) else {
             return self.beyond(t);
         };
@@ -122,8 +124,8 @@ mod tests {
         for i in 0..=400_000 {
             // Squared tangents from 2⁻⁶⁰ to 2²⁰, past both ends of the tables.
             let t = (f64::from(i) / 5000.0 - 60.0).exp2();
-            worst[0] = worst[0].max((tables.theta_h.at(t) - theta_h_coordinate(t)).abs());
-            worst[1] = worst[1].max((tables.degrees.at(t) - degree_coordinate(t)).abs());
+            worst[0] = worst[0].max((tables.theta_h.interpolate(t) - theta_h_coordinate(t)).abs());
+            worst[1] = worst[1].max((tables.degrees.interpolate(t) - degree_coordinate(t)).abs());
         }
         assert!(worst.iter().all(|&e| e < 7e-7), "{worst:?}");
     }
@@ -133,17 +135,17 @@ mod tests {
         let tables = CoordinateTables::get();
         for table in [&tables.theta_h, &tables.degrees] {
             assert_eq!(
-                [0.0, f64::NAN, f64::INFINITY].map(|t| table.at(t)),
+                [0.0, f64::NAN, f64::INFINITY].map(|t| table.interpolate(t)),
                 [0.0, 0.0, 90.0]
             );
             for k in 0..CELLS {
                 let (start, end) = tan2_cells::bounds(k);
                 assert!(
-                    (table.at(start) - (table.exact)(start)).abs() < 1e-12,
+                    (table.interpolate(start) - (table.exact)(start)).abs() < 1e-12,
                     "{start}"
                 );
                 assert!(
-                    (table.at(end.next_down()) - (table.exact)(end)).abs() < 1e-11,
+                    (table.interpolate(end.next_down()) - (table.exact)(end)).abs() < 1e-11,
                     "{end}"
                 );
             }

@@ -5,7 +5,7 @@ use glam::Vec3;
 /// The squared tangents of θh, θd and φd, in f64: ratios of polynomials in the directions' components (see
 /// [`crate::geometry::HalfDiff::of`]), without a branch, a square root or trigonometry.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::material::merl) struct Tangents {
+pub(in crate::material::merl) struct HalfDiffTan2 {
     /// tan²θh, 0 to infinity; NaN unless both directions are finite and above the horizon.
     pub theta_h: f64,
     /// tan²θd, 0 to infinity.
@@ -16,12 +16,12 @@ pub(in crate::material::merl) struct Tangents {
     pub half_turn: f64,
 }
 
-impl Tangents {
+impl HalfDiffTan2 {
     /// Squared tangents of a pair. Where `theta_h` is 0, `phi_d` and `half_turn` mean nothing: φd is the azimuth of `wi`.
     ///
     /// Products of two f32 are exact in f64, so the difference of products keeps its digits where it cancels.
     #[inline(always)]
-    pub fn of(wo: Vec3, wi: Vec3) -> Self {
+    pub fn from_directions(wo: Vec3, wi: Vec3) -> Self {
         let (o, i) = (wo.as_dvec3(), wi.as_dvec3());
         let (sum, difference) = (o + i, o - i);
         let across = o.x * i.y - o.y * i.x;

@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use super::bins::azimuth;
 use super::coordinates::CoordinateTables;
-use super::half_diff_tan2::Tangents;
+use super::half_diff_tan2::HalfDiffTan2;
 use crate::color::Rgb;
 use crate::material::merl::{MerlTable, THETA_D_BINS, THETA_H_BINS};
 
@@ -17,7 +17,7 @@ struct Pair {
 }
 
 impl Pair {
-    /// Neighbours of a coordinate in units of bins, clamped at both ends of the axis.
+    /// CellNeighbours of a coordinate in units of bins, clamped at both ends of the axis.
     #[inline(always)]
     fn clamped(x: f64, bins: usize) -> Self {
         let end = (bins - 1) as f64;
@@ -30,7 +30,7 @@ impl Pair {
         }
     }
 
-    /// Neighbours of a coordinate from −`bins` to `bins` on an axis that closes on itself.
+    /// CellNeighbours of a coordinate from −`bins` to `bins` on an axis that closes on itself.
     #[inline(always)]
     fn periodic(x: f64, bins: usize) -> Self {
         let bins = bins as u32;
@@ -55,19 +55,19 @@ fn split(x: f64) -> (u32, f32) {
 
 /// The eight bins about a pair of directions and their shares.
 #[derive(Clone, Copy)]
-pub(in crate::material::merl) struct Neighbours {
+pub(in crate::material::merl) struct CellNeighbours {
     theta_h: Pair,
     theta_d: Pair,
     phi_d: Pair,
 }
 
-impl Neighbours {
-    /// Neighbours by values that stand at `bin + offset`: 0 for edges, ½ for centres; `None` unless both directions are
+impl CellNeighbours {
+    /// CellNeighbours by values that stand at `bin + offset`: 0 for edges, ½ for centres; `None` unless both directions are
     /// above the horizon.
     #[inline(always)]
-    pub fn of(
+    pub fn find(
         tables: &CoordinateTables,
-        tan2: Tangents,
+        tan2: HalfDiffTan2,
         wi: Vec3,
         phi_d_bins: usize,
         offset: f64,
@@ -75,7 +75,7 @@ impl Neighbours {
         if tan2.theta_h.is_nan() {
             return None;
         }
-        let x = tables.of(tan2, phi_d_bins, || azimuth(wi.x, wi.y, phi_d_bins));
+        let x = tables.compute(tan2, phi_d_bins, || azimuth(wi.x, wi.y, phi_d_bins));
         Some(Self {
             theta_h: Pair::clamped(x.theta_h - offset, THETA_H_BINS),
             theta_d: Pair::clamped(x.theta_d - offset, THETA_D_BINS),

@@ -60,7 +60,7 @@ pub fn weight_spread(
     quadrature: &Quadrature,
     importance: Importance,
 ) -> WeightSpread {
-    Moments::of(sampler, brdf, quadrature, importance).spread(SCALAR)
+    Moments::integrate(sampler, brdf, quadrature, importance).spread(SCALAR)
 }
 
 /// Seeded independent draws.
@@ -89,7 +89,7 @@ pub fn bias(
     importance: Importance,
     draws: Draws,
 ) -> Bias {
-    let moments = Moments::of(sampler, brdf, quadrature, importance);
+    let moments = Moments::integrate(sampler, brdf, quadrature, importance);
     let wo = quadrature.wo();
     let point = |i| PointSet::Random.point(draws.seed, i, 0);
     let samples = (0..draws.count as u64).map(|i| sampler.sample(wo, point(i)));
@@ -117,7 +117,7 @@ pub(super) struct Moments {
 }
 
 impl Moments {
-    pub fn of(
+    pub fn integrate(
         sampler: &dyn DirectionSampler,
         brdf: &dyn Brdf,
         quadrature: &Quadrature,
@@ -211,7 +211,7 @@ pub(super) fn mean_weight(
 #[inline]
 fn value(brdf: &dyn Brdf, wo: Vec3, wi: Vec3, importance: Importance) -> DVec4 {
     let f_cos = brdf.eval_cos(wo, wi);
-    f_cos.extend(importance.of(f_cos)).as_dvec4()
+    f_cos.extend(importance.reduce(f_cos)).as_dvec4()
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::accuracy::{Moments, SCALAR, mean_weight};
-use super::chi_square::{ChiSquare, ChiSquareTest, Verdict, sidak};
+use super::chi_square::{ChiSquare, ChiSquareTest, ChiSquareVerdict, sidak};
 use super::probe::{self, Probe};
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::{DirectionSampler, draw_stratified};
@@ -153,14 +153,14 @@ pub fn check_sampler(
     let outcomes = wos
         .par_iter()
         .enumerate()
-        .map(|(i, &wo)| Subject::new(sampler, brdf, wo, settings, i, tests).outcomes())
+        .map(|(i, &wo)| CheckSubject::new(sampler, brdf, wo, settings, i, tests).outcomes())
         .collect::<Vec<_>>()
         .concat();
     CheckReport { outcomes }
 }
 
 /// A sampler and a BRDF at one direction.
-struct Subject<'a> {
+struct CheckSubject<'a> {
     sampler: &'a dyn DirectionSampler,
     brdf: &'a dyn Brdf,
     wo: Vec3,
@@ -170,7 +170,7 @@ struct Subject<'a> {
     tests: usize,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> CheckSubject<'a> {
     fn new(
         sampler: &'a dyn DirectionSampler,
         brdf: &'a dyn Brdf,
@@ -204,7 +204,7 @@ impl<'a> Subject<'a> {
 
     fn moments(&self, points: usize) -> Moments {
         let quadrature = Quadrature::new(self.wo, points);
-        Moments::of(
+        Moments::integrate(
             self.sampler,
             self.brdf,
             &quadrature,
@@ -269,7 +269,7 @@ impl<'a> Subject<'a> {
     }
 
     fn chi_outcome(&self, chi: &ChiSquare) -> Outcome {
-        let pass = chi.verdict == Verdict::Pass;
+        let pass = chi.verdict == ChiSquareVerdict::Pass;
         let note = if pass { String::new() } else { describe(chi) };
         self.outcome(Check::ChiSquare, chi.p_value, chi.threshold, pass, note)
     }

@@ -58,7 +58,7 @@ impl Default for ChiSquareTest {
 /// Why a test passed or failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum ChiSquareVerdict {
     /// The draws are what the pdf makes likely.
     Pass,
     /// They are less likely than the threshold.
@@ -96,7 +96,7 @@ pub struct ChiSquare {
     /// Smallest p-value that passes: the significance of one test after Šidák's correction.
     pub threshold: f64,
     /// The outcome.
-    pub verdict: Verdict,
+    pub verdict: ChiSquareVerdict,
     /// Draws that failed (`None`).
     pub failed: u64,
     /// Draws where the pdf is zero, there and at the neighbouring directions that rounding may reach.
@@ -180,12 +180,12 @@ impl ChiSquareTest {
         );
         let unusable = observed.unusable + predicted.unusable as u64;
         let verdict = match () {
-            () if unusable > 0 => Verdict::Unusable,
-            () if observed.impossible > 0 => Verdict::Impossible,
-            () if p_value < threshold => Verdict::Unlikely,
-            () => Verdict::Pass,
+            () if unusable > 0 => ChiSquareVerdict::Unusable,
+            () if observed.impossible > 0 => ChiSquareVerdict::Impossible,
+            () if p_value < threshold => ChiSquareVerdict::Unlikely,
+            () => ChiSquareVerdict::Pass,
         };
-        let worst = if verdict == Verdict::Pass {
+        let worst = if verdict == ChiSquareVerdict::Pass {
             Vec::new()
         } else {
             worst(grid, pooled)

@@ -239,7 +239,7 @@ fn above_one(albedo: &[Rgb]) -> AlbedoAboveOne {
 }
 
 fn scalar(table: &MerlTable, h: usize, d: usize, p: usize) -> f64 {
-    f64::from(Importance::Mean.of(table.rgb(h, d, p)))
+    f64::from(Importance::Mean.reduce(table.rgb(h, d, p)))
 }
 
 fn rows() -> impl Iterator<Item = (usize, usize)> {

@@ -18,15 +18,15 @@ use merlkit::material::{LookupRule, MerlBrdf, MerlTable};
 use merlkit::sampler::{AdaptiveDisc, Cosine, Sampler};
 
 /// A curve over the angle in the plane of incidence: (degrees, value).
-pub type Curve = Vec<(f64, f64)>;
+pub type PlottedCurve = Vec<(f64, f64)>;
 
 /// f_r·cosθᵢ in sr⁻¹ over the polar angle of `wi`, for `wo` at `theta_o` degrees, 0 to below 90.
-pub fn lobe(brdf: &dyn Brdf, theta_o: f64) -> Curve {
+pub fn lobe(brdf: &dyn Brdf, theta_o: f64) -> PlottedCurve {
     over_plane(theta_o, |wo, wi| color::mean(brdf.eval_cos(wo, wi)))
 }
 
 /// [`lobe`] over the albedo at `theta_o`: the density that a sampler should have, sr⁻¹. Empty for a black material.
-pub fn ideal_density(brdf: &dyn Brdf, theta_o: f64) -> Curve {
+pub fn ideal_density(brdf: &dyn Brdf, theta_o: f64) -> PlottedCurve {
     // An anisotropic material's albedo depends on the azimuth, and wo is drawn on the left.
     let side = if brdf.is_isotropic() { 1.0 } else { -1.0 };
     let albedo = directional_albedo(brdf, side * theta_o.to_radians());
@@ -41,11 +41,11 @@ pub fn ideal_density(brdf: &dyn Brdf, theta_o: f64) -> Curve {
 }
 
 /// Density of a sampler in sr⁻¹ over the polar angle of `wi`, for `wo` at `theta_o` degrees, 0 to below 90.
-pub fn density(sampler: &dyn DirectionSampler, theta_o: f64) -> Curve {
+pub fn density(sampler: &dyn DirectionSampler, theta_o: f64) -> PlottedCurve {
     over_plane(theta_o, |wo, wi| sampler.pdf(wo, wi))
 }
 
-fn over_plane(theta_o: f64, value: impl Fn(Vec3, Vec3) -> f32) -> Curve {
+fn over_plane(theta_o: f64, value: impl Fn(Vec3, Vec3) -> f32) -> PlottedCurve {
     let wo = spherical(-theta_o.to_radians(), 0.0).as_vec3();
     let at = |angle: f64| {
         (
@@ -97,8 +97,8 @@ fn slice_bins() -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// Directional albedo, mean of the channels, at 0°, 1° … 89°, of `wo` at azimuth 0.
-pub fn albedo_curve(brdf: &dyn Brdf) -> Curve {
-    let mut curve = Curve::new();
+pub fn albedo_curve(brdf: &dyn Brdf) -> PlottedCurve {
+    let mut curve = PlottedCurve::new();
     for (degree, rgb) in albedo_by_degree(brdf).into_iter().enumerate() {
         curve.push((degree as f64, f64::from(color::mean(rgb))));
     }
@@ -106,7 +106,7 @@ pub fn albedo_curve(brdf: &dyn Brdf) -> Curve {
 }
 
 /// [`albedo_curve`] of a table by each lookup rule, in the order of [`LookupRule::ALL`].
-pub fn albedo_by_rule(table: &Arc<MerlTable>) -> [Curve; 3] {
+pub fn albedo_by_rule(table: &Arc<MerlTable>) -> [PlottedCurve; 3] {
     LookupRule::ALL.map(|rule| albedo_curve(&MerlBrdf::new(table.clone(), rule)))
 }
 

@@ -17,7 +17,7 @@ const LARGEST: f64 = 1e300;
 
 impl Scale {
     /// Where a value lies along the axis, in units of its own; `None` if it lies nowhere.
-    pub(super) fn place(self, value: f64) -> Option<f64> {
+    pub(super) fn transform(self, value: f64) -> Option<f64> {
         if value.is_nan() || value.abs() > LARGEST {
             return None;
         }
@@ -100,12 +100,12 @@ impl Ruler {
         };
         let given = axis
             .range
-            .and_then(|(low, high)| Some((scale.place(low)?, scale.place(high)?)));
+            .and_then(|(low, high)| Some((scale.transform(low)?, scale.transform(high)?)));
         if let Some((low, high)) = given.filter(|&(low, high)| is_wide(low, high)) {
             return Some(ruler(low, high));
         }
         let (low, high) = values
-            .filter_map(|v| scale.place(v))
+            .filter_map(|v| scale.transform(v))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
                 (low.min(v), high.max(v))
             });
@@ -121,8 +121,8 @@ impl Ruler {
     }
 
     /// Pixel of a value, which may lie beyond the ends; `None` if the axis can't hold it.
-    pub fn at(&self, value: f64) -> Option<f64> {
-        self.scale.place(value).map(|p| self.pixel(p))
+    pub fn pixel_of(&self, value: f64) -> Option<f64> {
+        self.scale.transform(value).map(|p| self.pixel(p))
     }
 
     /// Pixel of the axis's lower end.

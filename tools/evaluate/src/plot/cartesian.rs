@@ -44,9 +44,9 @@ impl Frame {
     }
 
     /// Both pixels of a point; `None` if an axis can't hold it.
-    pub fn at(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+    pub fn pixel(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
         let (across, up) = self.rulers.as_ref()?;
-        across.at(x).zip(up.at(y))
+        across.pixel_of(x).zip(up.pixel_of(y))
     }
 
     /// Begins the picture: sheet, grid, axes and legend.

@@ -102,7 +102,7 @@ fn draw_values(svg: &mut Svg, area: &Area, width: usize, values: &[f64], bar: &A
     // The ruler lies along the bar: a value's pixel there tells its colour.
     let colour = |&v: &f64| {
         ruler
-            .at(v)
+            .pixel_of(v)
             .map_or([255; 3], |at| viridis((area.bottom() - at) / area.height))
     };
     let bytes: Vec<u8> = values.iter().flat_map(colour).collect();

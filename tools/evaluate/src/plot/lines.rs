@@ -106,9 +106,9 @@ impl Series {
 
     fn draw_band(&self, frame: &Frame, svg: &mut Svg) {
         let edges = |&(x, low, high): &(f64, f64, f64)| {
-            let above = frame.at((x, high))?;
+            let above = frame.pixel((x, high))?;
             let floor = frame.rulers.as_ref().map_or(above.1, |r| r.1.bottom());
-            let below = frame.at((x, low)).map_or((above.0, floor), |p| p);
+            let below = frame.pixel((x, low)).map_or((above.0, floor), |p| p);
             Some((below, above))
         };
         for run in runs(self.band.iter().map(edges)) {
@@ -125,7 +125,7 @@ impl Series {
         if self.marks == Marks::Only {
             return;
         }
-        for run in runs(self.points.iter().map(|&p| frame.at(p))) {
+        for run in runs(self.points.iter().map(|&p| frame.pixel(p))) {
             svg.path(&run, false, &Style(self.style).stroke());
         }
     }
@@ -134,7 +134,7 @@ impl Series {
         let inside = self
             .points
             .iter()
-            .filter_map(|&p| frame.at(p))
+            .filter_map(|&p| frame.pixel(p))
             .filter(|&p| frame.area.holds(p));
         let points: Vec<_> = inside.collect();
         let chosen = match self.marks {

@@ -107,7 +107,7 @@ impl Polar {
         svg.open_window(&half());
         for curve in &self.curves {
             let place = |&(angle, radius): &(f64, f64)| {
-                let distance = ruler.at(radius)? - CENTRE.0;
+                let distance = ruler.pixel_of(radius)? - CENTRE.0;
                 (angle.abs() <= 90.0 && distance >= 0.0).then(|| around(angle, distance))
             };
             for run in runs(curve.points.iter().map(place)) {

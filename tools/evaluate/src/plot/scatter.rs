@@ -58,7 +58,7 @@ impl Scatter {
         let all = || self.groups.iter().flat_map(|g| &g.points);
         let frame = Frame::new(axes, all().map(|p| p.x), all().map(|p| p.y), MARGIN);
         let mut svg = frame.begin(&self.caption, axes, &self.legend(), true);
-        let placed = self.place(&frame);
+        let placed = self.lay_out(&frame);
         if self.front {
             let front: Vec<_> = placed
                 .iter()
@@ -96,8 +96,8 @@ impl Scatter {
         )
     }
 
-    fn place<'a>(&'a self, frame: &Frame) -> Vec<Vec<Placed<'a>>> {
-        let drawable = |p: &&ScatterPoint| frame.at((p.x, p.y)).is_some();
+    fn lay_out<'a>(&'a self, frame: &Frame) -> Vec<Vec<Placed<'a>>> {
+        let drawable = |p: &&ScatterPoint| frame.pixel((p.x, p.y)).is_some();
         let all: Vec<(f64, f64)> = self
             .groups
             .iter()
@@ -107,7 +107,7 @@ impl Scatter {
             .collect();
         let front = front(&all);
         let place = |p: &'a ScatterPoint| {
-            let at = frame.at((p.x, p.y))?;
+            let at = frame.pixel((p.x, p.y))?;
             Some(Placed {
                 at,
                 label: &p.label,

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::measure::compare::{MaterialCharts, supported};
 use crate::measure::views;
-use crate::measure::views::Curve;
+use crate::measure::views::PlottedCurve;
 use crate::plot::{
     Axis, Caption, Disc, DiscMark, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale, Series,
 };
@@ -32,7 +32,7 @@ pub struct ChartSubject {
 struct Named {
     label: String,
     style: usize,
-    curve: Curve,
+    curve: PlottedCurve,
 }
 
 impl ChartSubject {
@@ -403,7 +403,7 @@ impl ChartSubject {
     /// Directional albedo over θ, of a table by each of the three lookup rules.
     pub fn albedo(&self) -> String {
         let what = "Fraction of light reflected, the mean of red, green and blue, over the polar angle of wo";
-        let (curves, how): (Vec<(String, Curve)>, String) = match self.material.table() {
+        let (curves, how): (Vec<(String, PlottedCurve)>, String) = match self.material.table() {
             Some(measured) => {
                 let curves = views::albedo_by_rule(measured.table());
                 let labels = LookupRule::ALL.map(|rule| format!("{} lookup", rule.name()));
@@ -474,7 +474,7 @@ fn greatest(curves: &[Named]) -> f64 {
 }
 
 /// Mean over the angle: points are closer where the curve is high.
-fn mean(curve: &Curve) -> f64 {
+fn mean(curve: &PlottedCurve) -> f64 {
     curve
         .windows(2)
         .map(|w| (w[1].0 - w[0].0) * 0.5 * (w[0].1 + w[1].1))

@@ -31,7 +31,7 @@ impl HardSheets {
     ];
 
     /// Sheets of outcomes, rows in the order in which their names first appear.
-    pub fn of(outcomes: &[HardOutcome]) -> Self {
+    pub fn from_outcomes(outcomes: &[HardOutcome]) -> Self {
         let mut failures = Sheet::new(&[
             "case", "lookup", "sampler", "check", "value", "bound", "found",
         ]);

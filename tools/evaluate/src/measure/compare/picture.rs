@@ -274,10 +274,12 @@ pub const LIT_FROM: f64 = 1e-4;
 /// Luminance of every pixel, rows from the top.
 fn luminances(film: &Film) -> Vec<f64> {
     let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
-    pixels.map(|(x, y)| of(film.mean(x, y))).collect()
+    pixels
+        .map(|(x, y)| luminance_f64(film.mean(x, y)))
+        .collect()
 }
 
-fn of(radiance: glam::DVec3) -> f64 {
+fn luminance_f64(radiance: glam::DVec3) -> f64 {
     f64::from(luminance(radiance.as_vec3()))
 }
 
@@ -311,8 +313,8 @@ fn own_error(film: &Film) -> f64 {
     let level = mean(luminances(film).into_iter());
     let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
     let error = |(x, y)| {
-        let value = of(film.mean(x, y));
-        (value > LIT_FROM * level).then(|| of(film.standard_error(x, y)) / value)
+        let value = luminance_f64(film.mean(x, y));
+        (value > LIT_FROM * level).then(|| luminance_f64(film.standard_error(x, y)) / value)
     };
     mean(pixels.filter_map(error))
 }
@@ -321,7 +323,10 @@ fn own_error(film: &Film) -> f64 {
 fn difference(film: &Film, reference: &Film) -> Result<Image> {
     let level = mean(luminances(reference).into_iter());
     Image::from_fn(film.width(), film.height(), |x, y| {
-        let (found, right) = (of(film.mean(x, y)), of(reference.mean(x, y)));
+        let (found, right) = (
+            luminance_f64(film.mean(x, y)),
+            luminance_f64(reference.mean(x, y)),
+        );
         let relative = if right > LIT_FROM * level {
             (found - right).abs() / right
         } else {

@@ -14,7 +14,7 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::Quadrature;
 use merlkit::light::Environment;
 use merlkit::points::PointSet;
-use techniques::{Draws, to_world};
+use techniques::{TechniqueDraws, to_world};
 
 /// What is estimated: ∫ f cosθ L dσ for one `wo`, as a scalar.
 pub struct LitPoint<'a> {
@@ -64,7 +64,7 @@ impl LitPoint<'_> {
     fn integrand(&self, wi: Vec3) -> f64 {
         match self.light {
             Incident::Function(radiance) => {
-                f64::from(self.importance.of(self.brdf.eval_cos(self.wo, wi))) * radiance(wi)
+                f64::from(self.importance.reduce(self.brdf.eval_cos(self.wo, wi))) * radiance(wi)
             }
             Incident::Environment(sky) => self.reflected(wi, sky.radiance(to_world(wi))),
         }
@@ -73,7 +73,7 @@ impl LitPoint<'_> {
     /// f·cos·L as a scalar, for light of any colour; what exceeds f32 counts as its largest value.
     fn reflected(&self, wi: Vec3, radiance: Rgb) -> f64 {
         let reflected = self.brdf.eval_cos(self.wo, wi) * radiance;
-        f64::from(self.importance.of(reflected.min(Rgb::splat(f32::MAX))))
+        f64::from(self.importance.reduce(reflected.min(Rgb::splat(f32::MAX))))
     }
 
     /// The integral by quadrature, independent of every sampler.
@@ -131,7 +131,8 @@ impl LitPoint<'_> {
             }
         };
         let of_seed = |seed: u64| -> Vec<f64> {
-            let draws = Draws::new(self, sampler, technique, most, runs, runs.first_seed + seed);
+            let draws =
+                TechniqueDraws::new(self, sampler, technique, most, runs, runs.first_seed + seed);
             samples
                 .iter()
                 .map(|&n| relative(draws.estimate(n)).powi(2))
@@ -148,7 +149,8 @@ impl LitPoint<'_> {
         samples: usize,
         runs: Runs,
     ) -> f64 {
-        Draws::new(self, sampler, technique, samples, runs, runs.first_seed).estimate(samples)
+        TechniqueDraws::new(self, sampler, technique, samples, runs, runs.first_seed)
+            .estimate(samples)
     }
 
     fn measured(

@@ -80,13 +80,13 @@ const NOTHING: Draw = Draw {
 };
 
 /// The draws of one seed, as many as its largest estimate asks for.
-pub(super) struct Draws {
+pub(super) struct TechniqueDraws {
     technique: Technique,
     brdf: Vec<Draw>,
     light: Vec<Draw>,
 }
 
-impl Draws {
+impl TechniqueDraws {
     pub(super) fn new(
         point: &LitPoint<'_>,
         sampler: &dyn DirectionSampler,

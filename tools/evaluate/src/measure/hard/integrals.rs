@@ -1,6 +1,6 @@
 //! What needs all directions at once: the mass of the pdf and the energy of the estimate.
 
-use super::{HardCheck, HardOutcome, HardSampler, Subject, Thoroughness};
+use super::{HardCheck, HardOutcome, HardSampler, HardSubject, Thoroughness};
 use crate::measure::accuracy::{Moments, SCALAR, mean_weight};
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
@@ -26,13 +26,13 @@ const LOG_CHANCE: f64 = 18.4;
 
 /// [`HardCheck::PdfIntegral`] and [`HardCheck::Energy`], each at its worst direction.
 pub(super) fn integrals(
-    subject: &Subject<'_>,
+    subject: &HardSubject<'_>,
     hard: &HardSampler,
     sampler: &dyn DirectionSampler,
 ) -> Vec<HardOutcome> {
     let mut out: Vec<HardOutcome> = Vec::new();
     for &degrees in subject.angles {
-        let [mass, energy] = at(subject, hard, sampler, degrees);
+        let [mass, energy] = integrals_at_angle(subject, hard, sampler, degrees);
         if out.is_empty() {
             out = vec![mass, energy];
             continue;
@@ -53,8 +53,8 @@ fn excess(outcome: &HardOutcome) -> f64 {
     outcome.value / outcome.bound.unwrap_or(1.0).max(f64::MIN_POSITIVE)
 }
 
-fn at(
-    subject: &Subject<'_>,
+fn integrals_at_angle(
+    subject: &HardSubject<'_>,
     hard: &HardSampler,
     sampler: &dyn DirectionSampler,
     degrees: f64,
@@ -63,7 +63,7 @@ fn at(
     let judged = hard.exact && !(subject.case.is_narrow && degrees > RESOLVED_DEG);
     let brdf: &dyn Brdf = &*subject.brdf;
     let moments = |points| {
-        Moments::of(
+        Moments::integrate(
             sampler,
             brdf,
             &Quadrature::new(wo, points),
@@ -116,7 +116,7 @@ fn at(
 }
 
 fn energy(
-    subject: &Subject<'_>,
+    subject: &HardSubject<'_>,
     (hard, judged): (&HardSampler, bool),
     degrees: f64,
     fine: &Moments,

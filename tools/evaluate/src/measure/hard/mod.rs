@@ -127,7 +127,7 @@ pub fn check_hard(
         for (rule, &lookup) in LookupRule::ALL.iter().enumerate() {
             let brdf = Arc::new(MerlBrdf::new(table.clone(), lookup));
             let angles = thoroughness.angles(number);
-            let subject = Subject {
+            let subject = HardSubject {
                 case,
                 lookup,
                 brdf,
@@ -156,7 +156,7 @@ pub fn check_hard(
 const BYTES_A_TABLE: f64 = (1 << 20) as f64;
 
 /// A case looked up by a rule.
-struct Subject<'a> {
+struct HardSubject<'a> {
     case: &'a HardCase,
     lookup: LookupRule,
     brdf: Arc<MerlBrdf>,
@@ -165,7 +165,7 @@ struct Subject<'a> {
     seed: u64,
 }
 
-impl Subject<'_> {
+impl HardSubject<'_> {
     fn cross(&self, hard: &HardSampler) -> Result<Vec<HardOutcome>> {
         let sampler = hard.spec.build(&Loaded::from_table(self.brdf.clone()))?;
         let mut out = pointwise::draws(self, hard, &sampler);

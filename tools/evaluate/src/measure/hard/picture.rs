@@ -1,6 +1,6 @@
 //! Hard cases on spheres under every kind of light.
 
-use super::{HardCheck, HardOutcome, HardSampler, Subject};
+use super::{HardCheck, HardOutcome, HardSampler, HardSubject};
 use merlkit::Result;
 use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::points::PointSet;
@@ -18,7 +18,7 @@ const SETTINGS: RenderSettings = RenderSettings {
 
 /// [`HardCheck::Picture`]: two spheres on a floor that see each other.
 pub(super) fn picture(
-    subject: &Subject<'_>,
+    subject: &HardSubject<'_>,
     hard: &HardSampler,
     sampler: &Sampler,
 ) -> Result<HardOutcome> {

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{HardCheck, HardOutcome, HardSampler, Subject};
+use super::{HardCheck, HardOutcome, HardSampler, HardSubject};
 use super::{hard_directions, hard_partners, hard_points, wrong_points};
 use crate::measure::chi_square::is_direction;
 use crate::measure::probe::AGREEMENT;
@@ -37,7 +37,7 @@ impl Tally {
 
     fn outcome(
         self,
-        subject: &Subject<'_>,
+        subject: &HardSubject<'_>,
         sampler: &'static str,
         check: HardCheck,
     ) -> HardOutcome {
@@ -83,7 +83,7 @@ impl Worst {
 }
 
 /// [`HardCheck::Values`] and, where the table has that symmetry, [`HardCheck::Reciprocity`].
-pub(super) fn values(subject: &Subject<'_>) -> Vec<HardOutcome> {
+pub(super) fn values(subject: &HardSubject<'_>) -> Vec<HardOutcome> {
     let (mut tally, mut exchanged) = (Tally::default(), Worst::default());
     for direction in hard_directions() {
         let wo = direction.w;
@@ -133,11 +133,11 @@ fn is_value(f: Rgb) -> bool {
 
 /// [`HardCheck::Draws`] and [`HardCheck::Agreement`].
 pub(super) fn draws(
-    subject: &Subject<'_>,
+    subject: &HardSubject<'_>,
     hard: &HardSampler,
     sampler: &Sampler,
 ) -> Vec<HardOutcome> {
-    let mut probe = Probe {
+    let mut probe = HardProbe {
         subject,
         sampler,
         tally: Tally::default(),
@@ -147,7 +147,7 @@ pub(super) fn draws(
     for direction in hard_directions() {
         probe.direction(&direction.about, direction.w, &points);
     }
-    let Probe {
+    let HardProbe {
         tally, agreement, ..
     } = probe;
     let Worst {
@@ -168,14 +168,14 @@ pub(super) fn draws(
     ]
 }
 
-struct Probe<'a> {
-    subject: &'a Subject<'a>,
+struct HardProbe<'a> {
+    subject: &'a HardSubject<'a>,
     sampler: &'a Sampler,
     tally: Tally,
     agreement: Worst,
 }
 
-impl Probe<'_> {
+impl HardProbe<'_> {
     fn direction(&mut self, about: &str, wo: Vec3, points: &[Vec2]) {
         for &u in points.iter().chain(&wrong_points()) {
             self.draw(about, wo, u, self.sampler.sample(wo, u));

@@ -49,7 +49,7 @@ impl Across {
         }
     }
 
-    fn place(self, curve: &Curve, samples: usize) -> f64 {
+    fn abscissa(self, curve: &Curve, samples: usize) -> f64 {
         let seconds = samples as f64 * curve.ns_per_sample * 1e-9;
         match self {
             Self::Samples => samples as f64,
@@ -110,7 +110,7 @@ fn material(material: &MaterialComparison) -> String {
 fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> String {
     let series = |curve: &&Curve| {
         let (errors, slope) = points.errors(curve);
-        let place = |e: &ErrorPoint| across.place(curve, e.samples);
+        let place = |e: &ErrorPoint| across.abscissa(curve, e.samples);
         let band = match across {
             Across::Samples => errors
                 .iter()

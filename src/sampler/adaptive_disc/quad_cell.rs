@@ -4,7 +4,7 @@ use glam::DVec2;
 
 /// A square of [−1, 1]², by its lower corner and side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Square {
+pub(super) struct QuadCell {
     pub corner: DVec2,
     pub side: f64,
 }
@@ -19,7 +19,7 @@ pub(super) struct Rect {
     pub high: DVec2,
 }
 
-impl Square {
+impl QuadCell {
     pub const ROOT: Self = Self {
         corner: DVec2::NEG_ONE,
         side: 2.0,
@@ -89,7 +89,7 @@ impl Rect {
 
     /// Point at relative position `t` in [0, 1)².
     #[inline]
-    pub fn at(self, t: DVec2) -> DVec2 {
+    pub fn point(self, t: DVec2) -> DVec2 {
         self.low + t * (self.high - self.low)
     }
 
@@ -110,18 +110,18 @@ mod tests {
 
     #[test]
     fn codes_give_back_their_squares() {
-        let mut square = Square::ROOT;
-        assert_eq!(Square::of_code(square.code()), square);
+        let mut square = QuadCell::ROOT;
+        assert_eq!(QuadCell::of_code(square.code()), square);
         for depth in 1..=DEEPEST {
             square = square.child(depth as usize % 4);
-            assert_eq!(Square::of_code(square.code()), square);
+            assert_eq!(QuadCell::of_code(square.code()), square);
             assert_eq!(square.code() >> 28, depth);
         }
     }
 
     #[test]
     fn rectangles_hold_the_part_inside_and_touch_the_circle() {
-        let mut leaves = vec![Square::ROOT];
+        let mut leaves = vec![QuadCell::ROOT];
         for _ in 0..4 {
             leaves = leaves
                 .iter()
