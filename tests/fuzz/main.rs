@@ -19,7 +19,6 @@ use merlkit::color::Rgb;
 use merlkit::files::Overwrite;
 use merlkit::image::{Image, write_exr};
 use merlkit::material::Material;
-use merlkit::material::merl::LookupRule;
 use merlkit::points::Stream;
 use merlkit::sampler::store::encode;
 use merlkit::sampler::{

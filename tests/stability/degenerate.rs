@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use merlkit::brdf::Brdf;
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
 use merlkit::material::merl::{Header, MerlTable};
 use merlkit::material::merl::{LookupRule, MerlBrdf};

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use merlkit::brdf::Brdf;
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{spherical, unit_upper};
 use merlkit::material::merl::HardCase;
 use merlkit::material::merl::{LookupRule, MerlBrdf};

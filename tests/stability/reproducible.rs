@@ -8,7 +8,6 @@
 use std::sync::Arc;
 
 use glam::{DVec2, Vec2};
-use merlkit::direction_sampler::DirectionSampler;
 use merlkit::distribution::Piecewise2d;
 use merlkit::geometry::spherical;
 use merlkit::image::Image;

@@ -9,6 +9,7 @@ mod build;
 mod codec;
 mod many;
 mod settings;
+mod slice;
 mod square;
 mod subdivision;
 mod tree;
