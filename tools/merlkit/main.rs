@@ -23,11 +23,12 @@ use failure::{Failure, Outcome};
 /// Measured-BRDF toolkit: MERL tables, importance samplers with proven densities, a report and rendered spheres
 #[derive(Parser)]
 #[command(
+    name = "merlkit",
     version,
     long_version = version::long(),
     max_term_width = 100,
-    after_help = "A MATERIAL is a path to a MERL binary or to a .bsdf file, or the name of an embedded material (`merlkit list`). Anisotropic \
-                  .bsdf files are for eval, build, sample, check, report and render.\n\
+    after_help = "A MATERIAL is a path to a MERL binary or to a .bsdf file, the name of an embedded material (`merlkit list`), or a \
+                  formula, as lambert:reflectance=0.5 or lambert:reflectance=0.8/0.5/0.2.\n\
                   Exit status: 0 done, 1 a check failed, 2 wrong usage or input, 130 interrupted."
 )]
 struct Cli {
