@@ -62,8 +62,13 @@ impl Tracer<'_> {
         let mut found = scratch.emitted.sums.iter();
         let candidates = scratch.scattered.rays.iter();
         for (reservoir, candidate) in scratch.reservoirs.iter_mut().zip(candidates) {
-            let offer = candidate.as_ref().zip(found.next());
-            reservoir.offer(offer.map(|(ray, found)| (*ray, candidate_weight(ray, *found))));
+            // A failed draw found nothing, and counts as a candidate without weight.
+            let Some(ray) = candidate else {
+                reservoir.offer(None);
+                continue;
+            };
+            let light = found.next().copied().unwrap_or(DVec3::ZERO);
+            reservoir.offer(Some((*ray, candidate_weight(ray, light))));
         }
     }
 }

@@ -111,3 +111,28 @@ fn options_of_other_strategies_are_refused() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn environments_have_the_same_words_in_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |light: &str| {
+        let options = ["--spp", "1", "--light", light];
+        succeeds(run_in(folder.path(), &[&RENDER[..], &options].concat(), ""));
+        std::fs::read(folder.path().join("render.exr")).unwrap()
+    };
+    let studio = picture("studio");
+    assert!(studio == picture("environment"));
+    assert!(studio != picture("lamps"));
+    assert!(picture("uniform") == picture("uniform:1,1,1"));
+    let words = "studio (or environment), lamps, uniform[:RADIANCE] or FILE.exr";
+    let tune = ["tune", "nickel", "--target-error", "5%", "--environment"];
+    for command in [&[&RENDER[..], &["--light"]].concat()[..], &tune] {
+        for (word, expected) in [
+            ("sky", words),
+            ("uniform:-1", "give one number ≥ 0 or three"),
+        ] {
+            let text = fails(run_in(folder.path(), &[command, &[word]].concat(), ""));
+            assert!(text.contains(expected), "{command:?} {word}: {text}");
+        }
+    }
+}
