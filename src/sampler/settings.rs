@@ -128,7 +128,7 @@ impl<S: 'static> Field<S> {
         Self::form(key, domain, meaning, move |s| get(s).to_string(), set)
     }
 
-    /// A finite real number within a range, or the word `absent` for none.
+    /// A real number within a range, infinity among them if the range has no end, or the word `absent` for none.
     pub fn optional_real(
         key: &'static str,
         absent: &'static str,
@@ -139,8 +139,7 @@ impl<S: 'static> Field<S> {
     ) -> Self {
         let domain = format!("{absent}, or {}", describe(&range));
         let set = move |settings: &mut S, text: &str| {
-            let value = parse_optional(text, absent, &range)
-                .filter(|value| value.is_none_or(f64::is_finite));
+            let value = parse_optional(text, absent, &range);
             value.map(|value| set(settings, value)).is_some()
         };
         Self::form(key, domain, meaning, move |s| show(get(s), absent), set)

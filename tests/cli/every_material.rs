@@ -36,7 +36,10 @@ const NOT_FOR_ANISOTROPIC: Answer = Refused("is for isotropic materials");
 const COMMANDS: [(&str, [Answer; 4]); 21] = [
     ("info MATERIAL", [Result; 4]),
     ("eval MATERIAL --wo 30,10 --wi 20,170", [Result; 4]),
-    ("build MATERIAL --table-size 2KB -o out", [Result; 4]),
+    (
+        "build MATERIAL --sampler half-vector:2KB -o out",
+        [Result; 4],
+    ),
     (
         "build MATERIAL --sampler adaptive-disc:depth=2,tables=2 -o out",
         [Result, NO_TABLE, NOT_FOR_ANISOTROPIC, NO_TABLE],
@@ -46,7 +49,7 @@ const COMMANDS: [(&str, [Answer; 4]); 21] = [
         [Result, Result, NOT_FOR_ANISOTROPIC, Result],
     ),
     (
-        "sample MATERIAL --theta 30 --count 3 --table-size 2KB",
+        "sample MATERIAL --theta 30 --count 3 --sampler half-vector:2KB",
         [Result; 4],
     ),
     (
@@ -83,11 +86,11 @@ const COMMANDS: [(&str, [Answer; 4]); 21] = [
         [Result, Result, NO_AZIMUTH, Result],
     ),
     (
-        "export MATERIAL --format header --table-size 2KB -o out",
+        "export MATERIAL --format header --sampler half-vector:2KB -o out",
         [Result, NO_TABLE, NO_TABLE, NO_TABLE],
     ),
     (
-        "export MATERIAL --format npz --table-size 2KB -o out",
+        "export MATERIAL --format npz --sampler half-vector:2KB -o out",
         [Result, NO_TABLE, NO_TABLE, NO_TABLE],
     ),
     (

@@ -69,7 +69,7 @@ fn every_setting_is_printed_as_it_is_read() {
                     && spec.setting(setting.key) != method.setting(setting.key)
             };
             assert!(
-                CHANGED.iter().any(|text| differs(&text)),
+                CHANGED.iter().any(differs),
                 "{} of {}",
                 setting.key,
                 method.name()

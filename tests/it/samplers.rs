@@ -105,7 +105,7 @@ fn settings(seed: u64) -> CheckSettings {
 }
 
 fn assert_passes(spec: SamplerSpec, brdf: &Arc<MerlBrdf>, settings: &CheckSettings) {
-    let sampler = spec.build(&loaded(&brdf)).unwrap();
+    let sampler = spec.build(&loaded(brdf)).unwrap();
     let report = check_sampler(&*sampler, &**brdf, &check_directions(), settings);
     assert_eq!(report.outcomes.len(), 13 * 7);
     assert!(
@@ -407,7 +407,7 @@ fn draws_of_the_nearest_table_with_the_density_of_the_mixture_are_rejected() {
 }
 
 fn spreads(spec: SamplerSpec, brdf: &Arc<MerlBrdf>) -> Vec<WeightSpread> {
-    let sampler = spec.build(&loaded(&brdf)).unwrap();
+    let sampler = spec.build(&loaded(brdf)).unwrap();
     let at = |&degrees: &f64| {
         let quadrature = Quadrature::new(direction(degrees), POINTS_PER_BIN);
         weight_spread(&*sampler, &**brdf, &quadrature, Importance::Mean)

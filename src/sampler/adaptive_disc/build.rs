@@ -1,18 +1,17 @@
 //! Growing the trees.
 
-use glam::{DVec2, Vec3};
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::bounds::MaxTable;
 use super::quad_cell::{QuadCell, Rect};
+use super::slice::Slice;
 use super::tree::{Forest, Grown, MOST_LEAVES};
 use super::warp::{self, WarpGrower, Warps};
 use super::{AdaptiveDiscSettings, Construction, LeafChoice, MOST_TRIALS, ThetaKnots, Trees};
-use crate::brdf::Brdf;
-use crate::geometry::{Quadrature, spherical};
-use crate::material::merl::{LookupRule, MerlBrdf};
+use crate::material::merl::MerlBrdf;
 
-/// PointValues along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
+/// Points along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
 /// decides on splits, and a rough one will do.
 fn points_a_side(leaves: LeafChoice) -> usize {
     match leaves {
@@ -26,8 +25,6 @@ const NORMALISER_STEP: f64 = 5e-4;
 /// Bounds that exceed ∫ f by this factor, where leaves were split until there were no more to be had, mean that ∫ f may have
 /// missed what they are bounds of: spikes narrower than the lattices that agreed.
 const SUSPECT: f64 = 4.0;
-/// PointValues in each bin of θh then.
-const FINEST: usize = 10_946;
 /// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
 const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
@@ -108,60 +105,6 @@ fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
         })
         .collect();
     Forest::join(&trees)
-}
-
-/// f(wo, ·) for one fixed `wo` in the plane of φ = 0, as a scalar.
-pub(super) struct Slice<'a> {
-    brdf: &'a MerlBrdf,
-    settings: &'a AdaptiveDiscSettings,
-    /// Where values may be taken from instead of `brdf`.
-    plane: Option<&'a MaxTable>,
-    pub wo: Vec3,
-}
-
-impl<'a> Slice<'a> {
-    fn new(
-        brdf: &'a MerlBrdf,
-        settings: &'a AdaptiveDiscSettings,
-        table: Option<&'a MaxTable>,
-        theta: f64,
-    ) -> Self {
-        let plane = table.filter(|_| brdf.rule() == LookupRule::Floor);
-        Self {
-            brdf,
-            settings,
-            plane,
-            wo: spherical(theta, 0.0).as_vec3(),
-        }
-    }
-
-    #[inline]
-    fn value(&self, wi: Vec3) -> f64 {
-        f64::from(match self.plane {
-            Some(plane) => plane.floor_value(self.wo, wi),
-            None => self.settings.importance.reduce(self.brdf.eval(self.wo, wi)),
-        })
-    }
-
-    /// ∫ f over the disc.
-    fn integral(&self, tolerance: f64) -> f64 {
-        Quadrature::new(self.wo, 1)
-            .integrate_refined(tolerance, |wi| self.value(wi) * f64::from(wi.z))
-    }
-
-    /// ∫ f over the disc with as many points as any bin is given.
-    fn finest_integral(&self) -> f64 {
-        Quadrature::new(self.wo, FINEST).integrate(|wi| self.value(wi) * f64::from(wi.z))
-    }
-
-    pub fn value_on_disc(&self, p: DVec2) -> f64 {
-        let z2 = 1.0 - p.length_squared();
-        if z2 > 0.0 {
-            self.value(p.extend(z2.sqrt()).as_vec3())
-        } else {
-            0.0
-        }
-    }
 }
 
 /// What a node's square holds, as far as it is known.
@@ -363,6 +306,7 @@ impl Contents for DiscImage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::merl::LookupRule;
     use crate::material::merl::decode_embedded;
     use crate::points::Stream;
     use crate::sampler::TableChoice;

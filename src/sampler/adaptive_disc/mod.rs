@@ -10,6 +10,7 @@ mod codec;
 mod many;
 mod quad_cell;
 mod settings;
+mod slice;
 mod subdivision;
 mod tree;
 mod warp;

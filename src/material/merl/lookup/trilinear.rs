@@ -17,7 +17,7 @@ struct Pair {
 }
 
 impl Pair {
-    /// CellNeighbours of a coordinate in units of bins, clamped at both ends of the axis.
+    /// Neighbours of a coordinate in units of bins, clamped at both ends of the axis.
     #[inline(always)]
     fn clamped(x: f64, bins: usize) -> Self {
         let end = (bins - 1) as f64;
