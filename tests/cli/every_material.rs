@@ -36,7 +36,10 @@ const NOT_FOR_ANISOTROPIC: Answer = Refused("needs an isotropic material");
 const COMMANDS: [(&str, [Answer; 4]); 21] = [
     ("info MATERIAL", [Result; 4]),
     ("eval MATERIAL --wo 30,10 --wi 20,170", [Result; 4]),
-    ("build MATERIAL --sampler half-vector:2KB -o out", [Result; 4]),
+    (
+        "build MATERIAL --sampler half-vector:2KB -o out",
+        [Result; 4],
+    ),
     (
         "build MATERIAL --sampler adaptive-disc:depth=2,tables=2 -o out",
         [Result, NO_TABLE, NO_TABLE, NO_TABLE],
