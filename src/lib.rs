@@ -1,14 +1,17 @@
-//! Measured-BRDF toolkit: from a MERL binary to samplers, an honest report and rendered spheres.
+//! A toolkit for measured BRDFs: materials are loaded, samplers are built for them, and spheres are rendered with both.
 //!
 //! Data flows one way:
 //!
 //! ```text
-//! *.binary, *.bsdf, embedded name or formula → material::Material → material::Loaded: a Brdf, and what only some materials have
-//! Loaded → sampler::{HalfVectorTable, …, Lobe, Factored}, of anisotropic materials sampler::ByAzimuth → sampler file
-//! Brdf + DirectionSampler + light → render → image
-//! MerlBrdf + sampler::HalfVectorTable → export: a C header, or arrays for numpy
+//! argument → Material → Loaded: a Brdf, and what only some materials have (a MERL table, a sampler of their own)
+//! "half-vector:64KB" → SamplerSpec, with a Loaded → Sampler: a DirectionSampler, or a sampler file
+//! Brdf + DirectionSampler + Light → render::Scene → render::render → an image
+//! MERL table + half-vector table → export: a C header, or arrays for numpy
 //! Brdf → material::rgl::BsdfFile (for Mitsuba and pbrt), or material::merl::MerlTable
 //! ```
+//!
+//! Start with [`Material::resolve`], [`SamplerSpec`] and [`render::render`]; the programs in `examples/` show each. The page
+//! `docs/architecture.md` says where things are and how to add one.
 //!
 //! Conventions, stated once in [`geometry`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both
 //! leave the surface, in a local frame whose `+z` is the normal. `eval` is f_r in sr⁻¹ without the cosine; every `pdf` is
