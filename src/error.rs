@@ -54,6 +54,15 @@ pub enum Error {
     },
 }
 
+/// Words as a list of choices, for messages: "a, b or c".
+pub(crate) fn list_words(words: &[&str]) -> String {
+    match words {
+        [] => String::new(),
+        [word] => (*word).to_owned(),
+        [first @ .., tail] => format!("{} or {tail}", first.join(", ")),
+    }
+}
+
 impl Error {
     /// An [`Error::Io`] at `path`.
     pub fn io(path: &Path, action: &'static str, source: io::Error) -> Self {

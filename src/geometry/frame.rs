@@ -18,7 +18,7 @@ impl Frame {
     }
 
     /// Frame about the unit normal `n` whose x runs along the circle about the unit vector `axis`, as `axis` × `n`; as
-    /// [`Self::about`] within 10⁻⁶ of that axis.
+    /// [`Self::from_normal`] within 10⁻⁶ of that axis.
     pub fn around(n: Vec3, axis: Vec3) -> Self {
         let along = axis.cross(n);
         if along.length_squared() < 1e-12 {

@@ -48,12 +48,3 @@ pub(super) trait LightSource: Sized {
     /// Those of reading its file, where it has one.
     fn load(&self, sampling: SkySampling) -> Result<Box<dyn Light>>;
 }
-
-/// "a, b or c".
-pub(super) fn join_words(words: &[&str]) -> String {
-    match words {
-        [] => String::new(),
-        [word] => (*word).to_owned(),
-        [first @ .., last] => format!("{} or {last}", first.join(", ")),
-    }
-}

@@ -1,8 +1,9 @@
 //! Lights as they are described, before anything is loaded: the one list of them, and the words that name them.
 
 use super::environment::EnvironmentSource;
-use super::light_source::{LightSource, Placement, join_words};
+use super::light_source::{LightSource, Placement};
 use super::{Area, Directional, Light, Point, SkySampling};
+use crate::error::list_words;
 use crate::{Error, Result};
 
 /// Defines [`LightSpec`] from the list of lights, and passes every question on to the light that it holds.
@@ -33,7 +34,7 @@ macro_rules! lights {
 
             /// All words that name lights, as a list for people.
             pub fn words() -> String {
-                join_words(&[$(<$light>::WORDS),+].concat())
+                list_words(&[$(<$light>::WORDS),+].concat())
             }
 
             /// What kind of light it is, in a word or two.

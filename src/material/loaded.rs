@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use super::facts::{MaterialFacts, no_table};
 use super::merl::{LookupRule, MerlBrdf};
-use super::rgl::RglBrdf;
 use crate::Result;
 use crate::brdf::Brdf;
 use crate::direction_sampler::DirectionSampler;
@@ -19,6 +18,7 @@ pub struct Loaded {
     table: Option<Arc<MerlBrdf>>,
     own_sampler: Option<Arc<dyn DirectionSampler>>,
     bytes: usize,
+    reading: &'static str,
 }
 
 impl Loaded {
@@ -31,15 +31,6 @@ impl Loaded {
         }
     }
 
-    /// A `.bsdf` file, evaluated and sampled as it is.
-    pub fn from_rgl(rgl: Arc<RglBrdf>) -> Self {
-        Self {
-            bytes: rgl.table_bytes(),
-            own_sampler: Some(rgl.clone()),
-            ..Self::from_brdf(rgl)
-        }
-    }
-
     /// Any BRDF without tables.
     pub fn from_brdf(brdf: Arc<dyn Brdf>) -> Self {
         Self {
@@ -48,7 +39,26 @@ impl Loaded {
             table: None,
             own_sampler: None,
             bytes: 0,
+            reading: "values of the BRDF",
         }
+    }
+
+    /// The same material with the sampler that its source holds.
+    pub fn with_own_sampler(self, sampler: Arc<dyn DirectionSampler>) -> Self {
+        Self {
+            own_sampler: Some(sampler),
+            ..self
+        }
+    }
+
+    /// The same material, whose BRDF has `bytes` of tables.
+    pub fn with_bytes(self, bytes: usize) -> Self {
+        Self { bytes, ..self }
+    }
+
+    /// The same material, whose values are come by as `reading` says: "values of the file".
+    pub fn with_reading(self, reading: &'static str) -> Self {
+        Self { reading, ..self }
     }
 
     /// The same material, called `name` in messages and reports.
@@ -111,10 +121,9 @@ impl Loaded {
 
     /// How its values are come by, for legends: "floor lookup", "values of the file", "values of a formula".
     pub fn reading(&self) -> String {
-        match (self.rule(), &self.own_sampler) {
-            (Some(rule), _) => format!("{} lookup", rule.name()),
-            (None, Some(_)) => "values of the file".into(),
-            (None, None) => "values of a formula".into(),
+        match self.rule() {
+            Some(rule) => format!("{} lookup", rule.name()),
+            None => self.reading.into(),
         }
     }
 

@@ -96,15 +96,15 @@ impl Material {
             });
         }
         let path = Path::new(argument);
-        if !path.exists()
-            && let Some(text) = analytic::canonical_text(argument)?
-        {
-            return Ok(Self {
+        match analytic::canonical_text(argument) {
+            Ok(Some(text)) => Ok(Self {
                 name: text.replace([':', ',', '/'], "-"),
                 origin: Origin::Formula(text),
-            });
+            }),
+            // A file may be called like a formula that is none.
+            Err(error) if !path.exists() => Err(error),
+            Ok(None) | Err(_) => Self::resolve_path(argument, path),
         }
-        Self::resolve_path(argument, path)
     }
 
     fn resolve_path(argument: &str, path: &Path) -> Result<Self> {

@@ -225,6 +225,12 @@ fn load_lights(spec: &SceneSpec, plan: &EffectPlan) -> Result<Vec<Box<dyn Light>
 
 fn check(spec: &SceneSpec) -> Result<()> {
     check_objects(spec)?;
+    if spec.depth == 0 {
+        return Err(Error::argument(
+            "paths of no surface",
+            "give a depth of at least 1",
+        ));
+    }
     if spec.floor.is_some_and(|r| !(0.0..=1.0).contains(&r)) {
         return Err(Error::argument(
             "the floor's reflectance is not in [0, 1]",

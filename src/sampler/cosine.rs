@@ -4,11 +4,10 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
-use super::store::{TensorWriter, Tensors};
 use super::{DirectionSample, DirectionSampler, Field, Method, Needs, Settings};
+use crate::Result;
 use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::material::Loaded;
-use crate::{Error, Result};
 
 /// Sampling the cosine has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -43,17 +42,6 @@ impl Method for Cosine {
 
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
         self
-    }
-
-    fn write(&self, _: &mut TensorWriter) -> Result<()> {
-        Err(Error::argument(
-            "the cosine sampler has no tables to store",
-            "choose another sampler",
-        ))
-    }
-
-    fn read(tensors: &Tensors, _: CosineSettings, _: &Loaded) -> Result<Self> {
-        Err(tensors.invalid("a sampler with tables", Self::NAME))
     }
 }
 

@@ -106,14 +106,27 @@ pub trait Method: Any + Send + Sync + Sized {
     ///
     /// # Errors
     /// [`crate::Error::Argument`] if there is nothing to store.
-    fn write(&self, out: &mut TensorWriter) -> Result<()>;
+    fn write(&self, _out: &mut TensorWriter) -> Result<()> {
+        Err(Error::argument(
+            format!("the sampler {} has no tables to store", Self::NAME),
+            "choose another sampler",
+        ))
+    }
+
+    /// Whether settings that were used may come from settings that were asked for: they are the same but for what was left
+    /// open. A sampler file whose two records contradict each other is refused.
+    fn agree(asked: &Self::Settings, used: &Self::Settings) -> bool {
+        asked == used
+    }
 
     /// Puts it together from the tables of a file, having checked all that drawing relies on. The settings are within their
     /// domains.
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] for a tensor that is missing or breaks an invariant.
-    fn read(tensors: &Tensors, settings: Self::Settings, material: &Loaded) -> Result<Self>;
+    fn read(tensors: &Tensors, _settings: Self::Settings, _material: &Loaded) -> Result<Self> {
+        Err(tensors.invalid("a sampler with tables", Self::NAME))
+    }
 }
 
 /// The settings of a [`Method`].

@@ -19,7 +19,7 @@ pub mod store;
 pub use adaptive_disc::{
     AdaptiveDisc, AdaptiveDiscSettings, Carry, Cell, Construction, LeafChoice, Subdivision,
 };
-pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, ShownCdf, ThetaSpacing};
+pub use cascade_cdf::{CascadeCdf, CascadeCdfSettings, CdfCurve, ThetaSpacing};
 pub use cosine::{Cosine, CosineSettings};
 pub use factored::{Factored, FactoredSettings, Factors};
 pub use half_vector_table::{ByAzimuth, HalfVector, HalfVectorSettings, HalfVectorTable};

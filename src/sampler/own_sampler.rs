@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Field, Method, Needs, Settings};
 use crate::direction_sampler::DirectionSampler;
 use crate::material::Loaded;
-use crate::sampler::store::{TensorWriter, Tensors};
+use crate::sampler::store::TensorWriter;
 use crate::{Error, Result};
 
 /// A material's own sampler has no settings.
@@ -54,9 +54,5 @@ impl Method for OwnSampler {
             "the sampler file is stored in the .bsdf file already",
             "name that file in its place",
         ))
-    }
-
-    fn read(tensors: &Tensors, _: OwnSamplerSettings, _: &Loaded) -> Result<Self> {
-        Err(tensors.invalid("a sampler with tables", Self::NAME))
     }
 }

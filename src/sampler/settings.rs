@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::knots::TableChoice;
 use crate::Error;
 use crate::brdf::Importance;
+use crate::error::list_words;
 
 /// Settings with a name.
 #[derive(Clone, Debug)]
@@ -163,7 +164,7 @@ impl<S: 'static> Field<S> {
             let named = values.iter().find(|v| v.0.eq_ignore_ascii_case(text));
             named.map(|v| set(settings, v.1)).is_some()
         };
-        Self::form(key, list_words(&names, "or"), meaning, get, set)
+        Self::form(key, list_words(&names), meaning, get, set)
     }
 
     /// Lets each of these values stand without the key.
@@ -402,15 +403,6 @@ fn describe<T: Display>(range: &impl RangeBounds<T>) -> String {
     }
 }
 
-/// Words as a list: "a, b or c".
-pub(super) fn list_words(words: &[&str], last: &str) -> String {
-    match words {
-        [] => String::new(),
-        [word] => (*word).to_owned(),
-        [first @ .., tail] => format!("{} {last} {tail}", first.join(", ")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -426,8 +418,8 @@ mod tests {
 
     #[test]
     fn words_are_listed() {
-        assert_eq!(list_words(&["a"], "or"), "a");
-        assert_eq!(list_words(&["a", "b"], "or"), "a or b");
-        assert_eq!(list_words(&["a", "b", "c"], "or"), "a, b or c");
+        assert_eq!(list_words(&["a"]), "a");
+        assert_eq!(list_words(&["a", "b"]), "a or b");
+        assert_eq!(list_words(&["a", "b", "c"]), "a, b or c");
     }
 }

@@ -11,9 +11,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::METHODS;
 use super::method::{Method, Needs, Settings, list_fields, list_presets, value_text};
-use super::settings::{PresetFacts, SettingFacts, list_words, most_alike};
+use super::settings::{PresetFacts, SettingFacts, most_alike};
 use super::store::{TensorWriter, Tensors};
 use crate::direction_sampler::{DirectionSample, DirectionSampler, draw_stratified};
+use crate::error::list_words;
 use crate::material::merl::LookupRule;
 use crate::material::{Loaded, MaterialFacts};
 use crate::{Error, Result};
@@ -105,7 +106,7 @@ impl SamplerSpec {
                 self.name(),
                 self.needs()
             ),
-            format!("choose {}", list_words(&others, "or")),
+            format!("choose {}", list_words(&others)),
         ))
     }
 
@@ -212,7 +213,7 @@ fn unknown_method(name: &str, methods: &[SamplerSpec]) -> Error {
     let names: Vec<&str> = methods.iter().map(SamplerSpec::name).collect();
     let fix = match most_alike(name, &names) {
         Some(word) => format!("did you mean {word}? `merlkit samplers` lists all"),
-        None => format!("choose {}", list_words(&names, "or")),
+        None => format!("choose {}", list_words(&names)),
     };
     Error::argument(what, fix)
 }
@@ -313,6 +314,11 @@ impl<S: Settings> AnySettings for S {
             .check()
             .map_err(|e| tensors.invalid("settings within their domains", e.to_string()))?;
         let read = <S::Method as Method>::read(tensors, settings, material)?;
+        if !<S::Method as Method>::agree(self, &read.settings()) {
+            let expected = format!("the settings of {}", SamplerSpec::new(self.clone()));
+            let found = SamplerSpec::new(read.settings()).to_string();
+            return Err(tensors.invalid(expected, found));
+        }
         Ok(Arc::new(read))
     }
 }

@@ -131,7 +131,7 @@ fn numpy_reads_the_archive() {
     assert!(read == written);
 }
 
-/// As the reader of sampler files in `tests/python.rs`: within 10⁻⁵ but for one draw in a thousand.
+/// As the reader of sampler files in `tests/cli/python.rs`: within 10⁻⁵ but for one draw in a thousand.
 #[test]
 fn the_reader_draws_from_archives_what_the_library_draws() {
     if !has("python3", &["-c", "import numpy"]) {

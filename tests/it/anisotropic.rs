@@ -398,7 +398,10 @@ fn what_does_not_fit_is_refused() {
         ..HalfVectorSettings::default()
     };
     assert!(refused(ByAzimuth::build(&rgl, no_rows).unwrap_err()));
-    let brdf = Loaded::from_rgl(Arc::new(rgl));
+    let brdf = {
+        let rgl = Arc::new(rgl);
+        Loaded::from_brdf(rgl.clone()).with_own_sampler(rgl)
+    };
     let message = SamplerSpec::new(CascadeCdfSettings::default())
         .build(&brdf)
         .unwrap_err()

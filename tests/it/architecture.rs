@@ -38,3 +38,19 @@ fn every_addition_touches_few_files_and_all_that_exist_are_there() {
     }
     assert_eq!(additions, 5, "sampler, format, formula, light, export");
 }
+
+#[test]
+fn every_path_on_the_page_exists() {
+    let text = std::fs::read_to_string(format!("{ROOT}/docs/architecture.md")).unwrap();
+    let mut paths = 0;
+    for word in text.split('`').skip(1).step_by(2) {
+        let in_the_repository = ["src/", "tools/", "tests/", "docs/", "examples/"]
+            .iter()
+            .any(|folder| word.starts_with(folder));
+        if in_the_repository && !word.contains("NAME") {
+            assert!(Path::new(ROOT).join(word).exists(), "{word} is not there");
+            paths += 1;
+        }
+    }
+    assert!(paths > 15, "{paths} paths");
+}

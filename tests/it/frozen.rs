@@ -104,7 +104,7 @@ mod library {
         static FILE: LazyLock<Arc<RglBrdf>> =
             LazyLock::new(|| Arc::new(RglBrdf::new(brushed_file())));
         let brdf = match name {
-            BRUSHED => Loaded::from_rgl(FILE.clone()),
+            BRUSHED => Loaded::from_brdf(FILE.clone()).with_own_sampler(FILE.clone()),
             _ => {
                 let measured = MerlBrdf::new(TABLES[name].clone(), lookup_rule(lookup));
                 Loaded::from_table(Arc::new(measured))

@@ -8,6 +8,8 @@ use crate::layering::sources;
 
 /// The two libraries: names are unique in each.
 const LIBRARIES: [&str; 2] = ["src", "tools/evaluate/src"];
+/// The command.
+const COMMAND: &str = "tools/merlkit";
 
 /// Words that say nothing when they stand alone.
 const EMPTY_WORDS: [&str; 10] = [
@@ -59,8 +61,8 @@ fn a_types_name_is_unique_in_its_library() {
 
 #[test]
 fn no_function_is_named_by_a_preposition() {
-    for library in LIBRARIES {
-        for file in sources(&Path::new(ROOT).join(library)) {
+    for folder in LIBRARIES.into_iter().chain([COMMAND]) {
+        for file in sources(&Path::new(ROOT).join(folder)) {
             let text = std::fs::read_to_string(&file).unwrap();
             for name in words_after(without_tests(&text), "fn ") {
                 let named = !EMPTY_WORDS.contains(&name);

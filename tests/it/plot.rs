@@ -482,8 +482,8 @@ mod views {
     use merlkit::material::merl::{LookupRule, MerlBrdf};
     use merlkit::points::Stream;
     use merlkit::sampler::{
-        AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, Cosine, LeafChoice,
-        ShownCdf, Subdivision,
+        AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, CdfCurve, Cosine,
+        LeafChoice, Subdivision,
     };
     use merlkit_evaluate::measure::{directional_albedo, views};
 
@@ -612,7 +612,7 @@ mod views {
     }
 
     /// Both are of the piece that holds the median, rise from 0 to 1 over a turn, and the compressed one has fewer knots.
-    fn conditionals(before: &ShownCdf, after: &ShownCdf, whole: &ShownCdf, small: &ShownCdf) {
+    fn conditionals(before: &CdfCurve, after: &CdfCurve, whole: &CdfCurve, small: &CdfCurve) {
         for (cdf, marginal) in [(before, whole), (after, small)] {
             let below = |theta_h: f64| marginal.knots.iter().find(|k| k.0 == theta_h).unwrap().1;
             let [from, to] = cdf.theta_h.map(below);

@@ -959,3 +959,32 @@ fn a_bad_value_is_told_with_tensor_and_byte() {
         other => panic!("{other:?}"),
     }
 }
+
+#[test]
+fn a_file_whose_text_and_settings_contradict_each_other_is_refused() {
+    assert_each_is_refused(
+        SamplerSpec::new(HalfVectorSettings::default()),
+        &[(
+            "another size in the text",
+            |f| f.record["spec"] = "half-vector:2KB".into(),
+            "the settings of half-vector:2KB",
+        )],
+    );
+    assert_each_is_refused(
+        SamplerSpec::new(LobeSettings::fitted(LobeKind::Ggx)),
+        &[(
+            "another lobe in the text",
+            |f| f.record["spec"] = "lobe:ward".into(),
+            "the settings of lobe:ward",
+        )],
+    );
+}
+
+#[test]
+fn an_infinite_tolerance_survives_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec: SamplerSpec = "cascade-cdf:cells=64x16,tolerance=inf".parse().unwrap();
+    let (fresh, _, path) = built(spec, folder.path());
+    let (read, _) = SamplerFile::open(&path).unwrap().load(None).unwrap();
+    assert_eq!(read.fitted(), fresh.fitted());
+}

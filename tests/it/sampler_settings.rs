@@ -366,22 +366,15 @@ fn materials_are_refused_with_what_is_needed_and_what_there_is() {
         let supported = methods.iter().filter(|m| m.check_supports(facts).is_ok());
         supported.map(SamplerSpec::name).collect()
     };
-    assert_eq!(
-        names(&table),
-        [
-            "half-vector",
-            "adaptive-disc",
-            "cascade-cdf",
-            "lobe",
-            "factored",
-            "cosine"
-        ]
-    );
-    assert_eq!(
-        names(&formula),
-        ["half-vector", "cascade-cdf", "lobe", "factored", "cosine"]
-    );
-    assert_eq!(names(&brushed), ["half-vector", "cosine", "file"]);
+    let of_tables = names(&table);
+    assert!(of_tables.contains(&"adaptive-disc") && !of_tables.contains(&"file"));
+    let of_formulas = names(&formula);
+    assert!(of_formulas.contains(&"cascade-cdf") && !of_formulas.contains(&"adaptive-disc"));
+    let of_files = names(&brushed);
+    assert!(of_files.contains(&"file") && !of_files.contains(&"cascade-cdf"));
+    for names in [of_tables, of_formulas, of_files] {
+        assert!(names.contains(&"half-vector") && names.contains(&"cosine"));
+    }
     let refused = |text: &str, facts: &MaterialFacts| {
         parse(text).check_supports(facts).unwrap_err().to_string()
     };

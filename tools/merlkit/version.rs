@@ -27,18 +27,19 @@ fn text() -> String {
         "release"
     };
     format!(
-        "{}\nfeatures: {}\ntarget: {ARCH} {OS}, {} bits, instructions: {}\nprofile: {profile}",
+        "{}\nfeatures: {}\ntarget: {ARCH} {OS}, {} bits\ncpu features: {}\nprofile: {profile}",
         env!("CARGO_PKG_VERSION"),
-        chosen(&FEATURES),
+        list_chosen(&FEATURES, "none"),
         usize::BITS,
-        chosen(&INSTRUCTIONS),
+        list_chosen(&INSTRUCTIONS, "the baseline of the architecture"),
     )
 }
 
-fn chosen(list: &[(&str, bool)]) -> String {
+/// Names of those that were chosen, or `none`.
+fn list_chosen(list: &[(&str, bool)], none: &str) -> String {
     let names: Vec<&str> = list.iter().filter(|f| f.1).map(|f| f.0).collect();
     if names.is_empty() {
-        "the least".into()
+        none.into()
     } else {
         names.join(", ")
     }

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::{Environment, SkySampling, broad_lamps, studio};
 use crate::color::Rgb;
+use crate::error::list_words;
 use crate::image::read_exr;
 use crate::light::Light;
-use crate::light::light_source::{LightSource, Placement, join_words};
+use crate::light::light_source::{LightSource, Placement};
 use crate::{Error, Result};
 
 /// Where an environment's radiance comes from.
@@ -39,7 +40,7 @@ impl EnvironmentSource {
 
     /// All words that name environments, as a list for people.
     pub fn words() -> String {
-        join_words(Self::WORDS)
+        list_words(Self::WORDS)
     }
 
     /// Loads it.

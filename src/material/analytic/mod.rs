@@ -42,7 +42,7 @@ impl MaterialFormat for Formulas {
     fn load(&self, origin: &Origin, _: LookupRule) -> Result<Loaded> {
         let text = origin.path().to_string_lossy();
         match parse(&text)? {
-            Some((brdf, _)) => Ok(Loaded::from_brdf(brdf)),
+            Some((brdf, _)) => Ok(Loaded::from_brdf(brdf).with_reading("values of a formula")),
             None => Err(unknown_model(&text)),
         }
     }

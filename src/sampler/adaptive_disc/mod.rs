@@ -7,10 +7,10 @@
 mod bounds;
 mod build;
 mod codec;
-mod many;
 mod quad_cell;
 mod settings;
 mod slice;
+mod stratified;
 mod subdivision;
 mod tree;
 mod warp;
@@ -91,7 +91,7 @@ impl AdaptiveDisc {
     /// Builds the trees on the threads of the current pool; the result does not depend on their number.
     ///
     /// # Errors
-    /// [`Error::Argument`] for settings outside their domains.
+    /// [`crate::Error::Argument`] for settings outside their domains.
     pub fn build(brdf: Arc<MerlBrdf>, settings: AdaptiveDiscSettings) -> Result<Self> {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
@@ -294,7 +294,7 @@ impl AdaptiveDisc {
         seed: u64,
     ) -> Vec<Option<DirectionSample>> {
         match &self.trees {
-            Trees::Rejecting(forest) => many::share_draws(self, forest, wo, count, seed),
+            Trees::Rejecting(forest) => stratified::share_draws(self, forest, wo, count, seed),
             Trees::Warped(_) => draw_stratified(self, wo, count, seed),
         }
     }

@@ -6,12 +6,12 @@
 mod axis;
 mod build;
 mod codec;
+mod plot_data;
 mod settings;
-mod shown;
 
 pub use axis::ThetaSpacing;
+pub use plot_data::CdfCurve;
 pub use settings::CascadeCdfSettings;
-pub use shown::ShownCdf;
 
 pub(super) use axis::ThetaAxis;
 pub(super) use build::{contribution, masses};
@@ -71,7 +71,7 @@ impl CascadeCdf {
     /// Tabulates `brdf` on the threads of the current pool; the result does not depend on their number.
     ///
     /// # Errors
-    /// [`Error::Argument`] for settings outside their domains.
+    /// [`crate::Error::Argument`] for settings outside their domains.
     pub fn build(brdf: &dyn Brdf, settings: CascadeCdfSettings) -> Result<Self> {
         settings.check()?;
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;

@@ -18,6 +18,7 @@ pub struct CascadeCdfSettings {
     /// How cells are spaced over θh.
     pub spacing: ThetaSpacing,
     /// Largest error of a compressed curve, in probability; `None` stores every knot.
+    #[serde(with = "tolerance_json")]
     pub tolerance: Option<f64>,
     /// What serves a `wo` between two tables.
     pub choice: TableChoice,
@@ -166,4 +167,41 @@ fn parse_cells(text: &str) -> Option<[usize; 2]> {
     let (theta_h, phi_h) = text.split_once(['x', 'X', '×'])?;
     let cells = [theta_h.parse().ok()?, phi_h.parse().ok()?];
     cells.iter().all(|n| CELLS.contains(n)).then_some(cells)
+}
+
+/// A tolerance in JSON, which has no infinity: a number, "inf" or null.
+mod tolerance_json {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    const INFINITE: &str = "inf";
+
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Tolerance {
+        Number(f64),
+        Word(String),
+    }
+
+    pub(super) fn serialize<S: Serializer>(
+        tolerance: &Option<f64>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        match tolerance {
+            Some(error) if error.is_infinite() => INFINITE.serialize(serializer),
+            other => other.serialize(serializer),
+        }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<f64>, D::Error> {
+        match Option::<Tolerance>::deserialize(deserializer)? {
+            None => Ok(None),
+            Some(Tolerance::Number(error)) => Ok(Some(error)),
+            Some(Tolerance::Word(word)) if word == INFINITE => Ok(Some(f64::INFINITY)),
+            Some(Tolerance::Word(word)) => Err(serde::de::Error::custom(format!(
+                "no tolerance is {word:?}"
+            ))),
+        }
+    }
 }

@@ -177,6 +177,11 @@ impl Method for Factored {
         *self.settings()
     }
 
+    fn agree(asked: &FactoredSettings, used: &FactoredSettings) -> bool {
+        let factors = asked.factors.or(used.factors);
+        FactoredSettings { factors, ..*asked } == *used
+    }
+
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
         self
     }

@@ -55,7 +55,7 @@ impl ByAzimuth {
     /// is tabulated is [`HalfVectorSettings::for_anisotropic`].
     ///
     /// # Errors
-    /// [`Error::Argument`] for settings outside their domains, or a BRDF that is isotropic.
+    /// [`crate::Error::Argument`] for settings outside their domains, or a BRDF that is isotropic.
     pub fn build(brdf: &dyn Brdf, settings: HalfVectorSettings) -> Result<Self> {
         let symmetry = brdf.symmetry();
         if symmetry == Symmetry::Isotropic {

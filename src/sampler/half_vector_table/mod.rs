@@ -192,6 +192,10 @@ impl Method for HalfVector {
         }
     }
 
+    fn agree(asked: &HalfVectorSettings, used: &HalfVectorSettings) -> bool {
+        asked == used || asked.for_anisotropic() == *used
+    }
+
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
         match &*self {
             Self::Isotropic(table) => table.clone(),

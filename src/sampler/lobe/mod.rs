@@ -39,7 +39,7 @@ impl Lobe {
     /// the cosine alone.
     ///
     /// # Errors
-    /// [`Error::Argument`] for parameters outside their domains.
+    /// [`crate::Error::Argument`] for parameters outside their domains.
     pub fn build(brdf: &dyn Brdf, settings: LobeSettings) -> Result<Self> {
         let parameters = match settings.parameters {
             Some(given) => given,
@@ -51,7 +51,7 @@ impl Lobe {
     /// The lobe with these parameters, whatever the settings say.
     ///
     /// # Errors
-    /// [`Error::Argument`] for parameters outside their domains.
+    /// [`crate::Error::Argument`] for parameters outside their domains.
     pub(super) fn from_settings(
         settings: LobeSettings,
         parameters: LobeParameters,
@@ -100,6 +100,14 @@ impl Method for Lobe {
 
     fn settings(&self) -> LobeSettings {
         *self.settings()
+    }
+
+    fn agree(asked: &LobeSettings, used: &LobeSettings) -> bool {
+        let parameters = asked.parameters.or(used.parameters);
+        LobeSettings {
+            parameters,
+            ..*asked
+        } == *used
     }
 
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {

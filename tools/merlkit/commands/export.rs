@@ -100,7 +100,10 @@ pub fn run(args: &Args) -> Outcome {
     args::refuse_repeated(&materials)?;
     match args.format {
         Format::Bsdf => args::require_isotropic(&materials, "an exported .bsdf file")?,
-        Format::Npz | Format::Header => args::require_tables(&materials, "this export")?,
+        Format::Npz | Format::Header => {
+            args.table_settings()?;
+            args::require_tables(&materials, "this export")?;
+        }
     }
     if args.format == Format::Header {
         refuse_same_identifier(&materials)?;

@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> Outcome {
     let subjects = args
         .sources
         .iter()
-        .map(|s| Subject::of(s))
+        .map(|s| Subject::resolve(s))
         .collect::<Result<Vec<_>, _>>()?;
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {
@@ -70,7 +70,7 @@ enum Subject {
 }
 
 impl Subject {
-    fn of(argument: &str) -> Result<Self, Error> {
+    fn resolve(argument: &str) -> Result<Self, Error> {
         let path = Path::new(argument);
         if path.is_file() && looks_like_sampler_file(path) {
             return Ok(Self::Sampler(SamplerDescription::read(path)?));

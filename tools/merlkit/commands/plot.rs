@@ -109,7 +109,7 @@ pub fn run(args: &Args) -> Outcome {
     let material = Material::resolve(&args.material)?;
     let file = || Destination::File(format!("{}-{}.svg", material.name(), kind.name()).into());
     let destination = args.output.clone().unwrap_or_else(file);
-    let format = Format::of(&destination)?;
+    let format = Format::from_extension(&destination)?;
     destination.check(overwrite(args.force))?;
     let facts = material.facts()?;
     if matches!(kind, Kind::Slice | Kind::SliceRgb) {
@@ -149,7 +149,7 @@ enum Format {
 
 impl Format {
     /// By the extension.
-    fn of(destination: &Destination) -> Result<Self, Error> {
+    fn from_extension(destination: &Destination) -> Result<Self, Error> {
         let Destination::File(path) = destination else {
             return Ok(Self::Svg);
         };

@@ -122,8 +122,14 @@ pub fn run(args: &Args) -> Outcome {
     } else {
         PlanRequest::AsNeeded
     };
+    let plan = EffectPlan::for_scene(&scene, effects);
+    if plan.is_on(Effect::Directions) {
+        for material in &materials {
+            args.sampler.check_supports(&material.facts()?)?;
+        }
+    }
     if args.explain {
-        let sheet = explanation(&scene, &EffectPlan::for_scene(&scene, effects));
+        let sheet = explanation(&scene, &plan);
         output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
     }
     let picture = Picture {

@@ -125,6 +125,7 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
         Some(spec) => spec.clone(),
         None => sampler_args::DEFAULT.parse()?,
     };
+    spec.check_supports(&material.facts()?)?;
     let brdf = material.load(args.lookup.unwrap_or_default())?;
     Ok((material.name().into(), spec.build(&brdf)?, brdf))
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 /// The squared tangents of θh, θd and φd, in f64: ratios of polynomials in the directions' components (see
-/// [`crate::geometry::HalfDiff::of`]), without a branch, a square root or trigonometry.
+/// [`crate::geometry::HalfDiff::from_directions`]), without a branch, a square root or trigonometry.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::material::merl) struct HalfDiffTan2 {
     /// tan²θh, 0 to infinity; NaN unless both directions are finite and above the horizon.

@@ -30,7 +30,7 @@ impl Pair {
         }
     }
 
-    /// CellNeighbours of a coordinate from −`bins` to `bins` on an axis that closes on itself.
+    /// Neighbours of a coordinate from −`bins` to `bins` on an axis that closes on itself.
     #[inline(always)]
     fn periodic(x: f64, bins: usize) -> Self {
         let bins = bins as u32;
@@ -62,7 +62,7 @@ pub(in crate::material::merl) struct CellNeighbours {
 }
 
 impl CellNeighbours {
-    /// CellNeighbours by values that stand at `bin + offset`: 0 for edges, ½ for centres; `None` unless both directions are
+    /// The neighbours of a pair whose values lie at `bin + offset`: 0 for edges, ½ for centres; `None` unless both directions are
     /// above the horizon.
     #[inline(always)]
     pub fn find(

@@ -71,7 +71,7 @@ pub(super) struct Tick {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ruler {
     scale: Scale,
-    /// Ends, as [`Scale::place`] gives them.
+    /// Ends, as [`Scale::transform`] gives them.
     low: f64,
     high: f64,
     /// Pixels of the ends.

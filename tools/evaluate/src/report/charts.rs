@@ -14,7 +14,7 @@ use merlkit::image::Image;
 use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
 use merlkit::material::{Loaded, LookupRule};
 use merlkit::sampler::{
-    AdaptiveDisc, CascadeCdf, CascadeCdfSettings, CosineSettings, Sampler, SamplerSpec, ShownCdf,
+    AdaptiveDisc, CascadeCdf, CascadeCdfSettings, CdfCurve, CosineSettings, Sampler, SamplerSpec,
 };
 use merlkit::{Error, Result};
 
@@ -317,7 +317,7 @@ impl ChartSubject {
     /// # Errors
     /// As [`Self::cdf`].
     pub fn cdf_azimuth(&self) -> Result<String> {
-        let span = |cdf: &ShownCdf| {
+        let span = |cdf: &CdfCurve| {
             let [from, to] = cdf.theta_h.map(f64::to_degrees);
             format!(", θh {from:.2}–{to:.2}°")
         };
@@ -342,8 +342,8 @@ impl ChartSubject {
     /// A curve at each angle before and after compression, with its knots; and what tables they are of.
     fn compressed(
         &self,
-        curve: impl Fn(&CascadeCdf, f64) -> ShownCdf,
-        span: impl Fn(&ShownCdf) -> String,
+        curve: impl Fn(&CascadeCdf, f64) -> CdfCurve,
+        span: impl Fn(&CdfCurve) -> String,
     ) -> Result<(Vec<Series>, String)> {
         let stored: Option<&CascadeCdf> = self.sampler.as_ref().and_then(Sampler::downcast);
         let Some(stored) = stored else {
@@ -365,7 +365,7 @@ impl ChartSubject {
             let (before, after) = (curve(&whole, theta), curve(stored, theta));
             let degrees =
                 |points: &[(f64, f64)]| points.iter().map(|p| (p.0.to_degrees(), p.1)).collect();
-            let at = |cdf: &ShownCdf| format!("θ = {:.1}°{}", cdf.theta_o.to_degrees(), span(cdf));
+            let at = |cdf: &CdfCurve| format!("θ = {:.1}°{}", cdf.theta_o.to_degrees(), span(cdf));
             let line = |label, points: &[(f64, f64)], style| Series {
                 label,
                 points: degrees(points),

@@ -7,7 +7,7 @@ use crate::distribution::Curves;
 
 /// One CDF of one table.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ShownCdf {
+pub struct CdfCurve {
     /// Polar angle of `wo` that the table was built for, radians.
     pub theta_o: f64,
     /// The θh that it speaks of, radians: all of them for the marginal, those of one of its pieces for a conditional.
@@ -21,10 +21,10 @@ pub struct ShownCdf {
 impl CascadeCdf {
     /// The marginal over θh of the table whose angle is nearest to the polar angle `theta_o`, radians; an angle that is not
     /// finite counts as 0.
-    pub fn marginal(&self, theta_o: f64) -> ShownCdf {
+    pub fn marginal(&self, theta_o: f64) -> CdfCurve {
         let (k, cells) = (self.knots.nearest(theta_o), self.settings.theta_h);
         let (curve, knots) = shown(&self.tables.marginal, k, cells, |cell| self.theta_h(cell));
-        ShownCdf {
+        CdfCurve {
             theta_o: self.knots.theta(k),
             theta_h: [0.0, self.theta_h(cells as f64)],
             curve,
@@ -34,11 +34,11 @@ impl CascadeCdf {
 
     /// The conditional over φh, counted from `wo`, of the same table and of the piece of the marginal that holds its median:
     /// half of the draws have a smaller θh.
-    pub fn conditional(&self, theta_o: f64) -> ShownCdf {
+    pub fn conditional(&self, theta_o: f64) -> CdfCurve {
         let k = self.knots.nearest(theta_o);
         let theta_o = self.knots.theta(k);
         if self.tables.marginal.is_void(k) {
-            return ShownCdf {
+            return CdfCurve {
                 theta_o,
                 theta_h: [0.0; 2],
                 curve: Vec::new(),
@@ -49,7 +49,7 @@ impl CascadeCdf {
         let conditional = self.tables.first[k] as usize + piece.index;
         let phi = |cell: f64| cell / cells as f64 * TAU;
         let (curve, knots) = shown(&self.tables.conditional, conditional, cells, phi);
-        ShownCdf {
+        CdfCurve {
             theta_o,
             theta_h: [self.theta_h(piece.x0), self.theta_h(piece.x1)],
             curve,
