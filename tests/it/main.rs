@@ -11,7 +11,6 @@ mod bsdf;
 mod compare;
 mod examples;
 mod format;
-mod frozen;
 mod half_vector;
 mod image;
 mod layering;
