@@ -13,13 +13,13 @@ mod write;
 use std::sync::Arc;
 
 pub use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
-pub use brdf::{LookupRule, MerlBrdf};
+pub use brdf::MerlBrdf;
 pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
 pub use header::Header;
 pub use import::{BinPoint, tabulate_brdf};
-pub use lookup::BinIndex;
+pub use lookup::{BinIndex, LookupRule};
 pub use table::{Census, MerlTable};
 pub use write::write;
 

@@ -8,12 +8,12 @@ use glam::Vec3;
 use super::bins::find_bins;
 use super::coordinates::CoordinateTables;
 use super::half_diff_tan2::HalfDiffTan2;
+use super::rule::LookupRule;
 use super::trilinear::CellNeighbours;
 use crate::batch::Wo;
 use crate::color::Rgb;
 use crate::geometry::merl_axes::AxisBins;
 use crate::lanes::{Columns, UnitDirections};
-use crate::material::merl::LookupRule;
 use crate::material::merl::MerlTable;
 
 /// Pairs that go through the passes together: all their arrays stay in the first level of cache, and a call for 16 pairs clears

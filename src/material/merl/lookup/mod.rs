@@ -4,6 +4,8 @@ pub(super) mod batch;
 mod bins;
 pub(super) mod coordinates;
 pub(super) mod half_diff_tan2;
+mod rule;
 pub(super) mod trilinear;
 
 pub use bins::BinIndex;
+pub use rule::LookupRule;
