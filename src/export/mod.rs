@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use crate::files::{Overwrite, write_new};
 use crate::material::merl::Header;
-use crate::material::{LookupRule, Material, MerlBrdf, MerlTable, Origin};
+use crate::material::{Loaded, Material, MerlBrdf, MerlTable, Origin};
 use crate::sampler::{HalfVectorSettings, HalfVectorTable};
 use crate::{Error, Result};
 
@@ -27,16 +27,12 @@ pub struct Export {
 }
 
 impl Export {
-    /// Loads `material` and builds its table on the threads of the current pool.
+    /// Builds the table of `material`, loaded as `loaded`, on the threads of the current pool.
     ///
     /// # Errors
-    /// As [`Material::load`] and [`HalfVectorTable::build`]; [`Error::Argument`] for a material that is not a MERL table.
-    pub fn new(
-        material: &Material,
-        lookup: LookupRule,
-        settings: HalfVectorSettings,
-    ) -> Result<Self> {
-        let brdf = material.load(lookup)?.require_table("this export")?.clone();
+    /// As [`Material::sha256`] and [`HalfVectorTable::build`]; [`Error::Argument`] for a material that is not a MERL table.
+    pub fn new(material: &Material, loaded: &Loaded, settings: HalfVectorSettings) -> Result<Self> {
+        let brdf = loaded.require_table("this export")?.clone();
         Ok(Self {
             name: material.name().to_owned(),
             embedded: matches!(material.origin(), Origin::Embedded(_)),

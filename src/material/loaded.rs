@@ -19,6 +19,7 @@ pub struct Loaded {
     own_sampler: Option<Arc<dyn DirectionSampler>>,
     bytes: usize,
     reading: &'static str,
+    notes: Vec<String>,
 }
 
 impl Loaded {
@@ -26,6 +27,7 @@ impl Loaded {
     pub fn from_table(measured: Arc<MerlBrdf>) -> Self {
         Self {
             bytes: measured.table().bytes(),
+            notes: gap_note(&measured).into_iter().collect(),
             table: Some(measured.clone()),
             ..Self::from_brdf(measured)
         }
@@ -40,6 +42,7 @@ impl Loaded {
             own_sampler: None,
             bytes: 0,
             reading: "values of the BRDF",
+            notes: Vec::new(),
         }
     }
 
@@ -59,6 +62,11 @@ impl Loaded {
     /// The same material, whose values are come by as `reading` says: "values of the file".
     pub fn with_reading(self, reading: &'static str) -> Self {
         Self { reading, ..self }
+    }
+
+    /// The same material, of which its users should know `notes`, each a sentence without a full stop.
+    pub fn with_notes(self, notes: Vec<String>) -> Self {
+        Self { notes, ..self }
     }
 
     /// The same material, called `name` in messages and reports.
@@ -127,10 +135,35 @@ impl Loaded {
         }
     }
 
+    /// What its users should know: values that are missing and how they are read, or that reading changed. Sentences without a
+    /// full stop.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// Bytes of its tables in memory, counted.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
+}
+
+/// What a table's gaps above the horizon are read as; `None` without gaps.
+fn gap_note(measured: &MerlBrdf) -> Option<String> {
+    let (table, rule) = (measured.table(), measured.rule());
+    let count = table.count_gaps();
+    let reading = match rule {
+        LookupRule::Floor => "reads them as 0",
+        LookupRule::Linear | LookupRule::Centred => {
+            "takes the mean of their valid neighbours, and 0 where there is none"
+        }
+    };
+    let percent = 100.0 * count as f64 / table.cells().len() as f64;
+    (count > 0).then(|| {
+        format!(
+            "{count} cells above the horizon ({percent:.2} % of the table) have no value; the {} rule {reading}",
+            rule.name()
+        )
+    })
 }
 
 impl fmt::Debug for Loaded {

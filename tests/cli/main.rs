@@ -9,6 +9,7 @@ mod every_material;
 mod hard;
 mod materials;
 mod memory;
+mod notes;
 mod plot;
 mod python;
 mod render;

@@ -17,7 +17,9 @@ fn shader(version: &str) -> String {
             Material::resolve(material).unwrap(),
             HalfVectorSettings::PRESETS[preset].1,
         );
-        Export::new(&material, lookup, settings).unwrap().header()
+        Export::new(&material, &material.load(lookup).unwrap(), settings)
+            .unwrap()
+            .header()
     };
     let headers = [
         header("nickel", LookupRule::Linear, 2),

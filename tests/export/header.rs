@@ -27,7 +27,8 @@ fn settings(size: &str) -> HalfVectorSettings {
 }
 
 fn export(material: &str, lookup: LookupRule, settings: HalfVectorSettings) -> Export {
-    Export::new(&Material::resolve(material).unwrap(), lookup, settings).unwrap()
+    let material = Material::resolve(material).unwrap();
+    Export::new(&material, &material.load(lookup).unwrap(), settings).unwrap()
 }
 
 /// Answers beyond 10⁻⁵ that are allowed of [`DRAWS`]: where rounding puts a direction on the other side of an edge of a row or

@@ -19,12 +19,8 @@ const READER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tools/half_vect
 
 fn export(material: &str) -> Export {
     let material = Material::resolve(material).unwrap();
-    Export::new(
-        &material,
-        LookupRule::Floor,
-        HalfVectorSettings::PRESETS[0].1,
-    )
-    .unwrap()
+    let loaded = material.load(LookupRule::Floor).unwrap();
+    Export::new(&material, &loaded, HalfVectorSettings::PRESETS[0].1).unwrap()
 }
 
 fn python(folder: &Path, arguments: &[&str]) -> Output {

@@ -20,6 +20,7 @@ mod names;
 mod page;
 mod plot;
 mod render;
+mod resampling;
 mod sampler_checks;
 mod sampler_files;
 mod sampler_settings;

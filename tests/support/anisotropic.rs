@@ -135,6 +135,7 @@ pub fn bsdf_of(metal: &Brushed, symmetry: Symmetry, resolution: Resolution) -> B
     };
     let shape = |rest: &[usize]| [&[azimuths, angles], rest].concat();
     let mut file = BsdfFile {
+        notes: Vec::new(),
         description: "brushed metal".into(),
         theta_i: theta_i.iter().map(|&t| t as f32).collect(),
         phi_i: phi_i.iter().map(|&p| p as f32).collect(),

@@ -6,7 +6,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use merlkit::Error;
 use merlkit::material::merl::embedded_names;
-use merlkit::material::{LookupRule, Material};
+use merlkit::material::{Loaded, LookupRule, Material};
+
+use crate::output;
 
 /// Parses a lookup rule by its name.
 pub fn lookup_rule() -> impl TypedValueParser<Value = LookupRule> {
@@ -67,6 +69,20 @@ impl Materials {
 /// Resolves all material arguments before any work begins.
 pub fn resolve(arguments: &[String]) -> Result<Vec<Material>, Error> {
     arguments.iter().map(|a| Material::resolve(a)).collect()
+}
+
+/// Loads a material, and prints on standard error what its users should know.
+pub fn load(material: &Material, rule: LookupRule) -> Result<Loaded, Error> {
+    let loaded = material.load(rule)?;
+    print_notes(loaded.name(), loaded.notes());
+    Ok(loaded)
+}
+
+/// Prints on standard error what users of a material should know.
+pub fn print_notes(name: &str, notes: &[String]) {
+    for note in notes {
+        output::message(&format!("merlkit: note: {name}: {note}"));
+    }
 }
 
 /// Two materials of one name would be one file.

@@ -8,6 +8,8 @@ use std::str::FromStr;
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable, write_new};
 
+use merlkit_evaluate::measure::LARGEST_ALBEDO_ERROR;
+
 use crate::failure::Failure;
 
 /// `-` for standard output, or a file.
@@ -69,6 +71,21 @@ pub fn stdout(fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(),
 /// Writes a line to standard error; there is nobody to tell if that fails.
 pub fn message(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// Whether an albedo error, as a fraction, leaves `what` fit to be written; if not, says why it is not.
+pub fn is_acceptable(albedo_error: f64, what: &str) -> bool {
+    // A NaN is no error to accept.
+    if albedo_error <= LARGEST_ALBEDO_ERROR {
+        return true;
+    }
+    message(&format!(
+        "merlkit: {what} is not written: its albedo is off by {:.0} %, and more than {:.0} % is taken for a fault; choose \
+         another lookup rule, more values or another file, or write it all the same with --accept-error",
+        100.0 * albedo_error,
+        100.0 * LARGEST_ALBEDO_ERROR
+    ));
+    false
 }
 
 /// What `--force` means.

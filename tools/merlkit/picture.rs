@@ -10,6 +10,7 @@ use merlkit::material::merl::LookupRule;
 use merlkit::render::{PlanRequest, Refinement, RenderSettings, Scene, SceneSpec, Surface, render};
 use merlkit::sampler::SamplerSpec;
 
+use crate::args;
 use crate::progress::Progress;
 
 /// A scene and everything its picture depends on.
@@ -51,7 +52,7 @@ impl Picture<'_> {
     }
 
     fn surface(&self, material: usize, directions: bool) -> Result<Surface, Error> {
-        let brdf = self.materials[material].load(self.lookup)?;
+        let brdf = args::load(&self.materials[material], self.lookup)?;
         let sampler = if directions {
             Some(self.sampler.build(&brdf)?.shared())
         } else {

@@ -1,11 +1,12 @@
 //! From any isotropic reflectance to a table.
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, Vec3};
 use rayon::prelude::*;
 
 use super::{Header, MerlTable, THETA_D_BINS};
 use crate::brdf::Brdf;
-use crate::geometry::{merl_axes, reflect_about, spherical};
+use crate::color::Rgb;
+use crate::geometry::{is_upper, merl_axes, reflect_about, spherical};
 use crate::{Error, Result};
 
 /// Where in a bin the value of a table is taken.
@@ -19,9 +20,13 @@ pub enum BinPoint {
 
 const HEADER: Header = Header { phi_d_bins: 180 };
 
-/// Tabulates an isotropic BRDF on the threads of the current pool. A bin's value is f_r in sr⁻¹ at its `point`, the mean of
-/// both orders of the directions, since a table is reciprocal. A bin below the horizon is invalid; one whose centre alone is
-/// has the mean of its corners above.
+/// Where the search for a point above the horizon ends, as a fraction of the way from the uppermost corner to the centre: beyond,
+/// heights are of the size of rounding.
+const LEAST_DISTANCE: f64 = 1e-6;
+
+/// Tabulates an isotropic BRDF on the threads of the current pool. A bin's value is the [`reciprocal_mean`] at its `point`, in
+/// sr⁻¹. A bin that lies below the horizon is invalid; where only its centre does, the value is that of the first point above
+/// the horizon on the way from the centre to the bin's uppermost corner.
 ///
 /// # Errors
 /// [`Error::Argument`] for an anisotropic BRDF.
@@ -46,32 +51,55 @@ pub fn tabulate_brdf(brdf: &dyn Brdf, point: BinPoint) -> Result<MerlTable> {
     }))
 }
 
-/// The value of a bin, −1 where it is below the horizon.
-fn bin_value(brdf: &dyn Brdf, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
-    let offset = if point == BinPoint::Edge { 0.0 } else { 0.5 };
-    if let Some(value) = value_within(brdf, bin, [offset; 3]) {
-        return value.to_array();
+/// The reciprocal reflectance closest to one that need not be: the mean of f_r over both orders of the directions, each
+/// weighted by the cosine of its incident direction.
+///
+/// ```text
+/// f̄(wo, wi) = (f(wo, wi)·cosθᵢ + f(wi, wo)·cosθₒ)/(cosθᵢ + cosθₒ)
+/// ```
+///
+/// A MERL table cannot tell the two orders apart. Measured f_r·cosθᵢ does not vanish at the horizon, so f_r has no bound there;
+/// the weights leave out what the quotient makes of it, and keep the energy that a grazing `wo` reflects. 0 unless both
+/// directions are above the horizon.
+pub fn reciprocal_mean(brdf: &dyn Brdf, wo: Vec3, wi: Vec3) -> Rgb {
+    if !is_upper(wo) || !is_upper(wi) {
+        return Rgb::ZERO;
     }
-    if point == BinPoint::Edge {
-        return [-1.0; 3];
-    }
-    // The centre is below the horizon: the mean of the corners above it, taken a little inside the bin.
-    let (mut sum, mut count) = (DVec3::ZERO, 0);
-    for corner in 0..8 {
-        let inside = |axis: usize| if corner >> axis & 1 == 0 { 0.05 } else { 0.95 };
-        if let Some(value) = value_within(brdf, bin, [inside(0), inside(1), inside(2)]) {
-            sum += value;
-            count += 1;
-        }
-    }
-    if count == 0 {
-        return [-1.0; 3];
-    }
-    (sum / f64::from(count)).to_array()
+    let sum = brdf.eval_cos(wo, wi).as_dvec3() + brdf.eval_cos(wi, wo).as_dvec3();
+    (sum / (f64::from(wo.z) + f64::from(wi.z))).as_vec3()
 }
 
-/// The value at `offsets` of a bin's edges, in parts of the bin; `None` below the horizon.
-fn value_within(brdf: &dyn Brdf, bin: [usize; 3], offsets: [f64; 3]) -> Option<DVec3> {
+/// The value of a bin, −1 where it lies below the horizon.
+fn bin_value(brdf: &dyn Brdf, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
+    let pair = match point {
+        BinPoint::Edge => upper_pair(bin, [0.0; 3]),
+        BinPoint::Centre => central_pair(bin),
+    };
+    match pair {
+        Some((wo, wi)) => reciprocal_mean(brdf, wo, wi).as_dvec3().to_array(),
+        None => [-1.0; 3],
+    }
+}
+
+/// The pair at a bin's centre or, if that is below the horizon, as near to it as can be told on the way to the uppermost corner;
+/// `None` if that corner is below as well.
+fn central_pair(bin: [usize; 3]) -> Option<(Vec3, Vec3)> {
+    // The lower direction has the height cosθh·cosθd − sinθh·sinθd·|cosφd|: least θh and θd, and φd closest to 90°, lift it.
+    let towards_90 = f64::from(bin[2] < HEADER.phi_d_bins / 2);
+    let corner = [0.0, 0.0, towards_90];
+    let mut distance = 1.0;
+    while distance > LEAST_DISTANCE {
+        let offsets = corner.map(|c| c + distance * (0.5 - c));
+        if let Some(pair) = upper_pair(bin, offsets) {
+            return Some(pair);
+        }
+        distance *= 0.5;
+    }
+    upper_pair(bin, corner)
+}
+
+/// The pair (`wo`, `wi`) at `offsets` of a bin's edges, in parts of the bin; `None` below the horizon.
+fn upper_pair(bin: [usize; 3], offsets: [f64; 3]) -> Option<(Vec3, Vec3)> {
     let [h, d, p] = [0, 1, 2].map(|axis| bin[axis] as f64 + offsets[axis]);
     let theta_h = merl_axes::theta_h(h);
     let theta_d = merl_axes::theta_d(d);
@@ -79,8 +107,5 @@ fn value_within(brdf: &dyn Brdf, bin: [usize; 3], offsets: [f64; 3]) -> Option<D
     let wi = DQuat::from_rotation_y(theta_h) * spherical(theta_d, p.to_radians());
     let wo = reflect_about(wi, spherical(theta_h, 0.0));
     let (wo, wi) = (wo.as_vec3(), wi.as_vec3());
-    if wo.z <= 0.0 || wi.z <= 0.0 {
-        return None;
-    }
-    Some(0.5 * (brdf.eval(wo, wi).as_dvec3() + brdf.eval(wi, wo).as_dvec3()))
+    (is_upper(wo) && is_upper(wi)).then_some((wo, wi))
 }

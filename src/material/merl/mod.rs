@@ -18,7 +18,7 @@ pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
 pub use header::Header;
-pub use import::{BinPoint, tabulate_brdf};
+pub use import::{BinPoint, reciprocal_mean, tabulate_brdf};
 pub use lookup::{BinIndex, LookupRule};
 pub use table::{Census, MerlTable};
 pub use write::write;

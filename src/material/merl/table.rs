@@ -4,6 +4,10 @@ use glam::{Vec3, Vec4};
 
 use super::{Header, SCALE, THETA_D_BINS, THETA_H_BINS};
 use crate::color::Rgb;
+use crate::geometry::merl_axes::{theta_d, theta_h_edge};
+
+/// Heights below this are rounding: some corners of bins lie on the horizon exactly.
+const LEAST_HEIGHT: f64 = 1e-12;
 
 /// Counts of cells that carry no usable value, by the first reason that applies in the order of the fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -86,6 +90,24 @@ impl MerlTable {
     /// Cells without a usable value.
     pub fn census(&self) -> Census {
         self.census
+    }
+
+    /// Invalid cells whose lower corner stands for two directions above the horizon, so that a value would be expected.
+    pub fn count_gaps(&self) -> u64 {
+        let cos_phi: Vec<f64> = (0..self.phi_d_bins())
+            .map(|p| (p as f64).to_radians().cos())
+            .collect();
+        let mut count = 0;
+        for (row, cells) in self.cells.chunks_exact(self.phi_d_bins()).enumerate() {
+            let (sin_h, cos_h) = theta_h_edge(row / THETA_D_BINS).sin_cos();
+            let (sin_d, cos_d) = theta_d((row % THETA_D_BINS) as f64).sin_cos();
+            for (cell, cos_phi) in cells.iter().zip(&cos_phi) {
+                // The lower direction has the height cosθh·cosθd − sinθh·sinθd·|cosφd|.
+                let height = cos_h * cos_d - sin_h * sin_d * cos_phi.abs();
+                count += u64::from(cell.w == 0.0 && height > LEAST_HEIGHT);
+            }
+        }
+        count
     }
 
     /// Bytes of memory that the table holds.

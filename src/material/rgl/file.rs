@@ -1,6 +1,7 @@
 //! What a `.bsdf` file of a measured material holds (Dupuy & Jakob 2018), checked.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use super::spectrum::to_rgb;
@@ -8,6 +9,11 @@ use super::tensors::{Data, Tensor, TensorFile, write};
 use crate::Result;
 use crate::files::Overwrite;
 use crate::geometry::Symmetry;
+
+/// Values that are negative by at most this fraction of the largest are residues of rounding in f32.
+const RESIDUE: f32 = 1e-6;
+/// Wavelengths that the CIE observer sees, nm.
+const VISIBLE: RangeInclusive<f32> = 380.0..=780.0;
 
 /// The tensors of a measured material, as Mitsuba 3 and pbrt-v4 read them.
 ///
@@ -32,6 +38,8 @@ pub struct BsdfFile {
     pub luminance: Tensor,
     /// Values on the square.
     pub colour: Colour,
+    /// What reading changed, in words. Empty for a file that was made here; never written.
+    pub notes: Vec<String>,
 }
 
 /// Values of f_r·cosθ, up to `ndf`/(4 `sigma`), on the square of `luminance`.
@@ -83,7 +91,11 @@ impl BsdfFile {
         let theta_i = rising(file, "theta_i", 0.0, FRAC_PI_2)?;
         let phi_i = rising(file, "phi_i", -TAU, TAU)?;
         let slices = [phi_i.len(), theta_i.len()];
-        let read = Reader { file, slices };
+        let mut read = Reader {
+            file,
+            slices,
+            notes: Vec::new(),
+        };
         let jacobian = match file.bytes("jacobian")? {
             [flag] => *flag != 0,
             other => {
@@ -110,6 +122,7 @@ impl BsdfFile {
             colour: read.colour(side)?,
             theta_i,
             phi_i,
+            notes: read.notes,
         })
     }
 
@@ -168,23 +181,24 @@ impl BsdfFile {
 struct Reader<'a> {
     file: &'a TensorFile,
     slices: [usize; 2],
+    notes: Vec<String>,
 }
 
 impl Reader<'_> {
     /// `[h, w]`, at least 2 × 2, values ≥ 0.
-    fn grid(&self, name: &str) -> Result<Tensor> {
-        let tensor = self.file.floats(name, 2)?;
+    fn grid(&mut self, name: &str) -> Result<Tensor> {
+        let mut tensor = self.file.floats(name, 2)?;
         self.at_least_two(name, &tensor)?;
-        self.not_negative(name, &tensor)?;
+        self.raise_residues(name, &mut tensor)?;
         Ok(tensor)
     }
 
     /// `[P, T, h, w]`, at least 2 × 2 each; values ≥ 0, one of them above 0 in each slice.
-    fn density(&self, name: &str) -> Result<Tensor> {
-        let tensor = self.file.floats(name, 4)?;
+    fn density(&mut self, name: &str) -> Result<Tensor> {
+        let mut tensor = self.file.floats(name, 4)?;
         self.at_least_two(name, &tensor)?;
         self.of_slices(name, &tensor)?;
-        self.not_negative(name, &tensor)?;
+        self.raise_residues(name, &mut tensor)?;
         let slice = tensor.shape[2] * tensor.shape[3];
         match tensor
             .values
@@ -206,6 +220,14 @@ impl Reader<'_> {
             return Ok(Colour::Rgb(self.channels("rgb", 3, side)?));
         }
         let wavelengths = rising(self.file, "wavelengths", 1.0, 1e6)?;
+        if !wavelengths.iter().any(|nm| VISIBLE.contains(nm)) {
+            let [first, last] = [0, wavelengths.len() - 1].map(|k| wavelengths[k]);
+            return Err(self.file.wrong_entry(
+                "wavelengths",
+                "a wavelength from 380 to 780 nm, which have a colour",
+                format!("{first} to {last} nm"),
+            ));
+        }
         let spectra = self.channels("spectra", wavelengths.len(), side)?;
         Ok(Colour::Spectral {
             wavelengths,
@@ -250,13 +272,27 @@ impl Reader<'_> {
         }
     }
 
-    fn not_negative(&self, name: &str, tensor: &Tensor) -> Result<()> {
-        match tensor.values.iter().position(|&v| v < 0.0) {
-            Some(k) => Err(self
-                .file
-                .wrong_value(name, k, "values ≥ 0", tensor.values[k])),
-            None => Ok(()),
+    /// Raises to 0 what rounding left below it, and notes how many values that were; refuses values that are truly negative.
+    fn raise_residues(&mut self, name: &str, tensor: &mut Tensor) -> Result<()> {
+        let largest = tensor.values.iter().copied().fold(0.0, f32::max);
+        let (mut count, mut least) = (0u64, 0.0f32);
+        for (k, value) in tensor.values.iter_mut().enumerate() {
+            if *value >= 0.0 {
+                continue;
+            }
+            if *value < -RESIDUE * largest {
+                return Err(self.file.wrong_value(name, k, "values ≥ 0", *value));
+            }
+            count += 1;
+            least = least.min(*value);
+            *value = 0.0;
         }
+        if count > 0 {
+            self.notes.push(format!(
+                "{count} values of \"{name}\" were below 0 by rounding (least {least:e}, largest value {largest:e}) and count as 0"
+            ));
+        }
+        Ok(())
     }
 }
 

@@ -40,10 +40,12 @@ impl MaterialFormat for RglFormat {
 
     fn load(&self, origin: &Origin, _: LookupRule) -> Result<Loaded> {
         let file = BsdfFile::open(origin.path())?;
+        let notes = file.notes.clone();
         let rgl = Arc::new(RglBrdf::new(file));
         Ok(Loaded::from_brdf(rgl.clone())
             .with_bytes(rgl.table_bytes())
             .with_own_sampler(rgl)
+            .with_notes(notes)
             .with_reading("values of the file"))
     }
 }

@@ -71,6 +71,7 @@ pub fn tabulate(
             .collect(),
     };
     BsdfFile {
+        notes: Vec::new(),
         description,
         jacobian: true,
         ndf: Tensor::filled(&[2, 2], 1.0),

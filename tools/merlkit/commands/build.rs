@@ -123,7 +123,7 @@ fn build(
     path: &Path,
     overwrite: Overwrite,
 ) -> Result<String, Error> {
-    let brdf = material.load(lookup)?;
+    let brdf = args::load(material, lookup)?;
     let sampler = spec.build(&brdf)?;
     let bytes = store::save(&sampler, material, path, overwrite)?;
     let lookup = brdf

@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> Outcome {
     let (finished, destination) = (results.clone(), args.json.clone());
     interrupt::at_end(move || write_finished(&lock(&finished), destination.as_ref(), overwrite));
     for (material, specs) in materials.iter().zip(&specs) {
-        let brdf = material.load(args.lookup)?;
+        let brdf = args::load(material, args.lookup)?;
         let directions = check_directions_of(brdf.brdf().symmetry());
         for spec in specs {
             let sampler = spec.build(&brdf)?;

@@ -182,7 +182,7 @@ impl Run {
         let mut all: Vec<Loaded> = Vec::new();
         let mut materials = Vec::new();
         for material in std::mem::take(&mut self.materials) {
-            let loaded = material.load(self.plan.lookup)?;
+            let loaded = args::load(&material, self.plan.lookup)?;
             materials.push(self.material(&loaded)?);
             all.push(loaded);
         }

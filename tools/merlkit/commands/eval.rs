@@ -36,7 +36,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let loaded = Material::resolve(&args.material)?.load(args.lookup)?;
+    let loaded = args::load(&Material::resolve(&args.material)?, args.lookup)?;
     let brdf = &**loaded.brdf();
     let mut failure = None;
     output::stdout(|out| {

@@ -52,6 +52,9 @@ pub struct Args {
     /// Folder for the files; made if missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// bsdf: write files however large their measured error [default: not if an albedo is off by more than 25 %]
+    #[arg(long)]
+    accept_error: bool,
     /// Replace existing files [default: refuse]
     #[arg(long)]
     force: bool,
@@ -118,16 +121,17 @@ pub fn run(args: &Args) -> Outcome {
     } else {
         table_sheet()
     };
+    let mut all_written = true;
     for material in &materials {
         match args.format {
-            Format::Bsdf => bsdf(material, args, &mut sheet)?,
+            Format::Bsdf => all_written &= bsdf(material, args, &mut sheet)?,
             Format::Npz | Format::Header => table_and_values(material, args, &mut sheet)?,
         }
         progress.advance();
     }
     drop(progress);
     output::stdout(|out| write!(out, "{}", table::render(&sheet)))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::from(u8::from(!all_written)))
 }
 
 impl Args {
@@ -137,6 +141,7 @@ impl Args {
             (self.variant.is_some(), "--variant"),
             (self.size.is_some(), "--size"),
             (self.target_error.is_some(), "--target-error"),
+            (self.accept_error, "--accept-error"),
         ];
         let of_tables = [(self.sampler.is_some(), "--sampler")];
         let (foreign, others) = match self.format {
@@ -204,8 +209,9 @@ impl Args {
     }
 }
 
-fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
-    let loaded = material.load(args.lookup())?;
+/// Writes a material's `.bsdf` files; false if the error of one is too large to write it.
+fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<bool, Error> {
+    let loaded = args::load(material, args.lookup())?;
     let brdf = &**loaded.brdf();
     let (size, mut file) = match args.target_error {
         Some(limit) => size_within(brdf, limit)?,
@@ -224,24 +230,24 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error
         } else {
             file.to_spectral()
         };
+        let errors = value_errors(&RglBrdf::new(written.clone()), brdf);
+        let name = path.display().to_string();
+        if !args.accept_error && !output::is_acceptable(errors.albedo, &name) {
+            return Ok(false);
+        }
         let bytes = written.write(&path, output::overwrite(args.force))?;
         let read = BsdfFile::open(&path)?;
         let colour = colour_error(&read, &file);
         let rgl = RglBrdf::new(read);
-        let name = path.display().to_string();
-        sheet.push(export_row(
-            name,
-            bytes,
-            colour,
-            &value_errors(&rgl, brdf),
-            &draw_quality(&rgl, brdf),
-        ));
+        let draws = draw_quality(&rgl, brdf);
+        sheet.push(export_row(name, bytes, colour, &errors, &draws));
     }
-    Ok(())
+    Ok(true)
 }
 
 fn table_and_values(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
-    let export = Export::new(material, args.lookup(), args.table_settings()?)?;
+    let loaded = args::load(material, args.lookup())?;
+    let export = Export::new(material, &loaded, args.table_settings()?)?;
     let draws = draw_quality(export.table(), export.brdf());
     let overwrite = output::overwrite(args.force);
     for path in args.paths(material) {

@@ -8,15 +8,17 @@ use merlkit::Error;
 use merlkit::files::check_writable;
 use merlkit::material::merl::{BinPoint, tabulate_brdf, write};
 use merlkit::material::{LookupRule, Material, MerlBrdf};
-use merlkit_evaluate::measure::value_errors;
+use merlkit_evaluate::measure::resampling_errors;
+use merlkit_evaluate::report::resampling_sheet;
 
 use crate::failure::Outcome;
-use crate::{args, output};
+use crate::{args, output, table};
 
 /// Resample an isotropic .bsdf file, as of the RGL database, as a MERL binary of 35 MB
 ///
-/// Spectra become linear sRGB in light of D65. The error of the table against the file is measured and printed, over
-/// random pairs of directions that follow the cosine.
+/// Spectra become linear sRGB in light of D65. A table cannot tell the two orders of a pair of directions apart, so its values
+/// are the mean of both, weighted by the cosine of the incident one. The error of the table against the file, and the part that
+/// forced reciprocity has in it, are measured and printed, over random pairs of directions that follow the cosine.
 #[derive(clap::Args)]
 pub struct Args {
     /// Path to a .bsdf file, or a formula
@@ -28,6 +30,9 @@ pub struct Args {
     /// File to write
     #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
+    /// Write the table however large its measured error [default: not if an albedo is off by more than 25 %]
+    #[arg(long)]
+    accept_error: bool,
     /// Replace an existing file [default: refuse]
     #[arg(long)]
     force: bool,
@@ -48,23 +53,14 @@ pub fn run(args: &Args) -> Outcome {
     } else {
         BinPoint::Centre
     };
-    let loaded = material.load(args.lookup)?;
+    let loaded = args::load(&material, args.lookup)?;
     let brdf = &**loaded.brdf();
-    let table = tabulate_brdf(brdf, point)?;
-    write(&table, &args.output, overwrite)?;
-    let errors = value_errors(&MerlBrdf::new(Arc::new(table), args.lookup), brdf);
-    output::stdout(|out| {
-        writeln!(
-            out,
-            "{}: against {} under the {} lookup, f_r differs by {:.3} % (median), {:.2} % (95th percentile), the albedo by \
-             up to {:.2} %",
-            args.output.display(),
-            args.file,
-            args.lookup.name(),
-            100.0 * errors.median,
-            100.0 * errors.percentile_95,
-            100.0 * errors.albedo
-        )
-    })?;
+    let table = MerlBrdf::new(Arc::new(tabulate_brdf(brdf, point)?), args.lookup);
+    let errors = resampling_errors(&table, brdf);
+    output::stdout(|out| write!(out, "{}", table::render(&resampling_sheet(&errors))))?;
+    if !args.accept_error && !output::is_acceptable(errors.whole.albedo, "the table") {
+        return Ok(ExitCode::from(1));
+    }
+    write(table.table(), &args.output, overwrite)?;
     Ok(ExitCode::SUCCESS)
 }

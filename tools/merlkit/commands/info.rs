@@ -153,6 +153,6 @@ fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Error> {
     Ok(Info {
         material: material.name().into(),
         source,
-        facts: facts(&material.load(lookup)?),
+        facts: facts(&args::load(material, lookup)?),
     })
 }

@@ -118,7 +118,7 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(spec) = &spec {
         spec.check_supports(&facts)?;
     }
-    let loaded = material.load(args.lookup.unwrap_or_default())?;
+    let loaded = args::load(&material, args.lookup.unwrap_or_default())?;
     let subject = ChartSubject::new(&loaded, thetas, spec)?;
     let svg = match kind {
         Kind::Lobe => subject.lobe(),

@@ -112,6 +112,7 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
             .map(Material::resolve)
             .transpose()?;
         let (sampler, brdf) = file.load(material)?;
+        args::print_notes(brdf.name(), brdf.notes());
         return Ok((name, sampler, brdf));
     }
     if args.material.is_some() {
@@ -126,7 +127,7 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
         None => sampler_args::DEFAULT.parse()?,
     };
     spec.check_supports(&material.facts()?)?;
-    let brdf = material.load(args.lookup.unwrap_or_default())?;
+    let brdf = args::load(&material, args.lookup.unwrap_or_default())?;
     Ok((material.name().into(), spec.build(&brdf)?, brdf))
 }
 

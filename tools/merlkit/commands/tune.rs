@@ -83,7 +83,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let material = Material::resolve(&args.material)?;
     let sky = args.sky.load()?;
-    let loaded = material.load(args.lookup)?;
+    let loaded = args::load(&material, args.lookup)?;
     let specs = candidates(args, &loaded)?;
     let progress = Progress::new("trying", specs.len());
     let plan = PointPlan::quick(args.seed);

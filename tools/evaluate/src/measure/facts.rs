@@ -21,6 +21,8 @@ pub struct Facts {
     pub reading: String,
     /// How a table was read for the figures below; `None` without a table.
     pub lookup: Option<LookupRule>,
+    /// What users should know of it, as [`Loaded::notes`].
+    pub notes: Vec<String>,
     /// Which azimuths of `wo` represent all others.
     pub symmetry: Symmetry,
     /// Bytes of the loaded tables in memory, counted; 0 for a formula.
@@ -107,6 +109,7 @@ pub fn facts(material: &Loaded) -> Facts {
     Facts {
         reading: material.reading(),
         lookup: material.rule(),
+        notes: material.notes().to_vec(),
         symmetry: material.symmetry(),
         bytes: material.bytes(),
         table: table.map(|measured| table_facts(measured.table())),
@@ -124,7 +127,7 @@ pub fn table_facts(table: &MerlTable) -> TableFacts {
         table_bytes: table.bytes(),
         file_bytes: table.header().file_bytes(),
         invalid: table.census(),
-        invalid_above_horizon: invalid_above_horizon(table),
+        invalid_above_horizon: table.count_gaps(),
         min: min.to_array(),
         max: max.to_array(),
         peak_to_mean: peak_to_mean(table),
@@ -143,20 +146,6 @@ fn range(table: &MerlTable) -> (Rgb, Rgb) {
         valid().reduce(Vec3::min).unwrap_or_default(),
         valid().reduce(Vec3::max).unwrap_or_default(),
     )
-}
-
-fn invalid_above_horizon(table: &MerlTable) -> u64 {
-    let mut count = 0;
-    for (h, d) in rows() {
-        let (sin_h, cos_h) = theta_h_edge(h).sin_cos();
-        let (sin_d, cos_d) = theta_d(d as f64).sin_cos();
-        for p in 0..table.phi_d_bins() {
-            // The two directions' heights are cosθh cosθd ± sinθh sinθd cosφd.
-            let slope = sin_h * sin_d * (p as f64).to_radians().cos();
-            count += u64::from(!table.is_valid(h, d, p) && cos_h * cos_d >= slope.abs());
-        }
-    }
-    count
 }
 
 fn peak_to_mean(table: &MerlTable) -> f64 {

@@ -23,5 +23,6 @@ pub use albedo::{
 };
 pub use facts::{Albedo, AlbedoAboveOne, Asymmetry, Facts, TableFacts, facts, table_facts};
 pub use reproduction::{
-    DrawQuality, ValueErrors, colour_error, draw_quality, size_within, value_errors,
+    DrawQuality, LARGEST_ALBEDO_ERROR, ResamplingErrors, ValueErrors, colour_error, draw_quality,
+    resampling_errors, size_within, value_errors,
 };

@@ -111,6 +111,8 @@ pub struct MaterialFigures {
     pub lookup: Option<LookupRule>,
     /// How its values are come by, as [`Loaded::reading`].
     pub reading: String,
+    /// What users should know of it, as [`Loaded::notes`].
+    pub notes: Vec<String>,
     /// Which azimuths of `wo` represent all others.
     pub symmetry: Symmetry,
     /// Time to load the file, or to decode an embedded material.
@@ -148,6 +150,7 @@ pub fn profile(
         material: material.name().into(),
         lookup: brdf.rule(),
         reading: brdf.reading(),
+        notes: brdf.notes().to_vec(),
         symmetry: brdf.symmetry(),
         load,
         material_bytes: brdf.bytes(),

@@ -5,8 +5,11 @@ use rayon::prelude::*;
 
 use super::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use merlkit::brdf::{Brdf, Importance};
+use merlkit::color::Rgb;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{Quadrature, cosine_hemisphere, spherical};
+use merlkit::material::MerlBrdf;
+use merlkit::material::merl::reciprocal_mean;
 use merlkit::material::rgl::{BsdfFile, BsdfSize, RglBrdf, tabulate};
 use merlkit::points::PointSet;
 use merlkit::{Error, Result, color};
@@ -15,6 +18,11 @@ use merlkit::{Error, Result, color};
 const PAIRS: u64 = 100_000;
 /// Points a bin of θh for the spread and the albedo: they resolve about 10⁻³ and 10⁻⁴.
 const POINTS_PER_BIN: [usize; 2] = [233, 89];
+
+/// The albedo error beyond which a table or file is taken for broken. Files of the RGL database become MERL tables within
+/// 15 %, nearly all of which is the reciprocity that a table forces on them; a picture that is off by a quarter shows anybody
+/// that something is wrong.
+pub const LARGEST_ALBEDO_ERROR: f64 = 0.25;
 
 /// Differences of one BRDF from another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -26,6 +34,17 @@ pub struct ValueErrors {
     pub percentile_95: f64,
     /// Largest relative difference of a directional albedo (mean of the channels), at every degree from 0.5 to 85.5.
     pub albedo: f64,
+}
+
+/// Differences of a MERL table from the reflectance it was made of, and where they come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct ResamplingErrors {
+    /// Of the table from its source.
+    pub whole: ValueErrors,
+    /// Of the source's [`reciprocal_mean`], which is all that a table can hold, from the source.
+    pub reciprocity: ValueErrors,
+    /// Of the table from that mean.
+    pub bins: ValueErrors,
 }
 
 /// How the weights of draws by a file's own density spread, by quadrature at [`LIMIT_ANGLES_DEG`].
@@ -60,6 +79,29 @@ pub fn value_errors(found: &dyn Brdf, expected: &dyn Brdf) -> ValueErrors {
         median: quantile(0.5),
         percentile_95: quantile(0.95),
         albedo: albedo.into_iter().fold(0.0, f64::max),
+    }
+}
+
+/// Differences of a table from the reflectance that [`merlkit::material::merl::tabulate_brdf`] made it of.
+pub fn resampling_errors(table: &MerlBrdf, source: &dyn Brdf) -> ResamplingErrors {
+    let reciprocal = ReciprocalMean(source);
+    ResamplingErrors {
+        whole: value_errors(table, source),
+        reciprocity: value_errors(&reciprocal, source),
+        bins: value_errors(table, &reciprocal),
+    }
+}
+
+/// The [`reciprocal_mean`] of a reflectance.
+struct ReciprocalMean<'a>(&'a dyn Brdf);
+
+impl Brdf for ReciprocalMean<'_> {
+    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        reciprocal_mean(self.0, wo, wi)
+    }
+
+    fn is_isotropic(&self) -> bool {
+        self.0.is_isotropic()
     }
 }
 
