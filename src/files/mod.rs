@@ -9,7 +9,9 @@
 mod map;
 mod regular;
 mod replace;
+mod signature;
 
 pub use map::Mapped;
 pub use regular::RegularFile;
 pub use replace::{Overwrite, abandon_unfinished, check_writable, write_new};
+pub(crate) use signature::{ForeignKind, recognise_foreign};

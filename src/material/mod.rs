@@ -118,7 +118,7 @@ impl Material {
             });
         }
         if path.extension().is_some() || path.components().count() > 1 {
-            return Err(Error::io(path, "open", std::io::ErrorKind::NotFound.into()));
+            return Err(missing_file(path));
         }
         Err(Error::argument(
             format!("no file and no embedded material is called \"{argument}\""),
@@ -188,6 +188,21 @@ fn hash_file(mut file: RegularFile) -> Result<sha2::digest::Output<Sha256>> {
         offset += piece as u64;
     }
     Ok(hash.finalize())
+}
+
+/// Why a path can't be opened; of a file that is called as an embedded material, how to name that.
+fn missing_file(path: &Path) -> Error {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    if let Some(name) = embedded::names().iter().find(|name| **name == stem) {
+        return Error::argument(
+            format!("{}: no such file", path.display()),
+            format!("the embedded material is called {name}, without folder and extension"),
+        );
+    }
+    match path.metadata() {
+        Err(reason) => Error::io(path, "open", reason),
+        Ok(_) => Error::io(path, "open", std::io::ErrorKind::NotFound.into()),
+    }
 }
 
 /// "did you mean …?", with the three nearest embedded names.

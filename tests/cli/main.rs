@@ -1,6 +1,7 @@
 //! The command line as a user types it.
 
 mod anisotropic;
+mod batch;
 #[path = "../support/anisotropic.rs"]
 mod brushed;
 mod compare;

@@ -57,7 +57,7 @@ fn gaps_are_told_once_by_every_command() {
         linear.contains("the linear rule takes the mean"),
         "{linear}"
     );
-    let json = succeeds_with_notes(folder.path(), &["info", "blind.binary", "--json"]);
+    let json = succeeds_with_notes(folder.path(), &["info", "blind.binary", "--json", "-"]);
     assert!(
         json.contains("\"notes\": [\n") && json.contains("48600 cells"),
         "{json}"

@@ -10,6 +10,7 @@ mod batches;
 mod bsdf;
 mod compare;
 mod examples;
+mod foreign_files;
 mod format;
 mod half_vector;
 mod image;

@@ -8,6 +8,7 @@ use merlkit::Error;
 use merlkit::material::merl::embedded_names;
 use merlkit::material::{Loaded, LookupRule, Material};
 
+use crate::batch::{self, Unreadable};
 use crate::output;
 
 /// Parses a lookup rule by its name.
@@ -41,7 +42,8 @@ fn sin_cos_degrees(angle: f64) -> (f64, f64) {
 /// The materials of a command that takes any number of them.
 #[derive(clap::Args)]
 pub struct Materials {
-    /// Paths to MERL binaries or .bsdf files, names of embedded materials, or formulas as lambert:reflectance=0.5
+    /// Paths to MERL binaries or .bsdf files or to folders of them, names of embedded materials, or formulas as
+    /// lambert:reflectance=0.5
     // An option that conflicts with it, as --all does, lifts the requirement.
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
@@ -56,9 +58,9 @@ impl Materials {
         self.all
     }
 
-    /// Resolves all of them before any work begins.
-    pub fn resolve(&self) -> Result<Vec<Material>, Error> {
-        resolve(if self.all {
+    /// Resolves all of them before any work begins; what can't be read is set apart.
+    pub fn resolve(&self) -> Result<(Vec<Material>, Unreadable), Error> {
+        batch::resolve(if self.all {
             embedded_names()
         } else {
             &self.materials
@@ -66,8 +68,9 @@ impl Materials {
     }
 }
 
-/// Resolves all material arguments before any work begins.
+/// Resolves the material arguments of a command that needs all of them; a folder means the materials in it.
 pub fn resolve(arguments: &[String]) -> Result<Vec<Material>, Error> {
+    let arguments = batch::expand_folders(arguments)?;
     arguments.iter().map(|a| Material::resolve(a)).collect()
 }
 

@@ -1,6 +1,7 @@
 //! The command line: parses, calls the library and prints.
 
 mod args;
+mod batch;
 mod commands;
 mod failure;
 mod interrupt;

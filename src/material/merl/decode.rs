@@ -53,9 +53,15 @@ pub fn load_mapped(path: &Path) -> Result<MerlTable> {
     Ok(table.finish())
 }
 
+/// Checks the header and the length of a file, without its values.
+pub(super) fn check_file(path: &Path) -> Result<()> {
+    read_header(&mut RegularFile::open(path)?).map(drop)
+}
+
 fn read_header(file: &mut RegularFile) -> Result<Header> {
-    let mut head = [0; Header::BYTES];
-    let there = &mut head[..file.len().min(Header::BYTES as u64) as usize];
+    // More than the header: a file of another kind is told by what it begins with.
+    let mut head = [0; 64];
+    let there = &mut head[..file.len().min(64) as usize];
     file.read_at(0, there)?;
     Header::parse(there, file.len(), file.path())
 }

@@ -3,6 +3,7 @@
 use byteorder::{ByteOrder, LittleEndian};
 use std::path::Path;
 
+use crate::files::{ForeignKind, recognise_foreign};
 use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 use crate::{Error, Result};
 
@@ -21,7 +22,8 @@ impl Header {
     /// is allocated. `path` is for messages.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with the offset where the file stops being a MERL file.
+    /// [`Error::Invalid`] with the offset where the file stops being a MERL file; [`Error::Unsupported`] for what is recognised
+    /// as a file of another kind.
     pub fn parse(bytes: &[u8], file_bytes: u64, path: &Path) -> Result<Self> {
         let Some(head) = bytes.get(..Self::BYTES) else {
             return Err(Error::invalid(
@@ -38,6 +40,13 @@ impl Header {
             [90, 90, 180] => Self { phi_d_bins: 180 },
             [90, 90, 360] => Self { phi_d_bins: 360 },
             [a, b, c] => {
+                if let Some(kind) = recognise_other(bytes, dims) {
+                    return Err(Error::Unsupported {
+                        path: path.to_owned(),
+                        what: kind.what.into(),
+                        fix: kind.fix.into(),
+                    });
+                }
                 return Err(Error::invalid(
                     path,
                     0,
@@ -48,6 +57,13 @@ impl Header {
             }
         };
         let expected = header.file_bytes();
+        if file_bytes == expected / 2 + Self::BYTES as u64 / 2 {
+            return Err(Error::Unsupported {
+                path: path.to_owned(),
+                what: "a MERL table in single precision".into(),
+                fix: "write its values as 64-bit floating-point numbers, as the MERL database has them".into(),
+            });
+        }
         if file_bytes != expected {
             let (short, fix) = if file_bytes < expected {
                 (file_bytes, "fetch the file again: it is cut off")
@@ -88,5 +104,16 @@ impl Header {
         ];
         LittleEndian::write_i32_into(&dims, &mut out);
         out
+    }
+}
+
+/// The kind of a file whose dimensions are not MERL's.
+fn recognise_other(start: &[u8], dims: [i32; 3]) -> Option<ForeignKind> {
+    match dims.map(i32::swap_bytes) {
+        [90, 90, 180 | 360] => Some(ForeignKind {
+            what: "a MERL table in big-endian byte order",
+            fix: "reverse the bytes of its three 32-bit dimensions and of each 64-bit value",
+        }),
+        _ => recognise_foreign(start),
     }
 }

@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 pub use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 pub use brdf::MerlBrdf;
+use decode::check_file;
 pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
@@ -45,7 +46,8 @@ impl MaterialFormat for MerlBinary {
         matches!(origin, Origin::File(_))
     }
 
-    fn facts(&self, _: &Origin) -> Result<MaterialFacts> {
+    fn facts(&self, origin: &Origin) -> Result<MaterialFacts> {
+        check_file(origin.path())?;
         Ok(FACTS)
     }
 

@@ -49,7 +49,7 @@ pub fn run(args: &Args) -> Outcome {
         )
         .into());
     }
-    let materials = args.materials.resolve()?;
+    let (materials, unreadable) = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
     materials
         .iter()
@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> Outcome {
     drop(progress);
     interrupt::finish()?;
     outcome?;
-    Ok(ExitCode::SUCCESS)
+    unreadable.end(jobs.len(), ExitCode::SUCCESS)
 }
 
 /// Each material with its file; makes the folder if there are several.

@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Outcome {
         let fix = "choose a probability between 0 and 1, and a thousand to ten million draws";
         return Err(Error::argument(what, fix).into());
     }
-    let materials = args.materials.resolve()?;
+    let (materials, unreadable) = args.materials.resolve()?;
     let specs = of_each(&materials, args)?;
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {
@@ -110,11 +110,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     interrupt::finish()?;
     let pass = lock(&results).iter().all(|r| r.report.pass());
-    Ok(if pass {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(1)
-    })
+    unreadable.end(materials.len(), ExitCode::from(u8::from(!pass)))
 }
 
 /// The samplers of each material.

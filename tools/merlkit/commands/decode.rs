@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> Outcome {
     if !args.hard_case.is_empty() {
         return hard_cases(args);
     }
-    let materials = args.materials.resolve()?;
+    let (materials, unreadable) = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
     args::require_tables(&materials, DECODING)?;
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
@@ -56,7 +56,8 @@ pub fn run(args: &Args) -> Outcome {
             Ok::<_, Error>(())
         })?;
     }
-    Ok(ExitCode::SUCCESS)
+    drop(progress);
+    unreadable.end(materials.len(), ExitCode::SUCCESS)
 }
 
 fn hard_cases(args: &Args) -> Outcome {

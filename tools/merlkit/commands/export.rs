@@ -99,7 +99,7 @@ fn size_called(name: &str) -> BsdfSize {
 
 pub fn run(args: &Args) -> Outcome {
     args.refuse_foreign()?;
-    let materials = args.materials.resolve()?;
+    let (materials, unreadable) = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
     match args.format {
         Format::Bsdf => args::require_isotropic(&materials, "an exported .bsdf file")?,
@@ -131,7 +131,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     drop(progress);
     output::stdout(|out| write!(out, "{}", table::render(&sheet)))?;
-    Ok(ExitCode::from(u8::from(!all_written)))
+    unreadable.end(materials.len(), ExitCode::from(u8::from(!all_written)))
 }
 
 impl Args {

@@ -10,6 +10,7 @@ use merlkit_evaluate::measure::facts;
 use merlkit_evaluate::report::{Info, Sheet, write_json};
 use serde::Serialize;
 
+use crate::batch::{self, Unreadable};
 use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
@@ -21,7 +22,7 @@ use crate::{args, table};
 /// Of a sampler file: which sampler, with which settings, of which material.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Paths to MERL binaries, .bsdf files or sampler files, names of embedded materials, or formulas
+    /// Paths to MERL binaries, .bsdf files, sampler files or folders of them, names of embedded materials, or formulas
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
     sources: Vec<String>,
     /// What the table says between its samples
@@ -36,11 +37,13 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let subjects = args
-        .sources
-        .iter()
-        .map(|s| Subject::resolve(s))
-        .collect::<Result<Vec<_>, _>>()?;
+    let (mut subjects, mut unreadable) = (Vec::new(), Unreadable::default());
+    for source in batch::expand_folders(&args.sources)? {
+        match Subject::resolve(&source)? {
+            Ok(subject) => subjects.push(subject),
+            Err(reason) => unreadable.push(reason),
+        }
+    }
     let overwrite = output::overwrite(args.force);
     if let Some(destination) = &args.json {
         destination.check(overwrite)?;
@@ -60,7 +63,7 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(destination) = &args.json {
         destination.write(overwrite, |out| write_json(out, "info", &results))?;
     }
-    Ok(ExitCode::SUCCESS)
+    unreadable.end(results.len(), ExitCode::SUCCESS)
 }
 
 /// What an argument names.
@@ -70,12 +73,17 @@ enum Subject {
 }
 
 impl Subject {
-    fn resolve(argument: &str) -> Result<Self, Error> {
+    /// Fails for an argument that names nothing; holds the reason where it names a file that can't be read.
+    fn resolve(argument: &str) -> Result<Result<Self, Error>, Error> {
         let path = Path::new(argument);
         if path.is_file() && looks_like_sampler_file(path) {
-            return Ok(Self::Sampler(SamplerDescription::read(path)?));
+            return Ok(SamplerDescription::read(path).map(Self::Sampler));
         }
-        Material::resolve(argument).map(Self::Material)
+        let material = Material::resolve(argument)?;
+        Ok(match material.facts() {
+            Ok(_) => Ok(Self::Material(material)),
+            Err(reason) => Err(reason),
+        })
     }
 
     fn describe(self, lookup: LookupRule) -> Result<Description, Error> {

@@ -70,7 +70,7 @@ fn refuse_meaningless(args: &Args) -> Result<(), Error> {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let materials = args.materials.resolve()?;
+    let (materials, unreadable) = args.materials.resolve()?;
     let specs = materials
         .iter()
         .map(|m| sampler_args::samplers_for(m, &args.samplers))
@@ -117,7 +117,7 @@ pub fn run(args: &Args) -> Outcome {
         output::stdout(|out| writeln!(out, "{}", thesis_legend()))?;
     }
     interrupt::finish()?;
-    Ok(ExitCode::SUCCESS)
+    unreadable.end(materials.len(), ExitCode::SUCCESS)
 }
 
 fn lock(reports: &Mutex<Vec<SamplerReport>>) -> MutexGuard<'_, Vec<SamplerReport>> {
