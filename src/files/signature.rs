@@ -10,12 +10,13 @@ pub(crate) struct ForeignKind {
 }
 
 const UNPACK: &str = "unpack it, and name what it holds";
+const IMPORT: &str = "`merlkit import` makes a MERL binary of it";
 const PICTURE: &str = "name a material here; pictures are environments, for --light";
 
 /// Beginnings of files, what they mean, and the remedy.
 #[rustfmt::skip]
 const SIGNATURES: &[(&[u8], &str, &str)] = &[
-    (b"PK\x03\x04", "a zip archive (or an .npz file of numpy)", UNPACK),
+    (b"PK\x03\x04", "a zip archive (or an .npz file of numpy)", "unpack it, and name what it holds; `merlkit import` makes a MERL binary of an .npz file"),
     (b"\x1f\x8b", "a gzip-compressed file", UNPACK),
     (b"BZh", "a bzip2-compressed file", UNPACK),
     (b"\xfd7zXZ\0", "an xz-compressed file", UNPACK),
@@ -23,7 +24,7 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"7z\xbc\xaf\x27\x1c", "a 7-zip archive", UNPACK),
     (b"Rar!", "a RAR archive", UNPACK),
     (b"version https://git-lfs", "a pointer of Git LFS in place of the file", "fetch the file itself: git lfs pull"),
-    (b"\x93NUMPY", "a numpy array", "write its values as a MERL binary: docs/import.md has the layout"),
+    (b"\x93NUMPY", "a numpy array", IMPORT),
     (b"\x89HDF", "an HDF5 file", "write its values as a MERL binary: docs/import.md has the layout"),
     (b"MATLAB", "a MATLAB file", "write its values as a MERL binary: docs/import.md has the layout"),
     (b"SCATFUN", "a SCATFUN file of a pbrt-v3 Fourier BSDF", "use the material's measurements: Fourier coefficients are not read"),
@@ -55,7 +56,7 @@ pub(crate) fn recognise_foreign(start: &[u8]) -> Option<ForeignKind> {
     }
     is_text(start).then_some(ForeignKind {
         what: "a text file",
-        fix: "name a MERL binary or a .bsdf file",
+        fix: "name a MERL binary or a .bsdf file; `merlkit import` makes a MERL binary of a list of measurements",
     })
 }
 

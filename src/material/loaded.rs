@@ -27,7 +27,10 @@ impl Loaded {
     pub fn from_table(measured: Arc<MerlBrdf>) -> Self {
         Self {
             bytes: measured.table().bytes(),
-            notes: gap_note(&measured).into_iter().collect(),
+            notes: [gap_note(&measured), filled_note(&measured)]
+                .into_iter()
+                .flatten()
+                .collect(),
             table: Some(measured.clone()),
             ..Self::from_brdf(measured)
         }
@@ -162,6 +165,18 @@ fn gap_note(measured: &MerlBrdf) -> Option<String> {
         format!(
             "{count} cells above the horizon ({percent:.2} % of the table) have no value; the {} rule {reading}",
             rule.name()
+        )
+    })
+}
+
+/// How much of a table was filled in; `None` if nothing was.
+fn filled_note(measured: &MerlBrdf) -> Option<String> {
+    let (filled, cells) = (measured.table().filled(), measured.table().cells());
+    let percent = 100.0 * filled.len() as f64 / cells.len() as f64;
+    (!filled.is_empty()).then(|| {
+        format!(
+            "{} cells ({percent:.2} % of the table) were filled in from others, not measured",
+            filled.len()
         )
     })
 }

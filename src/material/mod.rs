@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 pub mod analytic;
 mod facts;
 mod loaded;
+pub mod measurements;
 pub mod merl;
 pub mod rgl;
 

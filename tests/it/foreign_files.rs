@@ -43,7 +43,7 @@ fn files_of_other_kinds_are_named() {
         (
             b"\x93NUMPY\x01\0v\0{'descr': '<f8'",
             "a numpy array",
-            "docs/import.md",
+            "merlkit import",
         ),
         (
             b"\x89HDF\r\n\x1a\n\0\0\0\0\0\0",

@@ -16,6 +16,7 @@ mod half_vector;
 mod image;
 mod layering;
 mod lookup;
+mod measurements;
 mod mitsuba;
 mod names;
 mod page;

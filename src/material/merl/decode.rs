@@ -3,7 +3,7 @@
 use byteorder::{ByteOrder, LittleEndian};
 use std::path::Path;
 
-use super::table::TableBuilder;
+use super::table::{FILLED_MARK, TableBuilder};
 use super::{Header, MerlTable, SCALE};
 use crate::Result;
 use crate::files::{Mapped, RegularFile};
@@ -33,6 +33,7 @@ pub fn load(path: &Path) -> Result<MerlTable> {
             )?;
         }
         let [red, green, blue] = &buffers;
+        note_filled([red, green, blue], &mut table);
         decode_cells([red, green, blue], |rgb| table.push(rgb));
     }
     Ok(table.finish())
@@ -49,8 +50,20 @@ pub fn load_mapped(path: &Path) -> Result<MerlTable> {
     let (red, rest) = mapped.bytes()[Header::BYTES..].split_at(8 * header.cells());
     let (green, blue) = rest.split_at(8 * header.cells());
     let mut table = TableBuilder::new(header);
+    note_filled([red, green, blue], &mut table);
     decode_cells([red, green, blue], |rgb| table.push(rgb));
     Ok(table.finish())
+}
+
+/// Notes which of the next cells carry the mark of values that were filled in.
+fn note_filled([red, green, blue]: [&[u8]; 3], table: &mut TableBuilder) {
+    let mark = (FILLED_MARK as u16).to_le_bytes();
+    let is_marked = |plane: &[u8], cell: usize| plane[8 * cell..].starts_with(&mark);
+    for (cell, bytes) in red.as_chunks::<8>().0.iter().enumerate() {
+        if bytes.starts_with(&mark) && is_marked(green, cell) && is_marked(blue, cell) {
+            table.mark_filled(cell);
+        }
+    }
 }
 
 /// Checks the header and the length of a file, without its values.

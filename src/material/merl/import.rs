@@ -1,6 +1,6 @@
 //! From any isotropic reflectance to a table.
 
-use glam::{DQuat, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{Header, MerlTable, THETA_D_BINS};
@@ -101,11 +101,23 @@ fn central_pair(bin: [usize; 3]) -> Option<(Vec3, Vec3)> {
 /// The pair (`wo`, `wi`) at `offsets` of a bin's edges, in parts of the bin; `None` below the horizon.
 fn upper_pair(bin: [usize; 3], offsets: [f64; 3]) -> Option<(Vec3, Vec3)> {
     let [h, d, p] = [0, 1, 2].map(|axis| bin[axis] as f64 + offsets[axis]);
-    let theta_h = merl_axes::theta_h(h);
-    let theta_d = merl_axes::theta_d(d);
-    // The difference vector, turned from the normal to the half vector, is wi; its mirror image is wo.
-    let wi = DQuat::from_rotation_y(theta_h) * spherical(theta_d, p.to_radians());
-    let wo = reflect_about(wi, spherical(theta_h, 0.0));
+    let (wo, wi) = pair_of_angles(merl_axes::theta_h(h), merl_axes::theta_d(d), p.to_radians());
     let (wo, wi) = (wo.as_vec3(), wi.as_vec3());
     (is_upper(wo) && is_upper(wi)).then_some((wo, wi))
+}
+
+/// (`wo`, `wi`) by their half and difference angles, in radians, with the half vector in the plane y = 0.
+pub(in crate::material) fn pair_of_angles(
+    theta_h: f64,
+    theta_d: f64,
+    phi_d: f64,
+) -> (DVec3, DVec3) {
+    // The difference vector, turned from the normal to the half vector, is wi; its mirror image is wo.
+    let wi = DQuat::from_rotation_y(theta_h) * spherical(theta_d, phi_d);
+    (reflect_about(wi, spherical(theta_h, 0.0)), wi)
+}
+
+/// Whether part of a bin is above the horizon.
+pub(in crate::material) fn bin_is_upper(bin: [usize; 3]) -> bool {
+    central_pair(bin).is_some()
 }

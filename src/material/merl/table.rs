@@ -6,6 +6,10 @@ use super::{Header, SCALE, THETA_D_BINS, THETA_H_BINS};
 use crate::color::Rgb;
 use crate::geometry::merl_axes::{theta_d, theta_h_edge};
 
+/// The last 16 bits of a raw value that was filled in, in all three channels: they are far below the precision of f32, and three
+/// measured values end in them once in 3·10¹⁴ cells.
+pub(super) const FILLED_MARK: u64 = 0xf111;
+
 /// Heights below this are rounding: some corners of bins lie on the horizon exactly.
 const LEAST_HEIGHT: f64 = 1e-12;
 
@@ -37,6 +41,8 @@ pub struct MerlTable {
     /// x, y, z = RGB; w = 1 for a valid cell, 0 for an invalid one.
     cells: Vec<Vec4>,
     census: Census,
+    /// Cells whose value was filled in, rising.
+    filled: Vec<u32>,
 }
 
 impl MerlTable {
@@ -87,6 +93,16 @@ impl MerlTable {
         self.cells[self.index(theta_h, theta_d, phi_d)].w != 0.0
     }
 
+    /// The same table, of which these cells, in rising order, were filled in rather than measured.
+    pub(in crate::material) fn with_filled(self, filled: Vec<u32>) -> Self {
+        Self { filled, ..self }
+    }
+
+    /// Positions in [`Self::cells`] whose value was filled in rather than measured, rising. Files keep the mark.
+    pub fn filled(&self) -> &[u32] {
+        &self.filled
+    }
+
     /// Cells without a usable value.
     pub fn census(&self) -> Census {
         self.census
@@ -115,13 +131,17 @@ impl MerlTable {
         size_of_val(self.cells.as_slice())
     }
 
-    /// The raw value that a file stores for a channel of a cell: −1 where invalid.
+    /// The raw value that a file stores for a channel of a cell: −1 where invalid, with [`FILLED_MARK`] where filled in.
     pub(super) fn raw(&self, cell: usize, channel: usize) -> f64 {
         let c = self.cells[cell];
         if c.w == 0.0 {
-            -1.0
+            return -1.0;
+        }
+        let raw = f64::from(c[channel]) / SCALE[channel];
+        if self.filled.binary_search(&(cell as u32)).is_ok() {
+            f64::from_bits(raw.to_bits() & !0xffff | FILLED_MARK)
         } else {
-            f64::from(c[channel]) / SCALE[channel]
+            raw
         }
     }
 }
@@ -140,6 +160,7 @@ pub(super) struct TableBuilder {
     header: Header,
     cells: Vec<Vec4>,
     census: Census,
+    filled: Vec<u32>,
 }
 
 impl TableBuilder {
@@ -148,7 +169,13 @@ impl TableBuilder {
             header,
             cells: Vec::with_capacity(header.cells()),
             census: Census::default(),
+            filled: Vec::new(),
         }
+    }
+
+    /// Notes that the cell `offset` cells after those pushed so far was filled in rather than measured.
+    pub(super) fn mark_filled(&mut self, offset: usize) {
+        self.filled.push((self.cells.len() + offset) as u32);
     }
 
     /// Adds the next cell: f_r, not a file's raw values.
@@ -182,6 +209,7 @@ impl TableBuilder {
             header: self.header,
             cells: self.cells,
             census: self.census,
+            filled: self.filled,
         }
     }
 }

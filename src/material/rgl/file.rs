@@ -13,7 +13,7 @@ use crate::geometry::Symmetry;
 /// Values that are negative by at most this fraction of the largest are residues of rounding in f32.
 const RESIDUE: f32 = 1e-6;
 /// Wavelengths that the CIE observer sees, nm.
-const VISIBLE: RangeInclusive<f32> = 380.0..=780.0;
+pub(in crate::material) const VISIBLE: RangeInclusive<f32> = 380.0..=780.0;
 
 /// The tensors of a measured material, as Mitsuba 3 and pbrt-v4 read them.
 ///

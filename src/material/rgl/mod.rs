@@ -14,7 +14,9 @@ mod warp;
 use std::sync::Arc;
 
 pub use brdf::RglBrdf;
+pub(super) use file::VISIBLE;
 pub use file::{BsdfFile, Colour};
+pub(super) use spectrum::colour_weights;
 pub use tabulate::{BsdfSize, tabulate};
 pub use tensors::{Tensor, looks_like_bsdf};
 

@@ -82,7 +82,7 @@ pub(super) fn to_rgb(wavelengths: &[f32], spectra: &Tensor) -> Tensor {
 }
 
 /// What each wavelength of a spectrum adds to red, green and blue: `[3][K]`.
-fn colour_weights(wavelengths: &[f32]) -> [Vec<f32>; 3] {
+pub(in crate::material) fn colour_weights(wavelengths: &[f32]) -> [Vec<f32>; 3] {
     let mut sums = vec![[0.0; 3]; wavelengths.len()];
     let mut white = [0.0; 3];
     for (i, [x, y, z, power]) in OBSERVER.into_iter().enumerate() {

@@ -1,32 +1,46 @@
 //! `merlkit import`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use merlkit::Error;
 use merlkit::files::check_writable;
+use merlkit::material::measurements::{
+    AngleUnit, MeasurementKind, Measurements, fill_gaps, read_array,
+};
 use merlkit::material::merl::{BinPoint, tabulate_brdf, write};
-use merlkit::material::{LookupRule, Material, MerlBrdf};
+use merlkit::material::{LookupRule, Material, MerlBrdf, MerlTable};
 use merlkit_evaluate::measure::resampling_errors;
 use merlkit_evaluate::report::resampling_sheet;
 
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use crate::{args, output, table};
 
-/// Resample an isotropic .bsdf file, as of the RGL database, as a MERL binary of 35 MB
+/// Make a MERL binary (35 MB) of an isotropic .bsdf file, of a list of measurements, or of an array of numpy
 ///
-/// Spectra become linear sRGB in light of D65. A table cannot tell the two orders of a pair of directions apart, so its values
-/// are the mean of both, weighted by the cosine of the incident one. The error of the table against the file, and the part that
-/// forced reciprocity has in it, are measured and printed, over random pairs of directions that follow the cosine.
+/// .bsdf, formula: spectra become linear sRGB in light of D65. A table cannot tell the two orders of a pair of directions
+/// apart, so its values are the mean of both, weighted by the cosine of the incident one. The error of the table, and the part
+/// that forced reciprocity has in it, are measured and printed, over random pairs of directions that follow the cosine.
+///
+/// List: CSV with named columns (theta_i, phi_i, theta_o, phi_o or theta_h, theta_d, phi_d; r, g, b or value or wavelengths as
+/// 550nm), ASTM E1392, or Cornell's spectra. A cell is the mean of the measurements in its bin; cells without any are gaps.
+///
+/// Array: .npy or .npz of f_r in sr⁻¹, [90, 90, 180, 3] or [3, 90, 90, 180]; negative and NaN values are gaps.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Path to a .bsdf file, or a formula
+    /// Path to a .bsdf file, a list, an array or, with --fill, a MERL binary; or a formula
     #[arg(value_name = "FILE")]
     file: String,
     /// How the table will be looked up: values at the lower edges of bins for linear, at their centres otherwise
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
+    /// Unit of a list's angles [default: as its columns say; else degrees for CSV, radians for ASTM and Cornell]
+    #[arg(long, value_name = "UNIT", value_parser = args::named(UNITS))]
+    angles: Option<AngleUnit>,
+    /// Fill gaps from mirror images (φd to π − φd) and surrounding cells; they are marked in the file and told by every command
+    #[arg(long)]
+    fill: bool,
     /// File to write
     #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
@@ -38,29 +52,94 @@ pub struct Args {
     force: bool,
 }
 
+const UNITS: &[(&str, AngleUnit)] = &[
+    ("degrees", AngleUnit::Degrees),
+    ("radians", AngleUnit::Radians),
+];
+
 pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
     check_writable(&args.output, overwrite)?;
+    let path = Path::new(&args.file);
+    let made = match MeasurementKind::detect(path) {
+        Some(MeasurementKind::List) => list(path, args)?,
+        kind => {
+            refuse_unit(args)?;
+            match kind {
+                Some(MeasurementKind::Array) => Arc::new(read_array(path)?),
+                _ => match reflectance(args)? {
+                    Some(table) => table,
+                    None => return Ok(ExitCode::from(1)),
+                },
+            }
+        }
+    };
+    let table = if args.fill {
+        Arc::new(fill_gaps(&made))
+    } else {
+        made
+    };
+    write(&table, &args.output, overwrite)?;
+    // What every command will say of the table.
+    let written = Material::resolve(&args.output.to_string_lossy())?;
+    args::load(&written, args.lookup)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn refuse_unit(args: &Args) -> Result<(), Error> {
+    match args.angles {
+        None => Ok(()),
+        Some(_) => Err(Error::argument(
+            format!("{} is no list, and has no angles", args.file),
+            "leave --angles out",
+        )),
+    }
+}
+
+/// The table of a list of measurements.
+fn list(path: &Path, args: &Args) -> Result<Arc<MerlTable>, Failure> {
+    let measurements = Measurements::read(path, args.angles)?;
+    let (table, notes) = measurements.to_table();
+    let table = Arc::new(table);
+    args::print_notes(&args.file, measurements.notes());
+    let brdf = MerlBrdf::new(table.clone(), args.lookup);
+    let error = 100.0 * measurements.median_error(&brdf);
+    output::stdout(|out| {
+        for note in notes {
+            writeln!(out, "{note}")?;
+        }
+        writeln!(
+            out,
+            "from what was measured, the table's f_r under the {} lookup differs by {error:.3} % (median)",
+            args.lookup.name()
+        )
+    })?;
+    Ok(table)
+}
+
+/// The table of a material, and its errors, printed; `None` if they are too large to write it.
+fn reflectance(args: &Args) -> Result<Option<Arc<MerlTable>>, Failure> {
     let material = Material::resolve(&args.file)?;
     let facts = material.facts()?;
     facts.require_isotropic(material.name(), "a MERL table")?;
-    if facts.has_table {
+    let loaded = args::load(&material, args.lookup)?;
+    if let Some(measured) = loaded.table() {
+        if args.fill {
+            return Ok(Some(measured.table().clone()));
+        }
         let what = format!("{} is a MERL table already", material.name());
-        return Err(Error::argument(what, "`merlkit decode` writes it as a MERL binary").into());
+        let fix = "`merlkit decode` writes it as a MERL binary; --fill fills its gaps";
+        return Err(Error::argument(what, fix).into());
     }
     let point = if args.lookup == LookupRule::Linear {
         BinPoint::Edge
     } else {
         BinPoint::Centre
     };
-    let loaded = args::load(&material, args.lookup)?;
     let brdf = &**loaded.brdf();
     let table = MerlBrdf::new(Arc::new(tabulate_brdf(brdf, point)?), args.lookup);
     let errors = resampling_errors(&table, brdf);
     output::stdout(|out| write!(out, "{}", table::render(&resampling_sheet(&errors))))?;
-    if !args.accept_error && !output::is_acceptable(errors.whole.albedo, "the table") {
-        return Ok(ExitCode::from(1));
-    }
-    write(table.table(), &args.output, overwrite)?;
-    Ok(ExitCode::SUCCESS)
+    let is_written = args.accept_error || output::is_acceptable(errors.whole.albedo, "the table");
+    Ok(is_written.then(|| table.table().clone()))
 }

@@ -1,0 +1,138 @@
+//! Tables as arrays of numpy: `.npy`, and `.npz` archives of them (NEP 1).
+
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+use zip::ZipArchive;
+
+use crate::files::RegularFile;
+use crate::material::merl::{Header, MerlTable, THETA_D_BINS, THETA_H_BINS};
+use crate::{Error, Result};
+
+/// Arrays beyond this many bytes are refused; a table of 360 bins of φd in f64 has 70 MB.
+const LONGEST: u64 = 1 << 28;
+const FIX: &str =
+    "store f_r in sr⁻¹ as an array [90, 90, 180, 3] or [3, 90, 90, 180] of <f4 or <f8, in C order";
+
+/// Reads a table of f_r in sr⁻¹, by bins θh, θd, φd of MERL's axes, from an array of shape [90, 90, 180, 3] or
+/// [3, 90, 90, 180] (or 360 bins of φd). Of an archive it is the array `merl.rgb`, as exports have it, or the only one.
+/// Negative and NaN values are gaps.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Unsupported`] for what is too long, [`Error::Invalid`] for an array that is no such table.
+pub fn read_array(path: &Path) -> Result<MerlTable> {
+    let bytes = RegularFile::open(path)?.read_all(LONGEST)?;
+    if bytes.starts_with(b"PK") {
+        return from_npy(&unpack(bytes, path)?, path);
+    }
+    from_npy(&bytes, path)
+}
+
+/// The array of an archive.
+fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>> {
+    let refused = |found: String| Error::invalid(path, 0, "an .npz archive of numpy", found, FIX);
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| refused(e.to_string()))?;
+    let names: Vec<String> = archive
+        .file_names()
+        .flatten()
+        .map(|name| name.into_owned())
+        .collect();
+    let name = match names.as_slice() {
+        [only] => only.clone(),
+        _ if names.iter().any(|name| name == "merl.rgb.npy") => "merl.rgb.npy".into(),
+        _ => return Err(refused(format!("arrays {}", names.join(", ")))),
+    };
+    let mut entry = archive.by_name(&name).map_err(|e| {
+        let fix = "write the archive with np.savez, which does not compress";
+        Error::invalid(
+            path,
+            0,
+            "an array that is stored uncompressed",
+            e.to_string(),
+            fix,
+        )
+    })?;
+    let mut out = Vec::new();
+    let read = Read::take(&mut entry, LONGEST).read_to_end(&mut out);
+    read.map_err(|e| Error::io(path, "read", e))?;
+    Ok(out)
+}
+
+/// A table from the bytes of an `.npy` file.
+fn from_npy(bytes: &[u8], path: &Path) -> Result<MerlTable> {
+    let refused = |offset: usize, expected: &str, found: &str| {
+        Error::invalid(path, offset as u64, expected, found, FIX)
+    };
+    if !bytes.starts_with(b"\x93NUMPY") {
+        return Err(refused(0, "an array of numpy", "other bytes"));
+    }
+    // Version 1 has a length of two bytes, later ones of four.
+    let (start, length): (usize, usize) = match bytes {
+        [_, _, _, _, _, _, 1, _, a, b, ..] => (10, usize::from(u16::from_le_bytes([*a, *b]))),
+        [_, _, _, _, _, _, _, _, a, b, c, d, ..] => {
+            (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize)
+        }
+        _ => return Err(refused(bytes.len(), "a head", "the end of the file")),
+    };
+    let Some(head) = bytes.get(start..start.saturating_add(length)) else {
+        return Err(refused(start, "a head", "the end of the file"));
+    };
+    let head = String::from_utf8_lossy(head).replace(' ', "");
+    let width = if head.contains("'descr':'<f4'") {
+        4
+    } else if head.contains("'descr':'<f8'") {
+        8
+    } else {
+        return Err(refused(start, "numbers of type <f4 or <f8", &head));
+    };
+    if head.contains("'fortran_order':True") {
+        return Err(refused(start, "an array in C order", &head));
+    }
+    let shape = head
+        .split_once("'shape':(")
+        .and_then(|s| s.1.split(')').next());
+    let shape: Vec<usize> = shape
+        .unwrap_or_default()
+        .split(',')
+        .filter_map(|n| n.parse().ok())
+        .collect();
+    let (phi_d_bins, channels_last) = match shape.as_slice() {
+        [THETA_H_BINS, THETA_D_BINS, n @ (180 | 360), 3] => (*n, true),
+        [3, THETA_H_BINS, THETA_D_BINS, n @ (180 | 360)] => (*n, false),
+        _ => {
+            return Err(refused(
+                start,
+                "the shape of a table",
+                &format!("{shape:?}"),
+            ));
+        }
+    };
+    let header = Header { phi_d_bins };
+    let values = &bytes[start + length..];
+    if values.len() != 3 * width * header.cells() {
+        let expected = format!("{} bytes of numbers", 3 * width * header.cells());
+        return Err(refused(
+            start + length,
+            &expected,
+            &values.len().to_string(),
+        ));
+    }
+    let number = |k: usize| match values[width * k..].first_chunk::<8>() {
+        Some(bytes) if width == 8 => f64::from_le_bytes(*bytes),
+        _ => values[width * k..]
+            .first_chunk::<4>()
+            .map_or(f64::NAN, |bytes| f64::from(f32::from_le_bytes(*bytes))),
+    };
+    let mut cell = 0;
+    Ok(MerlTable::from_fn(header, |_, _, _| {
+        let rgb = [0, 1, 2].map(|channel| {
+            number(if channels_last {
+                3 * cell + channel
+            } else {
+                channel * header.cells() + cell
+            })
+        });
+        cell += 1;
+        rgb
+    }))
+}
