@@ -28,10 +28,10 @@ pub struct Args {
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// Viewer as polar angle (0 to 180) and azimuth, degrees, instead of standard input [default: none]
-    #[arg(long, value_name = "T,P", requires = "wi", value_parser = angles)]
+    #[arg(long, value_name = "T,P", allow_hyphen_values = true, requires = "wi", value_parser = angles)]
     wo: Option<DVec3>,
     /// Light as polar angle (0 to 180) and azimuth, degrees, instead of standard input [default: none]
-    #[arg(long, value_name = "T,P", requires = "wo", value_parser = angles)]
+    #[arg(long, value_name = "T,P", allow_hyphen_values = true, requires = "wo", value_parser = angles)]
     wi: Option<DVec3>,
 }
 

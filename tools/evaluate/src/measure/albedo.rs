@@ -12,12 +12,13 @@ use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
 pub struct AlbedoEstimate {
     /// The albedo, a fraction per channel.
     pub value: Rgb,
-    /// Largest difference of a channel from the same quadrature with a quarter of the points.
+    /// Twice the largest difference of a channel from quadratures with fewer points. One such difference may be small by
+    /// chance where a narrow peak lies between the points.
     pub error: f32,
 }
 
-/// A quadrature with fewer points, to tell the error of the fine one.
-const COARSE: usize = POINTS_PER_BIN / 4;
+/// Quadratures with fewer points, to tell the error of the fine one: no two place their points alike.
+const COARSER: [usize; 2] = [POINTS_PER_BIN / 4, POINTS_PER_BIN * 5 / 8];
 
 /// Directional albedo ∫ f_r(wo, wi) cosθᵢ dσ(wi), a fraction per channel, for `wo` at polar angle `theta_o` (radians) in the
 /// x–z plane. 0 for a `theta_o` that is not finite or not above the horizon.
@@ -27,20 +28,33 @@ pub fn directional_albedo(brdf: &dyn Brdf, theta_o: f64) -> Rgb {
 
 /// [`directional_albedo`] and an estimate of its error.
 pub fn directional_albedo_with_error(brdf: &dyn Brdf, theta_o: f64) -> AlbedoEstimate {
-    let fine = integrate(brdf, theta_o, POINTS_PER_BIN);
-    let coarse = integrate(brdf, theta_o, COARSE);
-    AlbedoEstimate {
-        value: fine.as_vec3(),
-        error: (fine - coarse).abs().max_element() as f32,
-    }
+    estimate(brdf, theta_o, POINTS_PER_BIN, &COARSER)
 }
 
 /// Directional albedo at 0°, 1° … 89°, with a quarter of the points of [`directional_albedo`], in parallel.
-pub fn albedo_by_degree(brdf: &dyn Brdf) -> Vec<Rgb> {
+pub fn albedo_by_degree(brdf: &dyn Brdf) -> Vec<AlbedoEstimate> {
+    let [coarse, _] = COARSER;
     (0..90u32)
         .into_par_iter()
-        .map(|degree| integrate(brdf, f64::from(degree).to_radians(), COARSE).as_vec3())
+        .map(|degree| {
+            let theta_o = f64::from(degree).to_radians();
+            estimate(brdf, theta_o, coarse, &[coarse * 5 / 8])
+        })
         .collect()
+}
+
+/// The albedo with `points` a bin, and its error by quadratures of `coarser` points.
+fn estimate(brdf: &dyn Brdf, theta_o: f64, points: usize, coarser: &[usize]) -> AlbedoEstimate {
+    let fine = integrate(brdf, theta_o, points);
+    let mut largest = 0.0f64;
+    for &points in coarser {
+        let difference = fine - integrate(brdf, theta_o, points);
+        largest = largest.max(difference.abs().max_element());
+    }
+    AlbedoEstimate {
+        value: fine.as_vec3(),
+        error: 2.0 * largest as f32,
+    }
 }
 
 fn integrate(brdf: &dyn Brdf, theta_o: f64, points: usize) -> DVec3 {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::Serialize;
 
-use super::{albedo_by_degree, directional_albedo_with_error};
+use super::{AlbedoEstimate, albedo_by_degree, directional_albedo_with_error};
 use merlkit::brdf::Importance;
 use merlkit::color::Rgb;
 use merlkit::geometry::Symmetry;
@@ -66,11 +66,11 @@ pub struct Albedo {
     pub theta_o_degrees: f64,
     /// Fraction reflected, by channel.
     pub rgb: [f32; 3],
-    /// Change of the quadrature when its points are halved.
+    /// How far the quadrature may be off, as [`super::AlbedoEstimate::error`].
     pub error: f32,
 }
 
-/// Angles at which a channel's directional albedo exceeds 1, of 0°, 1° … 89°.
+/// Angles at which a channel's directional albedo exceeds 1 by more than its own error, of 0°, 1° … 89°.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AlbedoAboveOne {
     /// First and last degree of each run.
@@ -206,18 +206,21 @@ fn row_asymmetry(table: &MerlTable, rule: LookupRule, h: usize, d: usize) -> (f6
     (difference, total)
 }
 
-fn above_one(albedo: &[Rgb]) -> AlbedoAboveOne {
+/// Rounding of an albedo of 1, which adds to the error of its quadrature.
+const ALBEDO_ROUNDING: f32 = 1e-5;
+
+fn above_one(albedo: &[AlbedoEstimate]) -> AlbedoAboveOne {
     let mut out = AlbedoAboveOne {
         ranges_degrees: Vec::new(),
         greatest: 0.0,
         greatest_at_degrees: 0,
     };
-    for (degree, a) in albedo.iter().enumerate() {
-        let a = a.max_element();
+    for (degree, estimate) in albedo.iter().enumerate() {
+        let a = estimate.value.max_element();
         if a > out.greatest {
             (out.greatest, out.greatest_at_degrees) = (a, degree);
         }
-        if a > 1.0 {
+        if a > 1.0 + estimate.error + ALBEDO_ROUNDING {
             match out.ranges_degrees.last_mut() {
                 Some([_, last]) if *last + 1 == degree => *last = degree,
                 _ => out.ranges_degrees.push([degree, degree]),
@@ -309,11 +312,16 @@ mod tests {
     #[test]
     fn runs_above_one_are_joined() {
         let at = |d: usize| {
-            Rgb::splat(if (2..5).contains(&d) || d == 89 {
-                1.5
-            } else {
-                0.5
-            })
+            let (value, error) = match d {
+                2..5 | 89 => (1.5, 0.1),
+                // Above 1 by no more than its error: an albedo of 1.
+                20..30 => (1.01, 0.02),
+                _ => (0.5, 0.0),
+            };
+            AlbedoEstimate {
+                value: Rgb::splat(value),
+                error,
+            }
         };
         let out = above_one(&(0..90).map(at).collect::<Vec<_>>());
         assert_eq!(out.ranges_degrees, [[2, 4], [89, 89]]);

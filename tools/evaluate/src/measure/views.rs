@@ -99,8 +99,8 @@ fn slice_bins() -> impl Iterator<Item = (usize, usize)> {
 /// Directional albedo, mean of the channels, at 0°, 1° … 89°, of `wo` at azimuth 0.
 pub fn albedo_curve(brdf: &dyn Brdf) -> PlottedCurve {
     let mut curve = PlottedCurve::new();
-    for (degree, rgb) in albedo_by_degree(brdf).into_iter().enumerate() {
-        curve.push((degree as f64, f64::from(color::mean(rgb))));
+    for (degree, albedo) in albedo_by_degree(brdf).into_iter().enumerate() {
+        curve.push((degree as f64, f64::from(color::mean(albedo.value))));
     }
     curve
 }
