@@ -4,6 +4,7 @@ mod anisotropic;
 #[path = "../support/anisotropic.rs"]
 mod brushed;
 mod compare;
+mod environments;
 mod eval;
 mod every_material;
 mod hard;

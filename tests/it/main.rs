@@ -18,6 +18,7 @@ mod lookup;
 mod mitsuba;
 mod names;
 mod page;
+mod pictures;
 mod plot;
 mod render;
 mod resampling;

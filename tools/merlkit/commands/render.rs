@@ -272,7 +272,7 @@ fn strategy(args: &Args) -> Result<Strategy, Error> {
 
 fn light_help() -> String {
     format!(
-        "{}: an equirectangular map; may be repeated",
+        "{}: a map by latitude and longitude (OpenEXR, .hdr, PFM, PNG), its top +y, its middle −z, to the right +x; may be repeated",
         LightSpec::words()
     )
 }
