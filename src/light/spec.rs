@@ -120,6 +120,6 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(error.contains("point, directional, area, "), "{error}");
-        assert!(error.contains("or FILE[:clamp[=RADIANCE]]"), "{error}");
+        assert!(error.contains("or FILE[:clamp[=MAX]]"), "{error}");
     }
 }

@@ -105,7 +105,7 @@ fn refuse_infinite(pixels: &[Rgb], width: usize, path: &Path) -> Result<()> {
     let name = path.display();
     let fix = format!(
         "a half float overflows so, mostly in the sun: name the light {name}:clamp to lower it to {LARGEST_HALF}, or \
-         {name}:clamp=RADIANCE to lower all that is brighter to RADIANCE"
+         {name}:clamp=MAX to lower all that is brighter to MAX"
     );
     Err(refusal("infinite radiance", found, width, path, fix))
 }

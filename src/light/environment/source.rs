@@ -31,7 +31,7 @@ pub enum EnvironmentSource {
 impl EnvironmentSource {
     /// The environment that a word names, one of [`Self::words`]: `studio` or `environment`, `lamps`, `uniform` (radiance 1)
     /// or `uniform:RADIANCE` with one number or three for red, green and blue, or the path of a file, which may be followed by
-    /// `:clamp` ([`RadianceClamp::Infinite`]) or `:clamp=RADIANCE`. A word is a path if it has an extension or a folder's
+    /// `:clamp` ([`RadianceClamp::Infinite`]) or `:clamp=MAX`. A word is a path if it has an extension or a folder's
     /// name, or if there is a file of that name.
     ///
     /// # Errors
@@ -81,7 +81,7 @@ fn read_word(word: &str) -> Option<Result<EnvironmentSource>> {
     }
 }
 
-/// A path, with or without `:clamp` or `:clamp=RADIANCE`; `None` if the word is no path.
+/// A path, with or without `:clamp` or `:clamp=MAX`; `None` if the word is no path.
 fn read_file_word(word: &str) -> Option<Result<EnvironmentSource>> {
     let (path, clamp) = match word.rsplit_once(":clamp") {
         // A file's own name goes before.
@@ -143,7 +143,7 @@ impl LightSource for EnvironmentSource {
         "studio (or environment)",
         "lamps",
         "uniform[:RADIANCE]",
-        "FILE[:clamp[=RADIANCE]]",
+        "FILE[:clamp[=MAX]]",
     ];
 
     fn from_word(word: &str, _placement: &Placement) -> Option<Result<Self>> {

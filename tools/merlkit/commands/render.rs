@@ -272,7 +272,7 @@ fn strategy(args: &Args) -> Result<Strategy, Error> {
 
 fn light_help() -> String {
     format!(
-        "{}: a map by latitude and longitude (OpenEXR, .hdr, PFM, PNG), its top +y, its middle −z, to the right +x; may be repeated",
+        "{}: a map (EXR, HDR, PFM, PNG; top +y, middle −z, right +x); repeatable",
         LightSpec::words()
     )
 }
