@@ -5,5 +5,5 @@
 mod exercise;
 
 libfuzzer_sys::fuzz_target!(|input: &[u8]| {
-    exercise::exr(input);
+    exercise::picture(input);
 });

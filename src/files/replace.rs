@@ -28,7 +28,7 @@ pub fn write_new(
     overwrite: Overwrite,
     fill: impl FnOnce(&mut dyn WriteSeek) -> Result<()>,
 ) -> Result<()> {
-    check_writable(path, overwrite)?;
+    check_destination(path, overwrite)?;
     let mut unfinished = Unfinished::create(path)?;
     match unfinished.fill(path, fill) {
         Ok(()) => unfinished.rename(path, overwrite),
@@ -71,7 +71,8 @@ impl Unfinished {
         let mut files = unfinished();
         let file = builder
             .tempfile_in(folder_of(path))
-            .map_err(|e| Error::io(path, "create a temporary file beside", e))?;
+            // The system's answer by its kind alone: the temporary name in it means nothing to a user.
+            .map_err(|e| Error::io(folder_of(path), "write into this folder", e.kind().into()))?;
         let name = file.path().to_owned();
         files.insert(name.clone());
         drop(files);
@@ -108,11 +109,20 @@ impl Unfinished {
     }
 }
 
-/// Refuses early what [`write_new`] would refuse after the work is done: a missing folder, or an existing file.
+/// Refuses early what [`write_new`] would refuse after the work is done: a missing folder, one without permission to write, or
+/// an existing file. A temporary file is made and removed, since nothing else shows what the system permits.
 ///
 /// # Errors
-/// [`Error::Argument`] if `path` is a folder, pipe or device, its folder is missing, or it exists and `overwrite` refuses.
+/// [`Error::Argument`] if `path` is a folder, pipe or device, its folder is missing, or it exists and `overwrite` refuses;
+/// [`Error::Io`] if no file can be made in its folder.
 pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<()> {
+    check_destination(path, overwrite)?;
+    Unfinished::create(path)?.discard();
+    Ok(())
+}
+
+/// Refuses what is no place for a file, without touching it.
+fn check_destination(path: &Path, overwrite: Overwrite) -> Result<()> {
     if path.is_dir() {
         return Err(Error::argument(
             format!("{} is a folder", path.display()),

@@ -1,4 +1,4 @@
-//! OpenEXR: 32-bit linear RGB out, any RGB layer in.
+//! OpenEXR: 32-bit linear RGB out, any colours or luminance in.
 
 use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::Path;
@@ -7,7 +7,9 @@ use ::exr::error::Error as ExrError;
 use ::exr::image::Image as ExrImage;
 use ::exr::meta::BlockDescription;
 use ::exr::meta::header::Header;
-use ::exr::prelude::{ReadChannels, ReadLayers, SpecificChannels, Vec2, WritableImage};
+use ::exr::prelude::{
+    ReadChannels, ReadLayers, ReadSpecificChannel, SpecificChannels, Vec2, WritableImage,
+};
 
 use super::{Image, MAX_PIXELS};
 use crate::color::Rgb;
@@ -33,16 +35,21 @@ pub fn write_exr(path: &Path, image: &Image, overwrite: Overwrite) -> Result<()>
     })
 }
 
-/// Reads the first layer of an OpenEXR file that has channels R, G and B, at its largest resolution.
+/// Reads the colours of an OpenEXR file, at its largest resolution: channels R, G and B of the first layer that has them, else
+/// luminance Y, which is grey, else the only channels whose names end in `.R`, `.G` and `.B`, as Blender's
+/// `ViewLayer.Combined.R`. Values are as the file has them: they may be negative, infinite or NaN. Alpha is left out.
 ///
 /// # Errors
-/// [`Error::Io`] if the file can't be read; [`Error::Invalid`] if it is not OpenEXR, is damaged, or holds pixels that are
-/// negative, NaN or infinite, which are counted; [`Error::Unsupported`] for files without RGB, of deep data or of more than
-/// [`MAX_PIXELS`] pixels.
+/// [`Error::Io`] if the file can't be read; [`Error::Invalid`] if it is not OpenEXR or is damaged; [`Error::Unsupported`] for
+/// files without such channels or with several sets of them, of deep data or of more than [`MAX_PIXELS`] pixels.
 pub fn read_exr(path: &Path) -> Result<Image> {
-    let file = RegularFile::open(path)?;
-    let len = file.len();
-    decode(BufReader::with_capacity(1 << 16, file), len, path)
+    decode_exr_file(RegularFile::open(path)?)
+}
+
+/// [`read_exr`] from an open file, read from its start.
+pub(super) fn decode_exr_file(file: RegularFile) -> Result<Image> {
+    let (path, len) = (file.path().to_owned(), file.len());
+    decode(BufReader::with_capacity(1 << 16, file), len, &path)
 }
 
 /// [`read_exr`] from a file's bytes; `path` is for messages.
@@ -54,12 +61,100 @@ pub fn decode_exr(bytes: &[u8], path: &Path) -> Result<Image> {
 }
 
 fn decode<R: Read + Seek>(mut source: R, len: u64, path: &Path) -> Result<Image> {
-    check_headers(&mut source, len, path)?;
+    let headers = read_headers(&mut source, len, path)?;
+    let channels = choose_channels(&headers, path)?;
     source.rewind().map_err(|e| Error::io(path, "read", e))?;
+    match channels {
+        ExrChannels::Luminance => read_luminance(source, len, path),
+        ExrChannels::Colours(prefix) => read_colours(source, &prefix, len, path),
+    }
+}
+
+/// Where a file's colours are.
+#[derive(Debug, PartialEq)]
+enum ExrChannels {
+    /// Channel Y.
+    Luminance,
+    /// Channels R, G and B with a prefix: none, or a layer's name and a dot.
+    Colours(String),
+}
+
+/// The channels to read; their names decide, not their order.
+fn choose_channels(headers: &[Header], path: &Path) -> Result<ExrChannels> {
+    let mut prefixes: Vec<String> = Vec::new();
+    let mut has_luminance = false;
+    for header in headers {
+        let names: Vec<String> = header
+            .channels
+            .list
+            .iter()
+            .map(|c| c.name.to_string())
+            .collect();
+        let has = |name: String| names.contains(&name);
+        has_luminance |= has("Y".into()) && !has("RY".into()) && !has("BY".into());
+        for prefix in names.iter().filter_map(|name| name.strip_suffix('R')) {
+            let is_layer = prefix.is_empty() || prefix.ends_with('.');
+            let is_whole = has(format!("{prefix}G")) && has(format!("{prefix}B"));
+            if is_layer && is_whole && !prefixes.iter().any(|p| p == prefix) {
+                prefixes.push(prefix.to_owned());
+            }
+        }
+    }
+    if prefixes.iter().any(String::is_empty) {
+        return Ok(ExrChannels::Colours(String::new()));
+    }
+    match (has_luminance, &prefixes[..]) {
+        (true, _) => Ok(ExrChannels::Luminance),
+        (false, [prefix]) => Ok(ExrChannels::Colours(prefix.clone())),
+        (false, prefixes) => Err(no_channels(prefixes, headers, path)),
+    }
+}
+
+/// Names what there is instead of one set of colours.
+fn no_channels(prefixes: &[String], headers: &[Header], path: &Path) -> Error {
+    let (what, fix) = if prefixes.is_empty() {
+        let mut names: Vec<String> = Vec::new();
+        for channel in headers.iter().flat_map(|h| &h.channels.list).take(8) {
+            names.push(channel.name.to_string().escape_debug().to_string());
+        }
+        (
+            format!(
+                "an OpenEXR file with channels {}, not R, G and B or Y alone",
+                names.join(", ")
+            ),
+            "save it with channels named R, G and B",
+        )
+    } else {
+        let mut layers: Vec<String> = Vec::new();
+        for prefix in prefixes.iter().take(8) {
+            layers.push(prefix.trim_end_matches('.').escape_debug().to_string());
+        }
+        (
+            format!(
+                "an OpenEXR file with several layers of colours ({})",
+                layers.join(", ")
+            ),
+            "save the one that is meant alone, with channels named R, G and B",
+        )
+    };
+    Error::Unsupported {
+        path: path.to_owned(),
+        what,
+        fix: fix.into(),
+    }
+}
+
+/// Channels `prefix`R, G and B.
+fn read_colours<R: Read + Seek>(source: R, prefix: &str, len: u64, path: &Path) -> Result<Image> {
+    let name = |channel: &str| format!("{prefix}{channel}");
     let read = ::exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
-        .rgb_channels(
+        .specific_channels()
+        .required(name("R").as_str())
+        .required(name("G").as_str())
+        .required(name("B").as_str())
+        .collect_pixels(
             |size, _| (size.width(), vec![Rgb::ZERO; size.width() * size.height()]),
             |(width, pixels): &mut (usize, Vec<Rgb>), at, (r, g, b): (f32, f32, f32)| {
                 if let Some(pixel) = pixels.get_mut(at.y() * *width + at.x()) {
@@ -71,10 +166,34 @@ fn decode<R: Read + Seek>(mut source: R, len: u64, path: &Path) -> Result<Image>
         .all_attributes()
         .non_parallel()
         .from_buffered(source)
-        .map_err(|e| read_error(path, e))?;
+        .map_err(|e| read_error(path, len, e))?;
     let size = read.layer_data.size;
     let (_, pixels) = read.layer_data.channel_data.pixels;
-    check_pixels(path, size.width(), &pixels)?;
+    Image::new(size.width(), size.height(), pixels)
+}
+
+/// Channel Y as grey.
+fn read_luminance<R: Read + Seek>(source: R, len: u64, path: &Path) -> Result<Image> {
+    let read = ::exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required("Y")
+        .collect_pixels(
+            |size, _| (size.width(), vec![Rgb::ZERO; size.width() * size.height()]),
+            |(width, pixels): &mut (usize, Vec<Rgb>), at, (y,): (f32,)| {
+                if let Some(pixel) = pixels.get_mut(at.y() * *width + at.x()) {
+                    *pixel = Rgb::splat(y);
+                }
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(source)
+        .map_err(|e| read_error(path, len, e))?;
+    let size = read.layer_data.size;
+    let (_, pixels) = read.layer_data.channel_data.pixels;
     Image::new(size.width(), size.height(), pixels)
 }
 
@@ -83,9 +202,9 @@ fn decode<R: Read + Seek>(mut source: R, len: u64, path: &Path) -> Result<Image>
 const PIXELS_PER_BYTE: u64 = 256;
 
 /// Reads the headers alone, so that no picture's memory is taken on the word of a damaged file.
-fn check_headers<R: Read>(source: R, len: u64, path: &Path) -> Result<()> {
+fn read_headers<R: Read>(source: R, len: u64, path: &Path) -> Result<Vec<Header>> {
     let meta = ::exr::meta::MetaData::read_from_buffered(source, false)
-        .map_err(|e| read_error(path, e))?;
+        .map_err(|e| read_error(path, len, e))?;
     for header in &meta.headers {
         let Vec2(width, height) = header.layer_size;
         let pixels = width.checked_mul(height);
@@ -107,7 +226,7 @@ fn check_headers<R: Read>(source: R, len: u64, path: &Path) -> Result<()> {
         }
         check_block(header, len, path)?;
     }
-    Ok(())
+    Ok(meta.headers.into_vec())
 }
 
 /// Bytes that a block of pixels may always have: a tile of 1024 × 1024 RGB at 32 bits.
@@ -141,30 +260,7 @@ fn check_block(header: &Header, len: u64, path: &Path) -> Result<()> {
     ))
 }
 
-fn check_pixels(path: &Path, width: usize, pixels: &[Rgb]) -> Result<()> {
-    let usable = |c: &Rgb| c.is_finite() && c.min_element() >= 0.0;
-    let Some(first) = pixels.iter().position(|c| !usable(c)) else {
-        return Ok(());
-    };
-    let not_finite = pixels.iter().filter(|c| !c.is_finite()).count();
-    let negative = pixels
-        .iter()
-        .filter(|c| c.is_finite() && c.min_element() < 0.0)
-        .count();
-    Err(Error::invalid(
-        path,
-        0,
-        "finite radiance ≥ 0 in every pixel",
-        format!(
-            "{negative} pixels with a negative channel and {not_finite} with NaN or infinity, the first in column {}, row {}",
-            first % width,
-            first / width
-        ),
-        "repair the picture, for example by setting those pixels to 0",
-    ))
-}
-
-fn read_error(path: &Path, error: ExrError) -> Error {
+fn read_error(path: &Path, len: u64, error: ExrError) -> Error {
     match error {
         ExrError::Io(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
             Error::io(path, "read", source)
@@ -174,11 +270,14 @@ fn read_error(path: &Path, error: ExrError) -> Error {
             what: what.into_owned(),
             fix: "save it as a flat OpenEXR file with channels R, G and B".into(),
         },
-        ExrError::Invalid(what) if what.contains("layer") => Error::Unsupported {
-            path: path.to_owned(),
-            what: "an OpenEXR file without channels R, G and B".into(),
-            fix: "save it with channels named R, G and B".into(),
-        },
+        // The decoder's words for a file that ends early.
+        ExrError::Invalid(what) if what == "reference to missing bytes" => Error::invalid(
+            path,
+            len,
+            "an OpenEXR file",
+            "one that ends before its content does",
+            "fetch the file again: it is cut off",
+        ),
         other => Error::invalid(
             path,
             0,

@@ -1,10 +1,21 @@
-//! Pictures in memory, linear RGB in OpenEXR files, tone-mapped sRGB in PNG files.
+//! Pictures in memory, linear RGB in OpenEXR files, tone-mapped sRGB in PNG files; in from OpenEXR, Radiance, PFM and PNG.
 
 mod exr;
+mod format;
+mod pfm;
 mod png;
+mod png_input;
+mod radiance;
+mod read;
 
 pub use exr::{decode_exr, read_exr, write_exr};
 pub use png::{encode_png, encode_srgb, tone_map, write_png};
+pub use read::{decode_image, read_image};
+
+pub(crate) use format::PictureFormat;
+pub(crate) use read::read_picture;
+
+use std::path::Path;
 
 use crate::color::Rgb;
 use crate::{Error, Result};
@@ -91,4 +102,16 @@ impl Image {
             Rgb::ZERO
         }
     }
+}
+
+/// Refuses a picture without pixels or of more than [`MAX_PIXELS`], before memory is taken for it.
+fn check_size(width: usize, height: usize, path: &Path) -> Result<()> {
+    if width > 0 && height > 0 && width.checked_mul(height).is_some_and(|n| n <= MAX_PIXELS) {
+        return Ok(());
+    }
+    Err(Error::Unsupported {
+        path: path.to_owned(),
+        what: format!("a picture of {width} × {height}"),
+        fix: format!("give one of at least 1 pixel and at most {MAX_PIXELS}"),
+    })
 }

@@ -15,7 +15,9 @@ mod spec;
 
 pub use area::Area;
 pub use directional::Directional;
-pub use environment::{Environment, EnvironmentSource, SkySampling, broad_lamps, studio};
+pub use environment::{
+    Environment, EnvironmentSource, MapNotes, RadianceClamp, SkySampling, broad_lamps, studio,
+};
 pub use light_source::Placement;
 pub use point::Point;
 pub use spec::LightSpec;
@@ -89,6 +91,11 @@ pub trait Light: Send + Sync {
     /// Whether the light has no extent: there is one direction to it from each point, and no ray hits it.
     fn is_delta(&self) -> bool {
         false
+    }
+
+    /// What was found and changed in the file that the light was read from; `None` for lights that come from none.
+    fn notes(&self) -> Option<&MapNotes> {
+        None
     }
 }
 

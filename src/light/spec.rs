@@ -113,13 +113,13 @@ mod tests {
             assert!(light.is_valid() && !light.is_dark(), "{word}");
             assert_eq!(light.is_delta(), word == "point" || word == "directional");
         }
-        for word in ["", "Point", "lamp", "uniform:", "uniform:-1", "sky.png"] {
+        for word in ["", "Point", "lamp", "uniform:", "uniform:-1", "area:2.5"] {
             assert!(LightSpec::from_name(word, &PLACEMENT).is_err(), "{word}");
         }
         let error = LightSpec::from_name("lamp", &PLACEMENT)
             .unwrap_err()
             .to_string();
         assert!(error.contains("point, directional, area, "), "{error}");
-        assert!(error.contains("or FILE.exr"), "{error}");
+        assert!(error.contains("or FILE[:clamp[=MAX]]"), "{error}");
     }
 }

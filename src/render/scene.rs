@@ -12,7 +12,7 @@ use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::direction_sampler::DirectionSampler;
 use crate::geometry::Frame;
-use crate::light::{Light, SkySampling};
+use crate::light::{Light, MapNotes, SkySampling};
 use crate::material::analytic::Lambert;
 use crate::sampler::Cosine;
 use crate::{Error, Result};
@@ -105,6 +105,14 @@ impl Scene {
     /// The plan that the scene was built by, and is rendered by.
     pub fn plan(&self) -> &EffectPlan {
         &self.plan
+    }
+
+    /// What was found and changed in the files of its lights.
+    pub fn light_notes(&self) -> Vec<&MapNotes> {
+        self.lights
+            .iter()
+            .filter_map(|light| light.notes())
+            .collect()
     }
 
     /// The first object that `ray` meets. `leaving` is the object that the ray starts on: one that is convex is not met

@@ -124,7 +124,7 @@ fn environments_have_the_same_words_in_every_command() {
     assert!(studio == picture("environment"));
     assert!(studio != picture("lamps"));
     assert!(picture("uniform") == picture("uniform:1,1,1"));
-    let words = "studio (or environment), lamps, uniform[:RADIANCE] or FILE.exr";
+    let words = "studio (or environment), lamps, uniform[:RADIANCE] or FILE[:clamp[=MAX]]";
     let tune = ["tune", "nickel", "--target-error", "5%", "--environment"];
     for command in [&[&RENDER[..], &["--light"]].concat()[..], &tune] {
         for (word, expected) in [

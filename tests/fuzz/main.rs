@@ -97,6 +97,9 @@ fn bound(input: usize, factor: usize) -> usize {
 const SAMPLER_FACTOR: usize = 64;
 /// A byte of a picture may stand for 256 pixels of 12 bytes, held packed, unpacked and as colours.
 const EXR_FACTOR: usize = 4 * 12 * 256;
+/// A byte of a Radiance picture may stand for 1024 pixels of 12 bytes, held in rows, joined and as they grow; one of a PNG for
+/// 1032 bytes of 8 pixels, unpacked to 4 bytes each.
+const PICTURE_FACTOR: usize = 4 * 12 * 1032;
 
 fn inputs() -> u64 {
     let asked = std::env::var("MERLKIT_FUZZ")
@@ -535,7 +538,7 @@ fn pictures() -> Vec<Vec<u8>> {
 #[test]
 fn pictures_as_openexr() {
     let seeds = pictures();
-    assert!(seeds.iter().all(|s| exercise::exr(s)));
+    assert!(seeds.iter().all(|s| exercise::picture(s)));
     let make = |random: &mut Stream| {
         let mut bytes = seeds[below(random, seeds.len())].clone();
         if below(random, 2) == 0 {
@@ -547,7 +550,31 @@ fn pictures_as_openexr() {
         }
         bytes
     };
-    drive("exr", EXR_FACTOR, 1, make, exercise::exr);
+    drive("exr", EXR_FACTOR, 1, make, exercise::picture);
+}
+
+#[test]
+fn pictures_of_other_formats() {
+    let radiance = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n-Y 2 +X 8\n";
+    let new_row = [
+        2, 2, 0, 8, 130, 7, 6, 1, 2, 3, 4, 5, 6, 136, 9, 136, 10, 136, 129,
+    ];
+    let old_row = [1, 2, 3, 129, 1, 1, 1, 7];
+    let pfm = b"PF\n2 1\n-1.0\n";
+    let pixels: Vec<u8> = (0..6).flat_map(|i| (i as f32).to_le_bytes()).collect();
+    let png = merlkit::image::encode_png(5, 3, &[99; 45]).unwrap();
+    let seeds = [
+        [&radiance[..], &new_row, &old_row].concat(),
+        [&pfm[..], &pixels].concat(),
+        png,
+    ];
+    assert!(seeds.iter().all(|s| exercise::picture(s)));
+    let make = |random: &mut Stream| {
+        let mut bytes = seeds[below(random, seeds.len())].clone();
+        scramble(&mut bytes, random);
+        bytes
+    };
+    drive("picture", PICTURE_FACTOR, 1, make, exercise::picture);
 }
 
 /// The watchdog sees an input that takes too long, and only that.
@@ -584,7 +611,7 @@ fn kept_crashes_are_refused() {
             let bytes = std::fs::read(&path).unwrap();
             let read = || {
                 if parser == "exr" {
-                    exercise::exr(&bytes)
+                    exercise::picture(&bytes)
                 } else {
                     exercise::sampler(&bytes, &material)
                 }

@@ -20,6 +20,7 @@ mod measurements;
 mod mitsuba;
 mod names;
 mod page;
+mod pictures;
 mod plot;
 mod render;
 mod resampling;

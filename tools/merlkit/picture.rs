@@ -12,6 +12,7 @@ use merlkit::sampler::SamplerSpec;
 
 use crate::args;
 use crate::progress::Progress;
+use crate::sky::print_notes;
 
 /// A scene and everything its picture depends on.
 pub struct Picture<'a> {
@@ -40,6 +41,7 @@ impl Picture<'_> {
     pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<Option<Refinement>, Error> {
         let surface = |i, directions| self.surface(i, directions);
         let scene = Scene::build(self.scene, self.effects, surface)?;
+        print_notes(scene.light_notes());
         let progress = Progress::new("rendering", self.settings.width * self.settings.height);
         let rendered = render(&scene, &self.settings, &|pixels| {
             progress.advance_by(pixels);

@@ -2,11 +2,16 @@
 
 mod broad_lamps;
 mod equirectangular;
+mod map_file;
+mod notes;
+mod repair;
 mod sampling;
 mod source;
 mod studio;
 
 pub use broad_lamps::broad_lamps;
+pub use notes::MapNotes;
+pub use repair::RadianceClamp;
 pub use source::EnvironmentSource;
 pub use studio::studio;
 
@@ -46,6 +51,8 @@ pub struct Environment {
     cos_edges: Vec<f64>,
     /// `None`: uniform over the sphere.
     table: Option<Table>,
+    /// `None` for maps that were not read from a file.
+    notes: Option<Box<MapNotes>>,
 }
 
 /// Directions in proportion to luminance.
@@ -104,6 +111,7 @@ impl Environment {
             pixels: padded(width, pixels),
             cos_edges,
             table: None,
+            notes: None,
         };
         if sampling == SkySampling::Importance && pixels.iter().any(|c| luminance(*c) > 0.0) {
             // Weights of finite pixels ≥ 0 are finite and ≥ 0. Should all of them vanish by underflow, no density is in
@@ -145,6 +153,16 @@ impl Environment {
     /// [`Error::Argument`] if a channel is negative or not finite.
     pub fn uniform(radiance: Rgb) -> Result<Self> {
         Self::new(1, 1, vec![radiance], SkySampling::Uniform)
+    }
+
+    fn with_notes(mut self, notes: MapNotes) -> Self {
+        self.notes = Some(Box::new(notes));
+        self
+    }
+
+    /// What was found and changed in the file that the map was read from; `None` for maps that come from none.
+    pub fn notes(&self) -> Option<&MapNotes> {
+        self.notes.as_deref()
     }
 
     /// Bytes of memory that the sampling tables hold.

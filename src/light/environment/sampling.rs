@@ -2,14 +2,18 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Environment;
 use super::equirectangular::{direction_of, square_of};
+use super::{Environment, MapNotes};
 use crate::light::{Emission, Light, LightSample, assert_equal_lengths};
 
 /// Directions that go through the stages of a batch together: arithmetic is vector code, and reads of the map overlap.
 const LANES: usize = 64;
 
 impl Light for Environment {
+    fn notes(&self) -> Option<&MapNotes> {
+        Self::notes(self)
+    }
+
     fn sample(&self, _from: DVec3, u: DVec2) -> Option<LightSample> {
         let (longitude, cos) = self.choose(u);
         let wi = direction_of(longitude, cos);

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Environment, SkySampling, broad_lamps, studio};
+use super::map_file::load_map_file;
+use super::{Environment, RadianceClamp, SkySampling, broad_lamps, studio};
 use crate::color::Rgb;
 use crate::error::list_words;
-use crate::image::read_exr;
 use crate::light::Light;
 use crate::light::light_source::{LightSource, Placement};
 use crate::{Error, Result};
@@ -19,13 +19,20 @@ pub enum EnvironmentSource {
     BroadLamps,
     /// Equal radiance from everywhere.
     Uniform(Rgb),
-    /// An equirectangular OpenEXR file.
-    File(PathBuf),
+    /// A map by latitude and longitude, in any format of [`crate::image::read_image`].
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What becomes of pixels that are too bright; infinite ones are refused if nothing is said.
+        clamp: Option<RadianceClamp>,
+    },
 }
 
 impl EnvironmentSource {
     /// The environment that a word names, one of [`Self::words`]: `studio` or `environment`, `lamps`, `uniform` (radiance 1)
-    /// or `uniform:RADIANCE` with one number or three for red, green and blue, or the path of an .exr file.
+    /// or `uniform:RADIANCE` with one number or three for red, green and blue, or the path of a file, which may be followed by
+    /// `:clamp` ([`RadianceClamp::Infinite`]) or `:clamp=MAX`. A word is a path if it has an extension or a folder's
+    /// name, or if there is a file of that name.
     ///
     /// # Errors
     /// [`Error::Argument`] for another word, or for radiance that is negative or not finite.
@@ -46,16 +53,15 @@ impl EnvironmentSource {
     /// Loads it.
     ///
     /// # Errors
-    /// Those of [`read_exr`]; [`Error::Argument`] for radiance that is negative or not finite.
+    /// Those of [`crate::image::read_image`]; [`Error::Unsupported`] for a file that is not twice as wide as high, or with
+    /// pixels that are NaN, infinite (unless they are to be clamped) or more negative than compression and resampling leave;
+    /// [`Error::Argument`] for radiance that is negative or not finite.
     pub fn load_map(&self, sampling: SkySampling) -> Result<Environment> {
         match self {
             Self::Studio => Ok(studio(sampling)),
             Self::BroadLamps => Ok(broad_lamps(sampling)),
             Self::Uniform(radiance) => Environment::uniform(*radiance),
-            Self::File(path) => {
-                let map = read_exr(path)?;
-                Environment::new(map.width(), map.height(), map.into_pixels(), sampling)
-            }
+            Self::File { path, clamp } => load_map_file(path, *clamp, sampling),
         }
     }
 }
@@ -70,12 +76,48 @@ fn read_word(word: &str) -> Option<Result<EnvironmentSource>> {
             if let Some(radiance) = word.strip_prefix("uniform:") {
                 return Some(read_radiance(radiance).map(EnvironmentSource::Uniform));
             }
-            let extension = Path::new(word).extension()?;
-            extension
-                .eq_ignore_ascii_case("exr")
-                .then(|| Ok(EnvironmentSource::File(word.into())))
+            read_file_word(word)
         }
     }
+}
+
+/// A path, with or without `:clamp` or `:clamp=MAX`; `None` if the word is no path.
+fn read_file_word(word: &str) -> Option<Result<EnvironmentSource>> {
+    let (path, clamp) = match word.rsplit_once(":clamp") {
+        // A file's own name goes before.
+        _ if Path::new(word).is_file() => (word, Ok(None)),
+        Some((path, "")) => (path, Ok(Some(RadianceClamp::Infinite))),
+        Some((path, value)) if value.starts_with('=') => (path, read_clamp(&value[1..]).map(Some)),
+        _ => (word, Ok(None)),
+    };
+    names_a_file(path).then(|| {
+        Ok(EnvironmentSource::File {
+            path: path.into(),
+            clamp: clamp?,
+        })
+    })
+}
+
+/// What the file is, its content says; here, whether a file is meant at all. Numbers have no extension, as in `area:2.5`.
+fn names_a_file(word: &str) -> bool {
+    let path = Path::new(word);
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    extension.starts_with(|c: char| c.is_ascii_alphabetic())
+        || path.components().count() > 1
+        || path.is_file()
+}
+
+fn read_clamp(text: &str) -> Result<RadianceClamp> {
+    let limit = text.trim().parse().ok();
+    limit
+        .filter(|r: &f32| r.is_finite() && *r > 0.0)
+        .map(RadianceClamp::Above)
+        .ok_or_else(|| {
+            Error::argument(
+                format!("\"{text}\" is no radiance to clamp to"),
+                "give a number > 0, as in sky.exr:clamp=1000, or :clamp alone for what is infinite",
+            )
+        })
 }
 
 /// One number for all channels, or three with commas between them.
@@ -101,7 +143,7 @@ impl LightSource for EnvironmentSource {
         "studio (or environment)",
         "lamps",
         "uniform[:RADIANCE]",
-        "FILE.exr",
+        "FILE[:clamp[=MAX]]",
     ];
 
     fn from_word(word: &str, _placement: &Placement) -> Option<Result<Self>> {
@@ -113,7 +155,7 @@ impl LightSource for EnvironmentSource {
             Self::Studio => "environment (built-in studio)".into(),
             Self::BroadLamps => "environment (two broad lamps)".into(),
             Self::Uniform(_) => "environment (uniform)".into(),
-            Self::File(path) => format!("environment {}", path.display()),
+            Self::File { path, .. } => format!("environment {}", path.display()),
         }
     }
 
@@ -128,8 +170,12 @@ impl LightSource for EnvironmentSource {
     fn is_valid(&self) -> bool {
         match self {
             Self::Uniform(radiance) => radiance.is_finite() && radiance.min_element() >= 0.0,
+            Self::File {
+                clamp: Some(RadianceClamp::Above(limit)),
+                ..
+            } => limit.is_finite() && *limit > 0.0,
             // The built-in ones are; a file's pixels are checked when it is loaded.
-            Self::Studio | Self::BroadLamps | Self::File(_) => true,
+            Self::Studio | Self::BroadLamps | Self::File { .. } => true,
         }
     }
 
@@ -157,8 +203,18 @@ mod tests {
         assert_eq!(named("uniform:0.25"), grey);
         let blue = EnvironmentSource::Uniform(Rgb::new(0.0, 0.5, 1e3));
         assert_eq!(named("uniform:0, 0.5, 1e3"), blue);
-        let file = EnvironmentSource::File("a/sky.Exr".into());
-        assert_eq!(named("a/sky.Exr"), file);
+        let file = |path: &str, clamp| EnvironmentSource::File {
+            path: path.into(),
+            clamp,
+        };
+        assert_eq!(named("a/sky.Exr"), file("a/sky.Exr", None));
+        assert_eq!(named("sky.jpg"), file("sky.jpg", None));
+        assert_eq!(named("a/sky"), file("a/sky", None));
+        let infinite = Some(RadianceClamp::Infinite);
+        assert_eq!(named("a:b.hdr:clamp"), file("a:b.hdr", infinite));
+        let above = Some(RadianceClamp::Above(100.0));
+        assert_eq!(named("sky.hdr:clamp=1e2"), file("sky.hdr", above));
+        assert_eq!(named("sky.hdr:clamped"), file("sky.hdr:clamped", None));
     }
 
     #[test]
@@ -167,6 +223,11 @@ mod tests {
             ("sky", "no environment is called \"sky\""),
             ("point", "no environment is called \"point\""),
             ("exr", "no environment"),
+            ("studio:2.5", "no environment"),
+            ("studio:clamp", "no environment"),
+            ("sky.exr:clamp=0", "no radiance to clamp to"),
+            ("sky.exr:clamp=inf", "no radiance to clamp to"),
+            ("sky.exr:clamp=", "no radiance to clamp to"),
             ("uniform:", "no radiance"),
             ("uniform:1,2", "no radiance"),
             ("uniform:-1", "no radiance"),
@@ -178,7 +239,8 @@ mod tests {
         }
         let error = EnvironmentSource::from_name("x").unwrap_err().to_string();
         assert!(
-            error.contains("give studio (or environment), lamps, uniform[:RADIANCE] or FILE.exr")
+            error
+                .contains("give studio (or environment), lamps, uniform[:RADIANCE] or FILE[:clamp")
         );
     }
 }

@@ -23,7 +23,7 @@ use crate::journal::Journal;
 use crate::output;
 use crate::progress::Progress;
 use crate::sampler_args;
-use crate::sky::SkyArgs;
+use crate::sky::{SkyArgs, UnderSky};
 use crate::{args, table};
 
 /// Measure what accuracy costs in time: every sampler against samples, seconds and bytes
@@ -64,6 +64,8 @@ pub struct Args {
     force: bool,
 }
 
+/// What is finished of a run that is not.
+const JOURNAL: &str = "compare.partial.jsonl";
 const QUICK: [&str; 3] = ["nickel", "red-plastic", "teflon"];
 
 pub fn run(args: &Args) -> Outcome {
@@ -71,6 +73,14 @@ pub fn run(args: &Args) -> Outcome {
     let materials = materials(args)?;
     let [json, csv, page] =
         ["json", "csv", "html"].map(|e| args.output.join(format!("compare.{e}")));
+    let journal = args.output.join(JOURNAL);
+    if args.resume && !journal.exists() {
+        return Err(Error::argument(
+            format!("nothing to resume: there is no {}", journal.display()),
+            "name the folder of the run that was stopped, or leave out --resume to start one",
+        )
+        .into());
+    }
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     for path in [&json, &csv, &page] {
         check_writable(path, overwrite)?;
@@ -78,7 +88,11 @@ pub fn run(args: &Args) -> Outcome {
     let mut run = Run::new(args, materials)?;
     let comparison = run.comparison()?;
     write(&json, overwrite, |out| {
-        write_json(out, "compare", &ComparisonDocument::new(&comparison))
+        let results = UnderSky {
+            results: ComparisonDocument::new(&comparison),
+            environment_file: run.sky.notes(),
+        };
+        write_json(out, "compare", &results)
     })?;
     write(&csv, overwrite, |out| {
         comparison_csv(&comparison).write_csv(out)
@@ -151,7 +165,7 @@ struct Run {
 impl Run {
     fn new(args: &Args, (names, materials): (Vec<String>, Vec<Material>)) -> Result<Self, Error> {
         let plan = plan(args);
-        let path = args.output.join("compare.partial.jsonl");
+        let path = args.output.join(JOURNAL);
         if path.exists() && !args.resume && !args.force {
             return Err(Error::argument(
                 format!("{} holds what a stopped run has finished", path.display()),

@@ -272,7 +272,7 @@ fn strategy(args: &Args) -> Result<Strategy, Error> {
 
 fn light_help() -> String {
     format!(
-        "{}: an equirectangular map; may be repeated",
+        "{}: a map (EXR, HDR, PFM, PNG; top +y, middle −z, right +x); repeatable",
         LightSpec::words()
     )
 }

@@ -14,7 +14,7 @@ use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
 use crate::sampler_args;
-use crate::sky::SkyArgs;
+use crate::sky::{SkyArgs, UnderSky};
 use crate::{args, table};
 
 /// Choose the sampler and settings that reach an error in the least time
@@ -102,7 +102,11 @@ pub fn run(args: &Args) -> Outcome {
         })?;
     }
     if let Some(destination) = &args.json {
-        destination.write(overwrite, |out| write_json(out, "tune", &tuning))?;
+        let results = UnderSky {
+            results: &tuning,
+            environment_file: sky.notes(),
+        };
+        destination.write(overwrite, |out| write_json(out, "tune", &results))?;
     }
     let Some(spec) = chosen(&tuning) else {
         return Ok(ExitCode::from(1));
