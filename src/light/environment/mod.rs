@@ -147,6 +147,11 @@ impl Environment {
         Self::new(1, 1, vec![radiance], SkySampling::Uniform)
     }
 
+    /// Pixels of a row, and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
     /// Bytes of memory that the sampling tables hold.
     pub fn table_bytes(&self) -> usize {
         self.table

@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use merlkit::Error;
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::light::Environment;
 use merlkit::material::{Loaded, LookupRule, Material, MaterialFacts};
-use merlkit::sampler::SamplerSpec;
+use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
-    Comparison, ComparisonPlan, Competitor, Knob, MATERIALS, MaterialComparison, PictureComparison,
+    Comparison, ComparisonPlan, Competitor, Curve, Knob, MATERIALS, MaterialComparison, PictureComparison,
     PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors,
-    curve, knobs, picture_competitors, picture_reference, pictures, references, setting, verdict,
+    cost_notes, curve, knobs, measure_costs, picture_competitors, picture_reference, pictures, references, setting, verdict,
 };
 use merlkit_evaluate::measure::cost::time;
 use merlkit_evaluate::report::{
@@ -91,6 +92,11 @@ pub fn run(args: &Args) -> Outcome {
     } = run;
     drop(progress);
     journal.finish()?;
+    for material in &comparison.materials {
+        for note in &material.notes {
+            output::message(&format!("{}: {note}", material.material));
+        }
+    }
     output::stdout(|out| {
         for material in &comparison.materials {
             writeln!(out, "{}", table::render(&targets(material)))?;
@@ -225,31 +231,49 @@ impl Run {
         } = self;
         let key = format!("references/{name}");
         let references = journal.recall_or(&key, || Ok(references(brdf, sky, &plan.point)))?;
+        let measured = (&plan.point, &references[..]);
         let mut curves = Vec::new();
+        let mut samplers: Vec<Option<Sampler>> = Vec::new();
         for (number, competitor) in point_competitors(plan, &[material.facts()])?
             .into_iter()
             .enumerate()
         {
+            let mut built = None;
             curves.push(journal.recall_or(&format!("point/{name}/{number}"), || {
                 let (sampler, seconds) = time(|| competitor.spec.build(material));
-                let measured = (&plan.point, &references[..]);
+                let sampler = built.insert(sampler?);
                 Ok(curve(
                     competitor,
-                    &*sampler?,
+                    &**sampler,
                     seconds.wall,
-                    brdf,
+                    material,
                     sky,
                     measured,
                 ))
             })?);
+            samplers.push(built);
             progress.advance();
         }
+        // All are timed in turn, which takes all of their samplers: those that an earlier run measured are built again.
+        let costs = journal.recall_or(&format!("costs/{name}"), || {
+            let samplers = built(&curves, samplers, material)?;
+            let drawing: Vec<&dyn DirectionSampler> =
+                samplers.iter().map(Sampler::as_dyn).collect();
+            let mut timed = curves.clone();
+            measure_costs(&mut timed, &drawing, brdf, sky, measured);
+            Ok(timed.iter().map(|c| c.ns_per_sample).collect::<Vec<_>>())
+        })?;
+        for (curve, cost) in curves.iter_mut().zip(costs) {
+            curve.ns_per_sample = cost;
+        }
         let verdict = verdict(name, &curves);
+        let notes = cost_notes(&curves.iter().collect::<Vec<_>>());
         Ok(MaterialComparison {
             material: name.into(),
             references,
             curves,
             verdict,
+            notes,
         })
     }
 
@@ -318,6 +342,22 @@ impl Run {
             settings,
         })
     }
+}
+
+/// The sampler of each curve: what is built, and what is not yet.
+fn built(
+    curves: &[Curve],
+    samplers: Vec<Option<Sampler>>,
+    material: &Loaded,
+) -> Result<Vec<Sampler>, Error> {
+    let mut all = Vec::new();
+    for (curve, sampler) in curves.iter().zip(samplers) {
+        all.push(match sampler {
+            Some(sampler) => sampler,
+            None => curve.competitor.spec.build(material)?,
+        });
+    }
+    Ok(all)
 }
 
 fn plan(args: &Args) -> ComparisonPlan {

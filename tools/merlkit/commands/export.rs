@@ -41,7 +41,7 @@ pub struct Args {
     #[arg(long, value_name = "SIZE", conflicts_with = "target_error", value_parser = size())]
     size: Option<BsdfSize>,
     /// bsdf: take the smallest size whose median error is at most this, as in 0.001 or 0.1% [default: none]
-    #[arg(long, value_name = "SHARE", value_parser = args::share)]
+    #[arg(long, value_name = "SHARE", value_parser = args::target_error)]
     target_error: Option<f64>,
     /// header, npz: the half-vector table, with its settings (`merlkit samplers half-vector`) [default: half-vector:64KB]
     #[arg(long, value_name = sampler_args::VALUE)]

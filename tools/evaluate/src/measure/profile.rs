@@ -3,20 +3,20 @@
 use rayon::prelude::*;
 
 use super::accuracy::{Bias, Draws, WeightSpread, bias, limit_directions, weight_spread};
-use super::cost::{CallTimes, Seconds, call_times, time};
+use super::cost::{CallTimes, Seconds, call_times, time, unsteady_note};
 use merlkit::Result;
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, Symmetry, spherical};
 use merlkit::material::{Loaded, LookupRule, Material};
-use merlkit::sampler::{SamplerSpec, store};
+use merlkit::sampler::{Sampler, SamplerSpec, store};
 
 /// How much to measure.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ProfileSettings {
     /// Draws a bias is estimated from, at each angle.
     pub draws: usize,
-    /// Calls timed, five times over.
+    /// Calls of each batch that is timed.
     pub timed_calls: usize,
     /// Chooses the draws.
     pub seed: u64,
@@ -28,7 +28,7 @@ impl Default for ProfileSettings {
     fn default() -> Self {
         Self {
             draws: 100_000,
-            timed_calls: 100_000,
+            timed_calls: 20_000,
             seed: 1,
             importance: Importance::Mean,
         }
@@ -121,6 +121,8 @@ pub struct MaterialFigures {
     pub settings: ProfileSettings,
     /// The samplers, in the order asked for.
     pub samplers: Vec<SamplerFigures>,
+    /// What to know before trusting a figure.
+    pub notes: Vec<String>,
 }
 
 /// Loads a material, builds each sampler and measures it. `done` is called after each sampler.
@@ -136,14 +138,29 @@ pub fn profile(
 ) -> Result<MaterialFigures> {
     let (loaded, load) = time(|| material.load(lookup));
     let brdf = loaded?;
-    let samplers = specs
+    let mut built: Vec<Sampler> = Vec::new();
+    let mut samplers = Vec::new();
+    for spec in specs {
+        let (sampler, build) = time(|| spec.build(&brdf));
+        let sampler = sampler?;
+        samplers.push(sampler_figures(material, &brdf, &sampler, build, settings)?);
+        built.push(sampler);
+        done();
+    }
+    // All are timed in turn, so that a slow minute of the machine meets all of them alike.
+    let drawing: Vec<&dyn DirectionSampler> = built.iter().map(Sampler::as_dyn).collect();
+    let times = call_times(&drawing, settings.timed_calls, settings.seed);
+    for (figures, calls) in samplers.iter_mut().zip(times) {
+        figures.calls = calls;
+    }
+    let mut named = Vec::new();
+    for (sampler, figures) in built.iter().zip(&samplers) {
+        named.push((sampler.spec().to_string(), figures.calls));
+    }
+    let each_time = named
         .iter()
-        .map(|spec| {
-            let figures = sampler_figures(material, &brdf, spec, settings);
-            done();
-            figures
-        })
-        .collect::<Result<_>>()?;
+        .flat_map(|(name, c)| [(name.as_str(), c.sample_ns), (name.as_str(), c.pdf_ns)]);
+    let notes = unsteady_note(each_time).into_iter().collect();
     Ok(MaterialFigures {
         material: material.name().into(),
         lookup: brdf.rule(),
@@ -153,19 +170,20 @@ pub fn profile(
         material_bytes: brdf.bytes(),
         settings: *settings,
         samplers,
+        notes,
     })
 }
 
+/// All figures but the times of calls.
 fn sampler_figures(
     material: &Material,
     brdf: &Loaded,
-    spec: &SamplerSpec,
+    sampler: &Sampler,
+    build: Seconds,
     settings: &ProfileSettings,
 ) -> Result<SamplerFigures> {
-    let (sampler, build) = time(|| spec.build(brdf));
-    let sampler = sampler?;
-    let file_bytes = if spec.is_stored() {
-        Some(store::encode(&sampler, material)?.len())
+    let file_bytes = if sampler.spec().is_stored() {
+        Some(store::encode(sampler, material)?.len())
     } else {
         None
     };
@@ -177,10 +195,10 @@ fn sampler_figures(
         file_bytes,
         build,
         threads: rayon::current_num_threads(),
-        calls: call_times(&*sampler, settings.timed_calls, settings.seed),
+        calls: CallTimes::default(),
         angles: limit_directions(symmetry)
             .par_iter()
-            .map(|&angles| angle_figures(&*sampler, &**brdf.brdf(), angles, settings))
+            .map(|&angles| angle_figures(&**sampler, &**brdf.brdf(), angles, settings))
             .collect(),
     })
 }
