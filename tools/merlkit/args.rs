@@ -122,10 +122,7 @@ pub fn target_error(argument: &str) -> Result<f64, String> {
         let meant = argument.trim_end_matches('%');
         return Err(match argument.ends_with('%') {
             true => format!("{argument} is more than the whole; give at most 100%"),
-            false => format!(
-                "{argument} is {}%; did you mean {meant}%?",
-                100.0 * error
-            ),
+            false => format!("{argument} is {}%; did you mean {meant}%?", 100.0 * error),
         });
     }
     Ok(error)

@@ -10,9 +10,10 @@ use merlkit::light::Environment;
 use merlkit::material::{Loaded, LookupRule, Material, MaterialFacts};
 use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
-    Comparison, ComparisonPlan, Competitor, Curve, Knob, MATERIALS, MaterialComparison, PictureComparison,
-    PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors,
-    cost_notes, curve, knobs, measure_costs, picture_competitors, picture_reference, pictures, references, setting, verdict,
+    Comparison, ComparisonPlan, Competitor, Curve, Knob, MATERIALS, MaterialComparison,
+    PictureComparison, PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind,
+    SettingsComparison, competitors, cost_notes, curve, knobs, measure_costs, picture_competitors,
+    picture_reference, pictures, references, setting, verdict,
 };
 use merlkit_evaluate::measure::cost::time;
 use merlkit_evaluate::report::{

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
+use merlkit::brdf::Importance;
 use merlkit::export::{Export, refuse_same_identifier};
 use merlkit::files::check_writable;
 use merlkit::material::rgl::{BsdfFile, BsdfSize, RglBrdf, tabulate};
@@ -234,7 +235,7 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error
             bytes,
             colour,
             &value_errors(&rgl, brdf),
-            &draw_quality(&rgl, brdf),
+            &draw_quality(&rgl, brdf, Importance::Luminance),
         ));
     }
     Ok(())
@@ -242,7 +243,7 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error
 
 fn table_and_values(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
     let export = Export::new(material, args.lookup(), args.table_settings()?)?;
-    let draws = draw_quality(export.table(), export.brdf());
+    let draws = draw_quality(export.table(), export.brdf(), Importance::Mean);
     let overwrite = output::overwrite(args.force);
     for path in args.paths(material) {
         let (bytes, holds, draws) = match path.extension().and_then(|e| e.to_str()) {

@@ -63,7 +63,10 @@ impl CallCost {
         let count = rounds.len() as f64;
         let rank = |r: f64| {
             let last = rounds.len().saturating_sub(1);
-            rounds.get((r.max(0.0) as usize).min(last)).copied().unwrap_or(0.0)
+            rounds
+                .get((r.max(0.0) as usize).min(last))
+                .copied()
+                .unwrap_or(0.0)
         };
         let reach = 1.96 * (count * 0.25 * 0.75).sqrt();
         let (ns, upper) = (rank(0.25 * count), rank(0.75 * count));
@@ -259,9 +262,19 @@ mod tests {
             spread,
             ..CallCost::default()
         };
-        let times = [("a", 0.3), ("b", 0.05), ("a", 0.2), ("c", 0.11), ("d", 0.5), ("e", 0.2)];
+        let times = [
+            ("a", 0.3),
+            ("b", 0.05),
+            ("a", 0.2),
+            ("c", 0.11),
+            ("d", 0.5),
+            ("e", 0.2),
+        ];
         let note = unsteady_note(times.into_iter().map(|(n, s)| (n, cost(s)))).unwrap();
-        assert!(note.contains("of a, c, d and 1 more") && note.contains("up to 50 %"), "{note}");
+        assert!(
+            note.contains("of a, c, d and 1 more") && note.contains("up to 50 %"),
+            "{note}"
+        );
         assert_eq!(unsteady_note([("b", cost(0.1))].into_iter()), None);
     }
 

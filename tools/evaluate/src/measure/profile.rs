@@ -93,7 +93,7 @@ impl SamplerFigures {
 
     /// The bias that is farthest from 0 in standard errors.
     pub fn worst_bias(&self) -> Bias {
-        let errors = |b: &Bias| b.relative.abs() / b.standard_error.max(f64::MIN_POSITIVE);
+        let errors = Bias::in_standard_errors;
         self.angles
             .iter()
             .map(|a| a.bias)

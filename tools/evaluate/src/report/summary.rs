@@ -76,10 +76,7 @@ fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
         }),
         format!("{:.3}", most(&SamplerFigures::worst_relstd)),
         format!("{:.3}", 100.0 * most(&SamplerFigures::worst_holes)),
-        format!(
-            "{:.1}",
-            most(&|s| s.worst_bias().relative.abs() / s.worst_bias().standard_error)
-        ),
+        format!("{:.1}", most(&|s| s.worst_bias().in_standard_errors())),
         format!("{:.3}", 100.0 * most(&off)),
         format!("{:.2}", 100.0 * most(&|s| s.calls.failed)),
     ]

@@ -8,8 +8,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Competitor, Curve};
-use crate::measure::cost::unsteady_note;
 use crate::measure::convergence::Technique;
+use crate::measure::cost::unsteady_note;
 use merlkit::material::{Loaded, LookupRule};
 use merlkit::sampler::{AdaptiveDiscSettings, CascadeCdfSettings, LeafChoice, SamplerSpec};
 
@@ -25,60 +25,81 @@ pub struct CountedCost {
 /// Two numbers of a Sobol point and the radiance of an environment: every sample needs them.
 const POINT_AND_LIGHT: f64 = 170.0;
 /// A direction from the environment's tables, with its density and radiance.
-const LIGHT_DRAW: f64 = 250.0;
+const LIGHT_DRAW: f64 = 370.0;
 /// The environment's density of a direction from elsewhere.
-const LIGHT_DENSITY: f64 = 60.0;
+const LIGHT_DENSITY: f64 = 100.0;
 /// Building an environment's tables, for each of their bytes.
 const LIGHT_BUILD: f64 = 2.0;
-/// A sampler that the model does not know draws as slowly as the slowest that it does.
-const UNKNOWN: (f64, f64) = (1000.0, 0.0);
-
 /// One value of f: a table's bin, or eight of them, a file's interpolation, or a formula.
 fn value_ns(material: &Loaded) -> f64 {
     match material.rule() {
         Some(LookupRule::Floor) => 40.0,
-        Some(LookupRule::Linear | LookupRule::Centred) => 80.0,
+        Some(LookupRule::Linear | LookupRule::Centred) => 90.0,
         None if material.own_sampler().is_some() => 600.0,
         None => 10.0,
     }
 }
 
-/// A sampler's draw with its density, nanoseconds, and the values of f that building it evaluates.
-fn sampler_cost(spec: &SamplerSpec, table_bytes: usize) -> (f64, f64) {
-    let bytes = table_bytes as f64;
-    match spec.name() {
-        "cosine" => (20.0, 0.0),
-        // Building is in proportion to the cells, beside a fixed search for the rows.
-        "half-vector" if table_bytes > CACHE => (90.0, HALF_VECTOR_ROWS + bytes * 5.0),
-        "half-vector" => (70.0, HALF_VECTOR_ROWS + bytes * 5.0),
-        "lobe" => (130.0, 4e5),
-        "cascade-cdf" => {
-            let uniform = spec
-                .settings::<CascadeCdfSettings>()
-                .is_some_and(|s| s.tolerance.is_none());
-            (if uniform { 250.0 } else { 330.0 }, 6e6)
+/// What a sampler costs beside the values of f that its estimates take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SamplerCost {
+    /// Nanoseconds of a draw with its density.
+    draw_ns: f64,
+    /// Values of f that building evaluates.
+    build_values: f64,
+    /// Seconds that building takes besides.
+    build_seconds: f64,
+}
+
+impl SamplerCost {
+    const fn new(draw_ns: f64, build_values: f64, build_seconds: f64) -> Self {
+        Self {
+            draw_ns,
+            build_values,
+            build_seconds,
         }
-        "adaptive-disc" => disc_cost(spec),
-        "factored" => (300.0, 5e7),
-        "file" => (1700.0, 0.0),
-        _ => UNKNOWN,
+    }
+
+    /// A sampler that the model does not know costs as much as the dearest that anyone would choose.
+    const UNKNOWN: Self = Self::new(1000.0, 1e7, 0.1);
+
+    /// The cost of a sampler whose tables have `table_bytes`.
+    fn find(spec: &SamplerSpec, table_bytes: usize) -> Self {
+        match spec.name() {
+            "cosine" => Self::new(40.0, 0.0, 0.0),
+            "half-vector" => {
+                // The search for the rows evaluates f whatever the size is; the cells do in proportion.
+                let values = 4e5 + 5.0 * table_bytes as f64;
+                let draw_ns = if table_bytes > CACHE { 90.0 } else { 70.0 };
+                Self::new(draw_ns, values, 0.0)
+            }
+            "lobe" => Self::new(150.0, 2e5, 0.05),
+            "cascade-cdf" => {
+                let settings = spec.settings::<CascadeCdfSettings>();
+                let whole = settings.is_some_and(|s| s.tolerance.is_none());
+                Self::new(if whole { 280.0 } else { 380.0 }, 1e7, 0.0)
+            }
+            "adaptive-disc" => Self::disc(spec),
+            "factored" => Self::new(800.0, 5e7, 0.0),
+            "file" => Self::new(1600.0, 0.0, 0.0),
+            _ => Self::UNKNOWN,
+        }
+    }
+
+    /// The adaptive disc: trials in the leaves, one hierarchical warp, or trials on the whole disc, which are more the higher
+    /// the material's peak is.
+    fn disc(spec: &SamplerSpec) -> Self {
+        let draw_ns = match spec.settings::<AdaptiveDiscSettings>() {
+            Some(s) if s.depth == 0 => 8000.0,
+            Some(s) if s.leaves == LeafChoice::Warp => 800.0,
+            _ => 600.0,
+        };
+        Self::new(draw_ns, 8e6, 0.0)
     }
 }
 
 /// Bytes beyond which a table no longer stays in the caches near the core.
 const CACHE: usize = 128_000;
-/// Values of f that the search for a half-vector table's rows takes.
-const HALF_VECTOR_ROWS: f64 = 3e5;
-
-/// The adaptive disc: trials in the leaves, one hierarchical warp, or trials on the whole disc.
-fn disc_cost(spec: &SamplerSpec) -> (f64, f64) {
-    const BUILD: f64 = 3e6;
-    match spec.settings::<AdaptiveDiscSettings>() {
-        Some(s) if s.depth == 0 => (3000.0, BUILD),
-        Some(s) if s.leaves == LeafChoice::Warp => (750.0, BUILD),
-        _ => (450.0, BUILD),
-    }
-}
 
 /// What `competitor` costs for `material`, whose sampler has tables of `sampler_bytes` and whose light, where it is sampled,
 /// tables of `light_bytes`.
@@ -92,9 +113,9 @@ pub fn counted_cost(
     sampler_bytes: usize,
     light_bytes: usize,
 ) -> CountedCost {
-    let (draw, values) = sampler_cost(&competitor.spec, sampler_bytes);
-    let f = value_ns(material);
-    let build = values * f * 1e-9;
+    let cost = SamplerCost::find(&competitor.spec, sampler_bytes);
+    let (draw, f) = (cost.draw_ns, value_ns(material));
+    let build = cost.build_values * f * 1e-9 + cost.build_seconds;
     let light_build = light_bytes as f64 * LIGHT_BUILD * 1e-9;
     let from_brdf = POINT_AND_LIGHT + f + draw;
     let from_light = f + LIGHT_DRAW;
@@ -160,7 +181,7 @@ mod tests {
     #[test]
     fn every_sampler_is_known_to_the_model() {
         for spec in SamplerSpec::methods() {
-            assert_ne!(sampler_cost(&spec, 0), UNKNOWN, "{spec}");
+            assert_ne!(SamplerCost::find(&spec, 0), SamplerCost::UNKNOWN, "{spec}");
         }
     }
 }

@@ -40,7 +40,10 @@ pub fn best(contenders: &[Option<Contender>]) -> Option<Winner> {
         rest.extend(contender.filter(timed).map(|c| (i, c)));
     }
     let least = |of: fn(&Contender) -> f64, among: &[(usize, Contender)]| {
-        among.iter().map(|(_, c)| of(c)).fold(f64::INFINITY, f64::min)
+        among
+            .iter()
+            .map(|(_, c)| of(c))
+            .fold(f64::INFINITY, f64::min)
     };
     // Equal in time.
     let most_seconds = TIE * least(|c| c.seconds, &rest);

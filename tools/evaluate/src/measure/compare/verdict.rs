@@ -56,10 +56,8 @@ pub fn verdict(material: &str, curves: &[Curve]) -> Option<Verdict> {
     // By label first, so that the order of the curves decides nothing.
     order.sort_by(|a, b| a.0.label.cmp(&b.0.label));
     order.sort_by(|a, b| seconds(&a.1).total_cmp(&seconds(&b.1)));
-    let contenders: Vec<Option<Contender>> = order
-        .iter()
-        .map(|(c, r)| Some(contender(c, r)))
-        .collect();
+    let contenders: Vec<Option<Contender>> =
+        order.iter().map(|(c, r)| Some(contender(c, r))).collect();
     let winner = best(&contenders)?;
     let (best, best_reach) = order[winner.index];
     let family = best.competitor.spec.name();

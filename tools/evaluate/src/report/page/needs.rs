@@ -96,7 +96,12 @@ fn cells(reach: Option<&Reach>, least: &[f64; SHARED_BY.len()]) -> String {
         text if seconds <= TIE * least => format!("<td><b>{text}</b></td>"),
         text => format!("<td>{text}</td>"),
     };
-    let times: String = reach.counted_seconds.iter().zip(least).map(seconds).collect();
+    let times: String = reach
+        .counted_seconds
+        .iter()
+        .zip(least)
+        .map(seconds)
+        .collect();
     format!(
         "<td class=\"first\">{about}{}</td>{times}",
         count(reach.samples)
