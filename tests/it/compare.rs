@@ -7,7 +7,7 @@ use merlkit::distribution::Heuristic;
 use merlkit::geometry::Symmetry;
 use merlkit::light::{Environment, SkySampling, broad_lamps};
 use merlkit::material::merl::{HardCase, decode_embedded};
-use merlkit::material::{Loaded, LookupRule, MaterialFacts, MerlBrdf};
+use merlkit::material::{Loaded, LookupRule, Material, MaterialFacts, MerlBrdf};
 use merlkit::sampler::{CosineSettings, HalfVectorSettings, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
     Competitor, Contender, ErrorPoint, LightTables, PicturePlan, PointPlan, SceneKind, Tuning,
@@ -249,6 +249,55 @@ fn a_choice_holds_on_fresh_seeds() {
             assert!(found <= error, "{name} {seed}: {found} {proof:?}");
         }
     }
+}
+
+/// Twelve runs with the command's own plan, on metals, plastics, a paint and a formula: minutes, so only on request
+/// (`cargo test --release --test it twelve -- --ignored --nocapture`).
+#[test]
+#[ignore = "takes minutes"]
+fn twelve_choices_hold_on_400_seeds() {
+    let runs = [
+        ("nickel", 0.01, 1),
+        ("nickel", 0.005, 2),
+        ("teflon", 0.01, 1),
+        ("teflon", 0.02, 3),
+        ("red-plastic", 0.01, 1),
+        ("red-plastic", 0.03, 2),
+        ("chrome", 0.01, 1),
+        ("violet-acrylic", 0.01, 1),
+        ("violet-acrylic", 0.02, 11),
+        ("blue-metallic-paint", 0.01, 1),
+        ("alum-bronze", 0.02, 7),
+        ("lambert:reflectance=0.5", 0.01, 5),
+    ];
+    let mut broken = Vec::new();
+    for (name, error, seed) in runs {
+        let material = Material::resolve(name)
+            .unwrap()
+            .load(LookupRule::Floor)
+            .unwrap();
+        let wish = Wish { error, ..WISH };
+        let specs = ["half-vector:2KB", "half-vector:64KB", "lobe:ggx", "cosine"]
+            .map(|text| text.parse().unwrap());
+        let tuning_plan = PointPlan {
+            timed: 300,
+            ..PointPlan::tuning(seed)
+        };
+        let tuning = tune(&material, &sky(), wish, &specs, &tuning_plan, &|| {}).unwrap();
+        let found = error_on_400_seeds(&material, &tuning, 1 << 50);
+        let (label, proof) = (
+            &tuning.tried[tuning.chosen.unwrap()].curve.label,
+            tuning.proof.unwrap(),
+        );
+        println!(
+            "{name} {error} {seed}: {label} {} samples, proved {:.5} ({:.5} to {:.5}), on 400 seeds {found:.5}",
+            proof.samples, proof.error.rmse, proof.error.low, proof.error.high
+        );
+        if found > error {
+            broken.push((name, error, seed, found));
+        }
+    }
+    assert!(broken.is_empty(), "{broken:?}");
 }
 
 /// Whatever is named is proved: the choice, what ties with it among the best three, and the alternatives; and no one that is

@@ -34,6 +34,8 @@ pub struct PointPlan {
     pub first_seed: u64,
     /// Samples of each batch that is timed.
     pub timed: usize,
+    /// Whether errors under independent random numbers are measured, beside those under Sobol points.
+    pub random: bool,
 }
 
 impl PointPlan {
@@ -45,10 +47,12 @@ impl PointPlan {
             seeds: 40,
             first_seed,
             timed: 3000,
+            random: true,
         }
     }
 
-    /// As [`Self::quick`], at numbers of samples that a choice may name: powers of two and one and a half times these.
+    /// As [`Self::quick`], under Sobol points alone, at numbers of samples that a choice may name: powers of two and one and a
+    /// half times these.
     pub fn tuning(first_seed: u64) -> Self {
         let mut samples = vec![1];
         while samples.last().is_some_and(|&n| n < MOST_TUNED) {
@@ -56,6 +60,7 @@ impl PointPlan {
         }
         Self {
             samples,
+            random: false,
             ..Self::quick(first_seed)
         }
     }
@@ -68,6 +73,7 @@ impl PointPlan {
             seeds: 200,
             first_seed,
             timed: 6000,
+            random: true,
         }
     }
 }
@@ -165,7 +171,7 @@ pub struct Curve {
     /// CPU time of one sample of the estimate on one thread: numbers, draw, density, BRDF and light. All 0 until
     /// [`measure_costs`] has been called.
     pub ns_per_sample: CallCost,
-    /// Errors under independent random numbers.
+    /// Errors under independent random numbers; none if the plan leaves them out.
     pub random: Vec<ErrorPoint>,
     /// Errors under Owen-scrambled Sobol points.
     pub sobol: Vec<ErrorPoint>,
@@ -187,7 +193,12 @@ pub fn curve(
     let points = lit_points(&**material.brdf(), sky, references);
     let technique = competitor.technique;
     let errors = |set| errors(&points, sampler, technique, plan, set);
-    let (random, sobol) = (errors(PointSet::Random), errors(PointSet::Sobol));
+    let sobol = errors(PointSet::Sobol);
+    let random = if plan.random {
+        errors(PointSet::Random)
+    } else {
+        Vec::new()
+    };
     // Light sampling asks the environment alone, the BRDF's techniques the sampler alone.
     let light = match technique {
         Technique::Light | Technique::Mis(_) => LightTables::measure(sky),
