@@ -195,6 +195,9 @@ struct Choice {
 
 /// How many are proved whatever the first proof comes to.
 const PROVED: usize = 3;
+/// What takes more than this times as long as the best is neither proved beside it nor named as an alternative: nobody would
+/// take it, and its proof would take as much longer.
+const FAR: f64 = 30.0;
 
 /// Contenders whose figures change as they are proved.
 struct Field<'a> {
@@ -210,8 +213,10 @@ impl Field<'_> {
     /// A proof can only raise a number of samples, which may let others past, so proofs go on until the choice by all figures
     /// is one that is proved.
     fn choose(&mut self) -> Choice {
+        let first = self.winner(&|t| t.allowed);
+        let near = near(first.and_then(|w| self.tried[w.index].counted_seconds));
         for _ in 0..PROVED {
-            let Some(next) = self.winner(&|t| t.allowed && t.proof.is_none()) else {
+            let Some(next) = self.winner(&|t| t.allowed && t.proof.is_none() && near(t)) else {
                 break;
             };
             self.prove(next.index);
@@ -223,8 +228,10 @@ impl Field<'_> {
             let choice = &self.tried[winner.index];
             let bytes = choice.curve.table_bytes;
             let samples = choice.reach.map_or(0.0, |r| r.samples);
-            let fewer_bytes = self.settle(&|t| t.allowed && t.curve.table_bytes < bytes);
-            let fewer_samples = self.settle(&|t| t.reach.is_some_and(|r| r.samples < samples));
+            let near = near(choice.counted_seconds);
+            let fewer_bytes = self.settle(&|t| t.allowed && t.curve.table_bytes < bytes && near(t));
+            let fewer_samples =
+                self.settle(&|t| t.reach.is_some_and(|r| r.samples < samples) && near(t));
             // The proofs of the neighbours may have changed who ties.
             let again = self.winner(&|t| t.allowed);
             if again.as_ref().is_some_and(|w| w.index == winner.index) {
@@ -287,6 +294,12 @@ impl Field<'_> {
             ..Choice::default()
         }
     }
+}
+
+/// Whether something takes at most [`FAR`] times `seconds`.
+fn near(seconds: Option<f64>) -> impl Fn(&Tried) -> bool {
+    let most = FAR * seconds.unwrap_or(f64::INFINITY);
+    move |tried| tried.counted_seconds.is_some_and(|s| s <= most)
 }
 
 fn contender(tried: &Tried) -> Option<Contender> {
