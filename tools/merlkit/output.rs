@@ -71,6 +71,13 @@ pub fn message(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
+/// Writes what to know before trusting a material's figures to standard error, a line a note.
+pub fn notes(material: &str, notes: &[String]) {
+    for note in notes {
+        message(&format!("{material}: {note}"));
+    }
+}
+
 /// What `--force` means.
 pub fn overwrite(force: bool) -> Overwrite {
     if force {

@@ -11,11 +11,11 @@ use merlkit::material::{Loaded, LookupRule, Material, MaterialFacts};
 use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
     Comparison, ComparisonPlan, Competitor, Curve, Knob, MATERIALS, MaterialComparison,
-    PictureComparison, PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind,
+    PictureComparison, PicturePlan, PictureResult, PointPlan, Reference, SCHEMA, SceneKind,
     SettingsComparison, competitors, cost_notes, curve, knobs, measure_costs, picture_competitors,
     picture_reference, pictures, references, setting, verdict,
 };
-use merlkit_evaluate::measure::cost::time;
+use merlkit_evaluate::measure::cost::{CallCost, time};
 use merlkit_evaluate::report::{
     ComparisonDocument, comparison_csv, comparison_page, material_charts, targets, write_json,
 };
@@ -94,9 +94,7 @@ pub fn run(args: &Args) -> Outcome {
     drop(progress);
     journal.finish()?;
     for material in &comparison.materials {
-        for note in &material.notes {
-            output::message(&format!("{}: {note}", material.material));
-        }
+        output::notes(&material.material, &material.notes);
     }
     output::stdout(|out| {
         for material in &comparison.materials {
@@ -255,14 +253,8 @@ impl Run {
             samplers.push(built);
             progress.advance();
         }
-        // All are timed in turn, which takes all of their samplers: those that an earlier run measured are built again.
         let costs = journal.recall_or(&format!("costs/{name}"), || {
-            let samplers = built(&curves, samplers, material)?;
-            let drawing: Vec<&dyn DirectionSampler> =
-                samplers.iter().map(Sampler::as_dyn).collect();
-            let mut timed = curves.clone();
-            measure_costs(&mut timed, &drawing, brdf, sky, measured);
-            Ok(timed.iter().map(|c| c.ns_per_sample).collect::<Vec<_>>())
+            costs(&curves, samplers, material, sky, measured)
         })?;
         for (curve, cost) in curves.iter_mut().zip(costs) {
             curve.ns_per_sample = cost;
@@ -345,12 +337,15 @@ impl Run {
     }
 }
 
-/// The sampler of each curve: what is built, and what is not yet.
-fn built(
+/// Times a sample of each curve, all in turn, which takes all of their samplers: those that an earlier run measured are built
+/// again.
+fn costs(
     curves: &[Curve],
     samplers: Vec<Option<Sampler>>,
     material: &Loaded,
-) -> Result<Vec<Sampler>, Error> {
+    sky: &Environment,
+    measured: (&PointPlan, &[Reference]),
+) -> Result<Vec<CallCost>, Error> {
     let mut all = Vec::new();
     for (curve, sampler) in curves.iter().zip(samplers) {
         all.push(match sampler {
@@ -358,7 +353,10 @@ fn built(
             None => curve.competitor.spec.build(material)?,
         });
     }
-    Ok(all)
+    let drawing: Vec<&dyn DirectionSampler> = all.iter().map(Sampler::as_dyn).collect();
+    let mut timed = curves.to_vec();
+    measure_costs(&mut timed, &drawing, &**material.brdf(), sky, measured);
+    Ok(timed.iter().map(|c| c.ns_per_sample).collect())
 }
 
 fn plan(args: &Args) -> ComparisonPlan {

@@ -99,11 +99,7 @@ pub fn run(args: &Args) -> Outcome {
         let figures = profile(material, args.lookup, specs, &settings, &|| {
             progress.advance()
         })?;
-        for note in &figures.notes {
-            progress.aside(|| {
-                output::message(&format!("{}: {note}", material.name()));
-            });
-        }
+        progress.aside(|| output::notes(material.name(), &figures.notes));
         let report = SamplerReport::new(figures);
         let shown = format!("{}\n{}", report.legend(), table::render(&report.sheet()));
         // Kept before it is shown: who sees it and presses Ctrl-C finds it in the files.

@@ -93,9 +93,7 @@ pub fn run(args: &Args) -> Outcome {
         progress.advance()
     })?;
     drop(progress);
-    for note in &tuning.notes {
-        output::message(&format!("{}: {note}", material.name()));
-    }
+    output::notes(material.name(), &tuning.notes);
     if args.json != Some(Destination::Stdout) {
         output::stdout(|out| {
             writeln!(

@@ -145,24 +145,7 @@ fn push_curve(sheet: &mut Sheet, material: &str, curve: &Curve) {
         let end = [samples, figure.into(), format!("{value:e}"), unit.into()];
         sheet.push(start.into_iter().chain(end).collect());
     };
-    line(
-        "",
-        String::new(),
-        "table",
-        curve.table_bytes as f64,
-        "bytes",
-    );
-    line("", String::new(), "build", curve.build_seconds, "s");
-    let (counted, measured) = (curve.counted, curve.ns_per_sample);
-    let costs = [
-        ("sample, counted", counted.sample_ns, "ns"),
-        ("build, counted", counted.build_seconds, "s"),
-        ("sample", measured.ns, "ns"),
-        ("sample, low", measured.low, "ns"),
-        ("sample, high", measured.high, "ns"),
-        ("sample, spread", measured.spread, ""),
-    ];
-    for (figure, value, unit) in costs {
+    for (figure, value, unit) in cost_figures(curve) {
         line("", String::new(), figure, value, unit);
     }
     for (points, errors, slope) in [
@@ -203,6 +186,21 @@ fn push_curve(sheet: &mut Sheet, material: &str, curve: &Curve) {
             line("sobol", format!("{:e}", r.samples), &figure, seconds, "s");
         }
     }
+}
+
+/// What a curve's sample and sampler cost: figure, value, unit.
+fn cost_figures(curve: &Curve) -> [(&'static str, f64, &'static str); 8] {
+    let (counted, measured) = (curve.counted, curve.ns_per_sample);
+    [
+        ("table", curve.table_bytes as f64, "bytes"),
+        ("build", curve.build_seconds, "s"),
+        ("build, counted", counted.build_seconds, "s"),
+        ("sample, counted", counted.sample_ns, "ns"),
+        ("sample", measured.ns, "ns"),
+        ("sample, low", measured.low, "ns"),
+        ("sample, high", measured.high, "ns"),
+        ("sample, spread", measured.spread, ""),
+    ]
 }
 
 fn push_pictures(sheet: &mut Sheet, comparison: &Comparison) {
