@@ -214,9 +214,10 @@ impl Field<'_> {
     /// is one that is proved.
     fn choose(&mut self) -> Choice {
         let first = self.winner(&|t| t.allowed);
-        let near = near(first.and_then(|w| self.tried[w.index].counted_seconds));
+        let least = first.and_then(|w| self.tried[w.index].counted_seconds);
         for _ in 0..PROVED {
-            let Some(next) = self.winner(&|t| t.allowed && t.proof.is_none() && near(t)) else {
+            let Some(next) = self.winner(&|t| t.allowed && t.proof.is_none() && is_near(t, least))
+            else {
                 break;
             };
             self.prove(next.index);
@@ -228,10 +229,11 @@ impl Field<'_> {
             let choice = &self.tried[winner.index];
             let bytes = choice.curve.table_bytes;
             let samples = choice.reach.map_or(0.0, |r| r.samples);
-            let near = near(choice.counted_seconds);
-            let fewer_bytes = self.settle(&|t| t.allowed && t.curve.table_bytes < bytes && near(t));
-            let fewer_samples =
-                self.settle(&|t| t.reach.is_some_and(|r| r.samples < samples) && near(t));
+            let seconds = choice.counted_seconds;
+            let fewer_bytes =
+                self.settle(&|t| t.allowed && t.curve.table_bytes < bytes && is_near(t, seconds));
+            let fewer_samples = self
+                .settle(&|t| t.reach.is_some_and(|r| r.samples < samples) && is_near(t, seconds));
             // The proofs of the neighbours may have changed who ties.
             let again = self.winner(&|t| t.allowed);
             if again.as_ref().is_some_and(|w| w.index == winner.index) {
@@ -297,9 +299,9 @@ impl Field<'_> {
 }
 
 /// Whether something takes at most [`FAR`] times `seconds`.
-fn near(seconds: Option<f64>) -> impl Fn(&Tried) -> bool {
+fn is_near(tried: &Tried, seconds: Option<f64>) -> bool {
     let most = FAR * seconds.unwrap_or(f64::INFINITY);
-    move |tried| tried.counted_seconds.is_some_and(|s| s <= most)
+    tried.counted_seconds.is_some_and(|s| s <= most)
 }
 
 fn contender(tried: &Tried) -> Option<Contender> {
