@@ -21,7 +21,7 @@ fn decoded_materials_have_the_facts_of_the_embedded() {
         )));
         assert_eq!(
             (&document["schema"], &document["kind"]),
-            (&2.into(), &"info".into())
+            (&3.into(), &"info".into())
         );
         let mut facts = document["results"][0].clone();
         facts["source"].take();

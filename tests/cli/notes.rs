@@ -50,7 +50,10 @@ fn gaps_are_told_once_by_every_command() {
         "render blind.binary --size 8x8 --spp 1 -o picture",
         "export blind.binary --format npz --sampler half-vector:2KB -o out",
     ] {
-        assert_eq!(notes(folder.path(), command), expected, "{command}");
+        // `report` may add a note on times that were unsteady.
+        let found = notes(folder.path(), command);
+        assert!(found.starts_with(expected), "{command}: {found}");
+        assert_eq!(found.matches("above the horizon").count(), 1, "{command}");
     }
     let linear = notes(folder.path(), "info blind.binary --lookup linear");
     assert!(

@@ -85,8 +85,8 @@ fn options_of_other_strategies_are_refused() {
             "leave it out, or pass --strategy mis",
         ),
         (&["--strategy", "ris", "--candidates", "0"], "1..=65536"),
-        (&["--target-error=-1"], "a share above 0"),
-        (&["--target-error", "0"], "a share above 0"),
+        (&["--target-error=-1"], "a fraction above 0"),
+        (&["--target-error", "0"], "a fraction above 0"),
         (
             &["--target-error", "0.1", "--spp", "4"],
             "cannot be used with",

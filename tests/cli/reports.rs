@@ -9,7 +9,7 @@ fn report_puts_the_thesis_beside_the_measured_figures() {
     let document = json(&succeeds(run(&[&arguments[..], &QUICK].concat(), "")));
     assert_eq!(
         (&document["schema"], &document["kind"]),
-        (&2.into(), &"report".into())
+        (&3.into(), &"report".into())
     );
     let nickel = &document["results"][0];
     assert_eq!(
@@ -123,7 +123,7 @@ fn check_tells_right_from_wrong_by_its_status() {
     let document = json(&String::from_utf8(document.stdout).unwrap());
     assert_eq!(
         (&document["schema"], &document["kind"]),
-        (&2.into(), &"check".into())
+        (&3.into(), &"check".into())
     );
     let outcomes = document["results"][0]["outcomes"].as_array().unwrap();
     assert_eq!(outcomes.len(), 13 * 7);

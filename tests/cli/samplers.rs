@@ -242,7 +242,7 @@ fn spec_in(folder: &Path, file: &str) -> (String, serde_json::Value) {
     )));
     assert_eq!(
         (&document["schema"], &document["kind"]),
-        (&2.into(), &"info".into())
+        (&3.into(), &"info".into())
     );
     let record = &document["results"][0];
     let spec = record["spec"].as_str().unwrap().to_owned();

@@ -15,7 +15,7 @@ fn list_names_the_hundred_materials() {
     let document = json(&succeeds(run(&["list", "--json"], "")));
     assert_eq!(
         (&document["schema"], &document["kind"]),
-        (&2.into(), &"list".into())
+        (&3.into(), &"list".into())
     );
     let names: Vec<_> = document["results"]
         .as_array()

@@ -7,11 +7,12 @@ use merlkit::distribution::Heuristic;
 use merlkit::geometry::Symmetry;
 use merlkit::light::{Environment, SkySampling, broad_lamps};
 use merlkit::material::merl::{HardCase, decode_embedded};
-use merlkit::material::{Loaded, LookupRule, MaterialFacts, MerlBrdf};
+use merlkit::material::{Loaded, LookupRule, Material, MaterialFacts, MerlBrdf};
 use merlkit::sampler::{CosineSettings, HalfVectorSettings, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
-    Competitor, ErrorPoint, PicturePlan, PointPlan, SceneKind, Tuning, Wish, competitors, curve,
-    knobs, picture_reference, pictures, reach, references, setting, tunable, tune, verdict,
+    Competitor, Contender, ErrorPoint, LightTables, PicturePlan, PointPlan, SceneKind, Tuning,
+    Wish, best, competitors, curve, knobs, picture_reference, pictures, reach, references, setting,
+    tunable, tune, verdict,
 };
 use merlkit_evaluate::measure::convergence::Technique;
 
@@ -66,7 +67,7 @@ fn a_weight_without_spread_has_no_error() {
         competitor,
         &*sampler,
         0.0,
-        &*brdf,
+        &loaded(&brdf),
         &even,
         (&plan, &references),
     );
@@ -92,7 +93,7 @@ fn intervals_hold_and_random_errors_fall_as_the_root() {
             competitor.clone(),
             &*sampler,
             0.0,
-            &*brdf,
+            &loaded(&brdf),
             &sky,
             (&plan, &references),
         )
@@ -129,7 +130,7 @@ fn the_table_beats_cosine_on_metal_and_the_verdict_says_so() {
                 Competitor::brdf(spec),
                 &*sampler,
                 0.03,
-                &*brdf,
+                &loaded(&brdf),
                 &sky,
                 (&plan, &references),
             )
@@ -142,7 +143,8 @@ fn the_table_beats_cosine_on_metal_and_the_verdict_says_so() {
     );
     // Shared by one estimate, the whole precomputation counts; by a thousand million samples, next to nothing.
     assert!(
-        table.seconds[0] > 0.03 && table.seconds[2] < table.seconds[0] / 2.0,
+        table.counted_seconds[0] > 0.01
+            && table.counted_seconds[2] < table.counted_seconds[0] / 2.0,
         "{table:?}"
     );
     let verdict = verdict("nickel", &curves).unwrap();
@@ -178,7 +180,7 @@ fn all_competitors_converge_to_the_reference() {
             competitor.clone(),
             &*sampler,
             0.0,
-            &*brdf,
+            &loaded(&brdf),
             &sky,
             (&plan, &references),
         )
@@ -191,6 +193,10 @@ fn all_competitors_converge_to_the_reference() {
 }
 
 fn tuned(name: &str, wish: Wish) -> Tuning {
+    tuned_with(name, wish, 1)
+}
+
+fn tuned_with(name: &str, wish: Wish, first_seed: u64) -> Tuning {
     let specs: Vec<SamplerSpec> = tunable(&TABLE, false)
         .unwrap()
         .into_iter()
@@ -201,7 +207,10 @@ fn tuned(name: &str, wish: Wish) -> Tuning {
         &sky(),
         wish,
         &specs,
-        &plan(&[4, 16, 64, 256, 1024], 16),
+        &PointPlan {
+            first_seed,
+            ..plan(&[4, 16, 32, 64, 96, 128, 192, 256, 1024], 16)
+        },
         &|| {},
     )
     .unwrap()
@@ -214,22 +223,217 @@ const WISH: Wish = Wish {
     shared_by: 1_000_000,
 };
 
+/// Fresh seeds that no proof has: the error of the choice at its very number of samples, over 400 of them.
+fn error_on_400_seeds(material: &Loaded, tuning: &Tuning, first_seed: u64) -> f64 {
+    let choice = &tuning.tried[tuning.chosen.unwrap()].curve.competitor;
+    let sampler = choice.spec.build(material).unwrap();
+    let plan = PointPlan {
+        first_seed,
+        ..plan(&[tuning.proof.unwrap().samples], 400)
+    };
+    let measured = (&plan, &tuning.references[..]);
+    curve(choice.clone(), &*sampler, 0.0, material, &sky(), measured).sobol[0].rmse
+}
+
+/// The proof's interval ends below the target, and 400 seeds that took no part agree, whatever the run's seed. Nickel at 2 %
+/// and red-plastic at 3 % are where a mean at the limit used to pass.
 #[test]
 fn a_choice_holds_on_fresh_seeds() {
-    let tuning = tuned("nickel", WISH);
-    let proof = tuning.proof.unwrap();
-    assert!(
-        proof.error.rmse <= 0.02 && proof.first_seed > 1 << 31,
-        "{proof:?}"
+    for (name, error) in [("nickel", 0.02), ("red-plastic", 0.03)] {
+        for seed in [1, 2, 3] {
+            let tuning = tuned_with(name, Wish { error, ..WISH }, seed);
+            let proof = tuning.proof.unwrap();
+            assert!(proof.error.high <= error, "{name} {seed}: {proof:?}");
+            let material = Loaded::from_table(measured(name));
+            let found = error_on_400_seeds(&material, &tuning, 1 << 50);
+            assert!(found <= error, "{name} {seed}: {found} {proof:?}");
+        }
+    }
+}
+
+/// Twelve runs with the command's own plan, on metals, plastics, a paint and a formula: minutes, so only on request
+/// (`cargo test --release --test it twelve -- --ignored --nocapture`).
+#[test]
+#[ignore = "takes minutes"]
+fn twelve_choices_hold_on_400_seeds() {
+    let runs = [
+        ("nickel", 0.01, 1),
+        ("nickel", 0.005, 2),
+        ("teflon", 0.01, 1),
+        ("teflon", 0.02, 3),
+        ("red-plastic", 0.01, 1),
+        ("red-plastic", 0.03, 2),
+        ("chrome", 0.01, 1),
+        ("violet-acrylic", 0.01, 1),
+        ("violet-acrylic", 0.02, 11),
+        ("blue-metallic-paint", 0.01, 1),
+        ("alum-bronze", 0.02, 7),
+        ("lambert:reflectance=0.5", 0.01, 5),
+    ];
+    let mut broken = Vec::new();
+    for (name, error, seed) in runs {
+        let material = Material::resolve(name)
+            .unwrap()
+            .load(LookupRule::Floor)
+            .unwrap();
+        let wish = Wish { error, ..WISH };
+        let specs = ["half-vector:2KB", "half-vector:64KB", "lobe:ggx", "cosine"]
+            .map(|text| text.parse().unwrap());
+        let tuning_plan = PointPlan {
+            timed: 300,
+            ..PointPlan::tuning(seed)
+        };
+        let tuning = tune(&material, &sky(), wish, &specs, &tuning_plan, &|| {}).unwrap();
+        let found = error_on_400_seeds(&material, &tuning, 1 << 50);
+        let (label, proof) = (
+            &tuning.tried[tuning.chosen.unwrap()].curve.label,
+            tuning.proof.unwrap(),
+        );
+        println!(
+            "{name} {error} {seed}: {label} {} samples, proved {:.5} ({:.5} to {:.5}), on 400 seeds {found:.5}",
+            proof.samples, proof.error.rmse, proof.error.low, proof.error.high
+        );
+        if found > error {
+            broken.push((name, error, seed, found));
+        }
+    }
+    assert!(broken.is_empty(), "{broken:?}");
+}
+
+/// Whatever is named is proved: the choice, what ties with it among the best three, and the alternatives; and no one that is
+/// proved beats the choice by the rule that it was chosen by.
+#[test]
+fn all_that_is_named_is_proved_and_the_choice_is_the_best_of_it() {
+    let tuning = tuned(
+        "red-plastic",
+        Wish {
+            error: 0.03,
+            max_bytes: Some(20_000),
+            ..WISH
+        },
     );
-    let choice = &tuning.tried[tuning.chosen.unwrap()];
-    assert_eq!(choice.curve.competitor.spec.name(), "half-vector");
-    let quickest = tuning
+    let proved: Vec<usize> = (0..tuning.tried.len())
+        .filter(|&i| tuning.tried[i].proof.is_some())
+        .collect();
+    assert!(proved.len() >= 3, "{proved:?}");
+    let named = [tuning.chosen, tuning.cheaper, tuning.better];
+    assert!(
+        named.iter().flatten().all(|i| proved.contains(i)),
+        "{named:?} {proved:?}"
+    );
+    let contenders: Vec<Option<Contender>> = tuning
         .tried
         .iter()
-        .filter_map(|t| t.seconds)
-        .fold(f64::INFINITY, f64::min);
-    assert_eq!(choice.seconds, Some(quickest));
+        .map(|t| {
+            Some(Contender {
+                seconds: t.counted_seconds?,
+                samples: t.reach?.samples,
+                bytes: t.curve.table_bytes,
+            })
+            .filter(|_| t.allowed)
+        })
+        .collect();
+    assert_eq!(best(&contenders).unwrap().index, tuning.chosen.unwrap());
+    for i in proved {
+        let (tried, proof) = (&tuning.tried[i], tuning.tried[i].proof.unwrap());
+        assert!(proof.error.high <= 0.03, "{proof:?}");
+        assert_eq!(tried.reach.unwrap().samples, proof.samples as f64);
+    }
+}
+
+/// Nothing that is measured by the clock decides: two runs agree in all but the measured times, and other materials, seeds
+/// and samplers have other fresh seeds.
+#[test]
+fn two_runs_of_one_machine_choose_alike() {
+    let choice = |t: &Tuning| {
+        let curve = &t.tried[t.chosen.unwrap()].curve;
+        let ties: Vec<String> = t
+            .ties
+            .iter()
+            .map(|&i| t.tried[i].curve.label.clone())
+            .collect();
+        (curve.label.clone(), t.proof, ties)
+    };
+    let first = choice(&tuned("nickel", WISH));
+    assert_eq!(first, choice(&tuned("nickel", WISH)));
+    let seeds = [
+        first.1.unwrap().first_seed,
+        tuned_with("nickel", WISH, 2).proof.unwrap().first_seed,
+        tuned("red-plastic", WISH).proof.unwrap().first_seed,
+    ];
+    assert!(
+        seeds[0] != seeds[1] && seeds[0] != seeds[2] && seeds[1] != seeds[2],
+        "{seeds:?}"
+    );
+}
+
+/// Slower or quicker clocks turn no verdict, and near equals are called a tie.
+#[test]
+fn a_verdict_does_not_turn_with_the_clock() {
+    let (brdf, sky) = (measured("nickel"), sky());
+    let material = loaded(&brdf);
+    let plan = plan(&[16, 64, 256, 1024], 16);
+    let references = references(&*brdf, &sky, &plan);
+    let mut curves = Vec::new();
+    for text in [
+        "cosine",
+        "half-vector:2KB",
+        "half-vector:4KB",
+        "half-vector:64KB",
+    ] {
+        let competitor = Competitor::brdf(text.parse().unwrap());
+        let sampler = competitor.spec.build(&material).unwrap();
+        let measured = (&plan, &references[..]);
+        curves.push(curve(
+            competitor, &*sampler, 0.01, &material, &sky, measured,
+        ));
+    }
+    let calm = verdict("nickel", &curves).unwrap();
+    assert!(
+        !calm.ties.is_empty() && calm.sentence.contains("a tie with"),
+        "{calm:?}"
+    );
+    for (i, curve) in curves.iter_mut().enumerate() {
+        curve.ns_per_sample.ns = [4000.0, 5000.0, 100.0, 3.0][i];
+        curve.build_seconds = [0.0, 9.0, 0.1, 0.2][i];
+    }
+    assert_eq!(verdict("nickel", &curves).unwrap(), calm);
+}
+
+/// Light sampling asks the environment alone: its bytes and its build, and no half-vector table's.
+#[test]
+fn light_sampling_is_charged_with_the_environments_tables_alone() {
+    let (brdf, sky) = (measured("teflon"), sky());
+    let plan = plan(&[16], 4);
+    let references = references(&*brdf, &sky, &plan);
+    let find = |light_only: bool| {
+        let all = competitors(true, &[TABLE]).unwrap();
+        let wanted = |t: Technique| match t {
+            Technique::Light => light_only,
+            Technique::Mis(_) => !light_only,
+            _ => false,
+        };
+        let competitor = all.into_iter().find(|c| wanted(c.technique)).unwrap();
+        let sampler = competitor.spec.build(&loaded(&brdf)).unwrap();
+        let bytes = sampler.bytes();
+        let measured = (&plan, &references[..]);
+        (
+            bytes,
+            curve(competitor, &*sampler, 77.0, &loaded(&brdf), &sky, measured),
+        )
+    };
+    let (_, light) = find(true);
+    assert!(sky.table_bytes() > 0);
+    assert_eq!(light.table_bytes, sky.table_bytes());
+    assert!(
+        light.build_seconds > 0.0 && light.build_seconds < 77.0,
+        "{light:?}"
+    );
+    let (sampler, both) = find(false);
+    assert_eq!(both.table_bytes, sky.table_bytes() + sampler);
+    assert!(both.build_seconds > 77.0 && both.counted.build_seconds > light.counted.build_seconds);
+    let even = Environment::uniform(merlkit::color::Rgb::ONE).unwrap();
+    assert_eq!(LightTables::measure(&even), LightTables::default());
 }
 
 #[test]
@@ -316,5 +520,5 @@ fn settings_trade_bytes_for_error() {
         (1e-4..0.1).contains(&small.rmse) && (1e-4..0.1).contains(&large.rmse),
         "{small:?} {large:?}"
     );
-    assert!(small.build_seconds > 0.0 && small.sample_ns > 0.0);
+    assert!(small.build_seconds > 0.0 && small.sample_ns.low > 0.0);
 }

@@ -11,20 +11,29 @@ use merlkit::sampler::{
     SamplerSpec,
 };
 use merlkit_evaluate::measure::compare::{
-    Comparison, ComparisonPlan, Competitor, Curve, ErrorPoint, Knob, MaterialCharts,
+    Comparison, ComparisonPlan, Competitor, CountedCost, Curve, ErrorPoint, Knob, MaterialCharts,
     MaterialComparison, PICTURE_SAMPLES, PictureComparison, PictureErrors, PicturePlan,
     PictureReference, PictureResult, PointPlan, Reference, SCHEMA, SceneKind, Setting,
     SettingsComparison, verdict,
 };
 use merlkit_evaluate::measure::convergence::Technique;
-use merlkit_evaluate::measure::cost::Seconds;
+use merlkit_evaluate::measure::cost::{CallCost, Seconds};
 use merlkit_evaluate::plot::{Disc, Polar};
 use merlkit_evaluate::report::{ComparisonDocument, beside_thesis, comparison_page, write_json};
 
 const HALF_VECTOR: fn() -> SamplerSpec = || SamplerSpec::new(HalfVectorSettings::default());
 
-/// Error `scale`/√N under random numbers, half of it under Sobol points.
-fn curve(competitor: Competitor, label: &str, ns_per_sample: f64, scale: f64) -> Curve {
+fn cost(ns: f64) -> CallCost {
+    CallCost {
+        ns,
+        low: 0.98 * ns,
+        high: 1.03 * ns,
+        spread: 0.02,
+    }
+}
+
+/// Error `scale`/√N under random numbers, half of it under Sobol points; samples take `ns`, counted and measured.
+fn curve(competitor: Competitor, label: &str, ns: f64, scale: f64) -> Curve {
     let errors = |scale: f64| {
         let at = |samples: usize| {
             let rmse = scale / (samples as f64).sqrt();
@@ -42,7 +51,11 @@ fn curve(competitor: Competitor, label: &str, ns_per_sample: f64, scale: f64) ->
         label: label.into(),
         table_bytes: 4096,
         build_seconds: 0.05,
-        ns_per_sample,
+        counted: CountedCost {
+            sample_ns: ns,
+            build_seconds: 0.05,
+        },
+        ns_per_sample: cost(ns),
         random: errors(scale),
         sobol: errors(scale * 0.5),
         random_slope: -0.5,
@@ -89,6 +102,7 @@ fn material(name: &str, ns: f64) -> MaterialComparison {
         references,
         curves,
         verdict,
+        notes: Vec::new(),
     }
 }
 
@@ -158,7 +172,7 @@ fn settings(material: &str) -> SettingsComparison {
             },
             table_bytes: tables * 1000,
             build_seconds: 0.1,
-            sample_ns: 50.0,
+            sample_ns: cost(50.0),
             relstd: 0.3 / tables as f64,
             rmse: 0.1 / tables as f64,
         }
@@ -299,6 +313,7 @@ fn an_empty_comparison_is_a_page() {
         references: Vec::new(),
         curves: Vec::new(),
         verdict: None,
+        notes: Vec::new(),
     });
     let page = comparison_page(&hollow);
     check(&page);
@@ -335,7 +350,8 @@ fn a_half_vector_table_that_loses_is_named() {
 fn numbers_that_are_not_are_no_obstacle() {
     let mut comparison = full();
     let curve = &mut comparison.materials[0].curves[1];
-    (curve.ns_per_sample, curve.build_seconds) = (f64::INFINITY, f64::NAN);
+    (curve.ns_per_sample.ns, curve.build_seconds) = (f64::INFINITY, f64::NAN);
+    curve.counted.sample_ns = f64::INFINITY;
     curve.sobol[3].rmse = f64::NAN;
     curve.random.clear();
     comparison.settings[0].settings[0].rmse = 0.0;

@@ -77,15 +77,8 @@ pub fn resolve(arguments: &[String]) -> Result<Vec<Material>, Error> {
 /// Loads a material, and prints on standard error what its users should know.
 pub fn load(material: &Material, rule: LookupRule) -> Result<Loaded, Error> {
     let loaded = material.load(rule)?;
-    print_notes(loaded.name(), loaded.notes());
+    output::print_notes(loaded.name(), loaded.notes());
     Ok(loaded)
-}
-
-/// Prints on standard error what users of a material should know.
-pub fn print_notes(name: &str, notes: &[String]) {
-    for note in notes {
-        output::message(&format!("merlkit: note: {name}: {note}"));
-    }
 }
 
 /// Two materials of one name would be one file.
@@ -122,8 +115,8 @@ pub fn named<T: Copy + Send + Sync + 'static>(
         .map(move |name| values.iter().find(|v| v.0 == name).unwrap_or(&values[0]).1)
 }
 
-/// "0.05" or "5%" as a share above 0.
-pub fn share(argument: &str) -> Result<f64, String> {
+/// "0.05" or "5%" as a fraction above 0.
+fn fraction(argument: &str) -> Result<f64, String> {
     let (number, unit) = match argument.strip_suffix('%') {
         Some(percent) => (percent, 0.01),
         None => (argument, 1.0),
@@ -131,7 +124,20 @@ pub fn share(argument: &str) -> Result<f64, String> {
     let parsed = number.trim().parse::<f64>().ok().map(|v| v * unit);
     parsed
         .filter(|v| *v > 0.0 && v.is_finite())
-        .ok_or_else(|| "expected a share above 0, as in 0.05 or 5%".into())
+        .ok_or_else(|| "expected a fraction above 0, as in 0.05 or 5%".into())
+}
+
+/// "0.05" or "5%" as a relative error to be reached: a fraction of at most 1, because a whole number is meant in per cent.
+pub fn target_error(argument: &str) -> Result<f64, String> {
+    let error = fraction(argument)?;
+    if error > 1.0 {
+        let meant = argument.trim_end_matches('%');
+        return Err(match argument.ends_with('%') {
+            true => format!("{argument} is more than the whole; give at most 100%"),
+            false => format!("{argument} is {}%; did you mean {meant}%?", 100.0 * error),
+        });
+    }
+    Ok(error)
 }
 
 /// "1024x512" as two counts, neither of them 0.

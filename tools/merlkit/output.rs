@@ -88,6 +88,13 @@ pub fn is_acceptable(albedo_error: f64, what: &str) -> bool {
     false
 }
 
+/// Prints on standard error what to know before trusting a material or its figures, a line a note.
+pub fn print_notes(material: &str, notes: &[String]) {
+    for note in notes {
+        message(&format!("merlkit: note: {material}: {note}"));
+    }
+}
+
 /// What `--force` means.
 pub fn overwrite(force: bool) -> Overwrite {
     if force {

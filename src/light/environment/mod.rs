@@ -155,6 +155,11 @@ impl Environment {
         Self::new(1, 1, vec![radiance], SkySampling::Uniform)
     }
 
+    /// Pixels of a row, and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
     fn with_notes(mut self, notes: MapNotes) -> Self {
         self.notes = Some(Box::new(notes));
         self

@@ -4,16 +4,18 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use merlkit::Error;
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::light::Environment;
 use merlkit::material::{Loaded, LookupRule, Material, MaterialFacts};
-use merlkit::sampler::SamplerSpec;
+use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
-    Comparison, ComparisonPlan, Competitor, Knob, MATERIALS, MaterialComparison, PictureComparison,
-    PicturePlan, PictureResult, PointPlan, SCHEMA, SceneKind, SettingsComparison, competitors,
-    curve, knobs, picture_competitors, picture_reference, pictures, references, setting, verdict,
+    Comparison, ComparisonPlan, Competitor, Curve, Knob, MATERIALS, MaterialComparison,
+    PictureComparison, PicturePlan, PictureResult, PointPlan, Reference, SCHEMA, SceneKind,
+    SettingsComparison, competitors, cost_notes, curve, knobs, measure_costs, picture_competitors,
+    picture_reference, pictures, references, setting, verdict,
 };
-use merlkit_evaluate::measure::cost::time;
+use merlkit_evaluate::measure::cost::{CallCost, time};
 use merlkit_evaluate::report::{
     ComparisonDocument, comparison_csv, comparison_page, material_charts, targets, write_json,
 };
@@ -105,6 +107,9 @@ pub fn run(args: &Args) -> Outcome {
     } = run;
     drop(progress);
     journal.finish()?;
+    for material in &comparison.materials {
+        output::print_notes(&material.material, &material.notes);
+    }
     output::stdout(|out| {
         for material in &comparison.materials {
             writeln!(out, "{}", table::render(&targets(material)))?;
@@ -239,31 +244,43 @@ impl Run {
         } = self;
         let key = format!("references/{name}");
         let references = journal.recall_or(&key, || Ok(references(brdf, sky, &plan.point)))?;
+        let measured = (&plan.point, &references[..]);
         let mut curves = Vec::new();
+        let mut samplers: Vec<Option<Sampler>> = Vec::new();
         for (number, competitor) in point_competitors(plan, &[material.facts()])?
             .into_iter()
             .enumerate()
         {
+            let mut built = None;
             curves.push(journal.recall_or(&format!("point/{name}/{number}"), || {
                 let (sampler, seconds) = time(|| competitor.spec.build(material));
-                let measured = (&plan.point, &references[..]);
+                let sampler = built.insert(sampler?);
                 Ok(curve(
                     competitor,
-                    &*sampler?,
+                    &**sampler,
                     seconds.wall,
-                    brdf,
+                    material,
                     sky,
                     measured,
                 ))
             })?);
+            samplers.push(built);
             progress.advance();
         }
+        let costs = journal.recall_or(&format!("costs/{name}"), || {
+            costs(&curves, samplers, material, sky, measured)
+        })?;
+        for (curve, cost) in curves.iter_mut().zip(costs) {
+            curve.ns_per_sample = cost;
+        }
         let verdict = verdict(name, &curves);
+        let notes = cost_notes(&curves.iter().collect::<Vec<_>>());
         Ok(MaterialComparison {
             material: name.into(),
             references,
             curves,
             verdict,
+            notes,
         })
     }
 
@@ -332,6 +349,28 @@ impl Run {
             settings,
         })
     }
+}
+
+/// Times a sample of each curve, all in turn, which takes all of their samplers: those that an earlier run measured are built
+/// again.
+fn costs(
+    curves: &[Curve],
+    samplers: Vec<Option<Sampler>>,
+    material: &Loaded,
+    sky: &Environment,
+    measured: (&PointPlan, &[Reference]),
+) -> Result<Vec<CallCost>, Error> {
+    let mut all = Vec::new();
+    for (curve, sampler) in curves.iter().zip(samplers) {
+        all.push(match sampler {
+            Some(sampler) => sampler,
+            None => curve.competitor.spec.build(material)?,
+        });
+    }
+    let drawing: Vec<&dyn DirectionSampler> = all.iter().map(Sampler::as_dyn).collect();
+    let mut timed = curves.to_vec();
+    measure_costs(&mut timed, &drawing, &**material.brdf(), sky, measured);
+    Ok(timed.iter().map(|c| c.ns_per_sample).collect())
 }
 
 fn plan(args: &Args) -> ComparisonPlan {

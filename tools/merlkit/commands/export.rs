@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
+use merlkit::brdf::Importance;
 use merlkit::export::{Export, refuse_same_identifier};
 use merlkit::files::check_writable;
 use merlkit::material::rgl::{BsdfFile, BsdfSize, RglBrdf, tabulate};
@@ -41,7 +42,7 @@ pub struct Args {
     #[arg(long, value_name = "SIZE", conflicts_with = "target_error", value_parser = size())]
     size: Option<BsdfSize>,
     /// bsdf: take the smallest size whose median error is at most this, as in 0.001 or 0.1% [default: none]
-    #[arg(long, value_name = "SHARE", value_parser = args::share)]
+    #[arg(long, value_name = "SHARE", value_parser = args::target_error)]
     target_error: Option<f64>,
     /// header, npz: the half-vector table, with its settings (`merlkit samplers half-vector`) [default: half-vector:64KB]
     #[arg(long, value_name = sampler_args::VALUE)]
@@ -239,7 +240,7 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<bool, Err
         let read = BsdfFile::open(&path)?;
         let colour = colour_error(&read, &file);
         let rgl = RglBrdf::new(read);
-        let draws = draw_quality(&rgl, brdf);
+        let draws = draw_quality(&rgl, brdf, Importance::Luminance);
         sheet.push(export_row(name, bytes, colour, &errors, &draws));
     }
     Ok(true)
@@ -248,7 +249,7 @@ fn bsdf(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<bool, Err
 fn table_and_values(material: &Material, args: &Args, sheet: &mut Sheet) -> Result<(), Error> {
     let loaded = args::load(material, args.lookup())?;
     let export = Export::new(material, &loaded, args.table_settings()?)?;
-    let draws = draw_quality(export.table(), export.brdf());
+    let draws = draw_quality(export.table(), export.brdf(), Importance::Mean);
     let overwrite = output::overwrite(args.force);
     for path in args.paths(material) {
         let (bytes, holds, draws) = match path.extension().and_then(|e| e.to_str()) {

@@ -101,7 +101,7 @@ fn list(path: &Path, args: &Args) -> Result<Arc<MerlTable>, Failure> {
     let measurements = Measurements::read(path, args.angles)?;
     let (table, notes) = measurements.to_table();
     let table = Arc::new(table);
-    args::print_notes(&args.file, measurements.notes());
+    output::print_notes(&args.file, measurements.notes());
     let brdf = MerlBrdf::new(table.clone(), args.lookup);
     let error = 100.0 * measurements.median_error(&brdf);
     output::stdout(|out| {

@@ -50,7 +50,7 @@ pub struct Args {
     ///
     /// The error is the root of the mean squared error of the tile's pixels over their mean, pixels without an object left
     /// out; it is estimated from independent replicates.
-    #[arg(long, value_name = "E", conflicts_with = "spp", value_parser = args::share)]
+    #[arg(long, value_name = "E", conflicts_with = "spp", value_parser = args::target_error)]
     target_error: Option<f64>,
     /// The most paths a pixel that --target-error may take, from 16 [default: 4096]
     #[arg(long, value_name = "N", requires = "target_error", value_parser = clap::value_parser!(u64).range(16..))]

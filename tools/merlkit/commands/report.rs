@@ -99,7 +99,7 @@ pub fn run(args: &Args) -> Outcome {
         let figures = profile(material, args.lookup, specs, &settings, &|| {
             progress.advance()
         })?;
-        args::print_notes(&figures.material, &figures.notes);
+        progress.aside(|| output::print_notes(material.name(), &figures.notes));
         let report = SamplerReport::new(figures);
         let shown = format!("{}\n{}", report.legend(), table::render(&report.sheet()));
         // Kept before it is shown: who sees it and presses Ctrl-C finds it in the files.

@@ -112,7 +112,7 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
             .map(Material::resolve)
             .transpose()?;
         let (sampler, brdf) = file.load(material)?;
-        args::print_notes(brdf.name(), brdf.notes());
+        output::print_notes(brdf.name(), brdf.notes());
         return Ok((name, sampler, brdf));
     }
     if args.material.is_some() {

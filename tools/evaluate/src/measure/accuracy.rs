@@ -38,8 +38,8 @@ pub fn limit_directions(symmetry: Symmetry) -> Vec<[f64; 2]> {
 /// How the weight of one draw spreads, by quadrature. A failed draw is a weight of 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct WeightSpread {
-    /// Standard deviation over mean: `√(E[w²]/E[w]² − 1)`, `E[w²]` = ∫ (f cosθ)²/pdf and `E[w]` = ∫ f cosθ where pdf > 0.
-    /// 0 for a black material. The quadrature resolves about 2·10⁻³.
+    /// Standard deviation over mean, the variance being ∫ (w − E[w])² pdf + lost·E[w]², with `E[w]` = ∫ f cosθ where pdf > 0
+    /// and lost the probability of a failed draw, 1 − ∫ pdf if that is above 0. 0 for a black material. The quadrature resolves about 2·10⁻³.
     pub relstd: f64,
     /// `E[w]`: the directional albedo as far as the sampler reaches it.
     pub mean: f64,
@@ -79,6 +79,20 @@ pub struct Bias {
     pub relative: f64,
     /// Standard error of `relative`, from the spread by quadrature: √(Var w / count) over the albedo.
     pub standard_error: f64,
+}
+
+/// A bias below this is rounding of f32, whatever its standard error is.
+const ROUNDING: f64 = 1e-6;
+
+impl Bias {
+    /// How many standard errors it is from 0; 0 for what f32's rounding explains, as of a constant weight, whose standard
+    /// error is 0.
+    pub fn in_standard_errors(&self) -> f64 {
+        if self.relative.abs() <= ROUNDING {
+            return 0.0;
+        }
+        self.relative.abs() / self.standard_error
+    }
 }
 
 /// Bias of the mean weight of `draws`, each with the pdf that the sampler returned.
@@ -166,9 +180,15 @@ impl Moments {
         }
     }
 
-    /// Variance of one weight; rounding of a constant weight below 0 is 0.
+    /// Variance of one weight: ∫ (w − E)² pdf + lost·E² with E = ∫ w pdf and lost = max(1 − ∫ pdf, 0).
+    ///
+    /// The first term is ∫ w² pdf − 2 E² + E² ∫ pdf, so the sum is ∫ w² pdf − E² + E²·max(∫ pdf − 1, 0). It is never negative,
+    /// also where a density integrates to more than 1: Cauchy and Schwarz give ∫ w² pdf ≥ E²/∫ pdf ≥ E² (2 − ∫ pdf). What
+    /// rounding leaves of a constant weight below 0 is 0.
     pub fn variance(&self, lane: usize) -> f64 {
-        (self.second[lane] - self.first[lane] * self.first[lane]).max(0.0)
+        let square = self.first[lane] * self.first[lane];
+        let beyond_one = (self.pdf - 1.0).max(0.0);
+        (self.second[lane] - square + square * beyond_one).max(0.0)
     }
 
     /// The farthest that one weight can be from the mean, by the nodes.
@@ -290,6 +310,58 @@ mod tests {
             },
         );
         assert!(bias.relative.abs() < 1e-5, "{bias:?}");
+    }
+
+    /// Density c·cosθ/π, which integrates to c, while directions follow the cosine.
+    struct Scaled(f32);
+
+    impl DirectionSampler for Scaled {
+        fn sample(&self, wo: Vec3, u: glam::Vec2) -> Option<DirectionSample> {
+            let drawn = Cosine.sample(wo, u)?;
+            Some(DirectionSample {
+                pdf: self.0 * drawn.pdf,
+                ..drawn
+            })
+        }
+
+        fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+            self.0 * Cosine.pdf(wo, wi)
+        }
+
+        fn bytes(&self) -> usize {
+            0
+        }
+    }
+
+    /// With density c·cosθ/π the weight of a power of the cosine is v/c, where v has mean E and second moment S under the
+    /// cosine. So for c ≥ 1 the variance is ∫ (v/c − E)² c cosθ/π = S/c − 2E² + cE², whose relative square is
+    /// (S/E²)/c − 2 + c; E² (S/E²/c − 1) as was printed is less, and below 0 for a nearly constant weight.
+    #[test]
+    fn a_density_beyond_one_hides_no_spread() {
+        for (n, c) in [(6, 1.25_f32), (1, 1.2), (0, 1.01)] {
+            let brdf = Power {
+                albedo: Rgb::splat(0.5),
+                n,
+            };
+            let spread = weight_spread(&Scaled(c), &brdf, &quadrature(30.0), Importance::Mean);
+            let (n, c) = (f64::from(n), f64::from(c));
+            let moment = (n + 2.0).powi(2) / (4.0 * (n + 1.0));
+            let expected = (moment / c - 2.0 + c).sqrt();
+            assert!(
+                (spread.relstd - expected).abs() < 1e-3,
+                "{n} {c}: {spread:?} {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_bias_that_is_rounding_is_no_standard_error() {
+        let bias = |relative, standard_error| Bias {
+            relative,
+            standard_error,
+        };
+        assert_eq!(bias(3e-7, 0.0).in_standard_errors(), 0.0);
+        assert_eq!(bias(-4e-4, 1e-4).in_standard_errors(), 4.0);
     }
 
     #[test]

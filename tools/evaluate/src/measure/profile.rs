@@ -3,20 +3,20 @@
 use rayon::prelude::*;
 
 use super::accuracy::{Bias, Draws, WeightSpread, bias, limit_directions, weight_spread};
-use super::cost::{CallTimes, Seconds, call_times, time};
+use super::cost::{CallTimes, Seconds, call_times, time, unsteady_note};
 use merlkit::Result;
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, Symmetry, spherical};
 use merlkit::material::{Loaded, LookupRule, Material};
-use merlkit::sampler::{SamplerSpec, store};
+use merlkit::sampler::{Sampler, SamplerSpec, store};
 
 /// How much to measure.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ProfileSettings {
     /// Draws a bias is estimated from, at each angle.
     pub draws: usize,
-    /// Calls timed, five times over.
+    /// Calls of each batch that is timed.
     pub timed_calls: usize,
     /// Chooses the draws.
     pub seed: u64,
@@ -28,7 +28,7 @@ impl Default for ProfileSettings {
     fn default() -> Self {
         Self {
             draws: 100_000,
-            timed_calls: 100_000,
+            timed_calls: 20_000,
             seed: 1,
             importance: Importance::Mean,
         }
@@ -93,7 +93,7 @@ impl SamplerFigures {
 
     /// The bias that is farthest from 0 in standard errors.
     pub fn worst_bias(&self) -> Bias {
-        let errors = |b: &Bias| b.relative.abs() / b.standard_error.max(f64::MIN_POSITIVE);
+        let errors = Bias::in_standard_errors;
         self.angles
             .iter()
             .map(|a| a.bias)
@@ -111,8 +111,6 @@ pub struct MaterialFigures {
     pub lookup: Option<LookupRule>,
     /// How its values are come by, as [`Loaded::reading`].
     pub reading: String,
-    /// What users should know of it, as [`Loaded::notes`].
-    pub notes: Vec<String>,
     /// Which azimuths of `wo` represent all others.
     pub symmetry: Symmetry,
     /// Time to load the file, or to decode an embedded material.
@@ -123,6 +121,8 @@ pub struct MaterialFigures {
     pub settings: ProfileSettings,
     /// The samplers, in the order asked for.
     pub samplers: Vec<SamplerFigures>,
+    /// What to know before trusting a figure: that of the material ([`Loaded::notes`]), and times that were unsteady.
+    pub notes: Vec<String>,
 }
 
 /// Loads a material, builds each sampler and measures it. `done` is called after each sampler.
@@ -138,37 +138,53 @@ pub fn profile(
 ) -> Result<MaterialFigures> {
     let (loaded, load) = time(|| material.load(lookup));
     let brdf = loaded?;
-    let samplers = specs
+    let mut built: Vec<Sampler> = Vec::new();
+    let mut samplers = Vec::new();
+    for spec in specs {
+        let (sampler, build) = time(|| spec.build(&brdf));
+        let sampler = sampler?;
+        samplers.push(sampler_figures(material, &brdf, &sampler, build, settings)?);
+        built.push(sampler);
+        done();
+    }
+    // All are timed in turn, so that a slow minute of the machine meets all of them alike.
+    let drawing: Vec<&dyn DirectionSampler> = built.iter().map(Sampler::as_dyn).collect();
+    let times = call_times(&drawing, settings.timed_calls, settings.seed);
+    for (figures, calls) in samplers.iter_mut().zip(times) {
+        figures.calls = calls;
+    }
+    let mut named = Vec::new();
+    for (sampler, figures) in built.iter().zip(&samplers) {
+        named.push((sampler.spec().to_string(), figures.calls));
+    }
+    let each_time = named
         .iter()
-        .map(|spec| {
-            let figures = sampler_figures(material, &brdf, spec, settings);
-            done();
-            figures
-        })
-        .collect::<Result<_>>()?;
+        .flat_map(|(name, c)| [(name.as_str(), c.sample_ns), (name.as_str(), c.pdf_ns)]);
+    let mut notes = brdf.notes().to_vec();
+    notes.extend(unsteady_note(each_time));
     Ok(MaterialFigures {
         material: material.name().into(),
         lookup: brdf.rule(),
         reading: brdf.reading(),
-        notes: brdf.notes().to_vec(),
         symmetry: brdf.symmetry(),
         load,
         material_bytes: brdf.bytes(),
         settings: *settings,
         samplers,
+        notes,
     })
 }
 
+/// All figures but the times of calls.
 fn sampler_figures(
     material: &Material,
     brdf: &Loaded,
-    spec: &SamplerSpec,
+    sampler: &Sampler,
+    build: Seconds,
     settings: &ProfileSettings,
 ) -> Result<SamplerFigures> {
-    let (sampler, build) = time(|| spec.build(brdf));
-    let sampler = sampler?;
-    let file_bytes = if spec.is_stored() {
-        Some(store::encode(&sampler, material)?.len())
+    let file_bytes = if sampler.spec().is_stored() {
+        Some(store::encode(sampler, material)?.len())
     } else {
         None
     };
@@ -180,10 +196,10 @@ fn sampler_figures(
         file_bytes,
         build,
         threads: rayon::current_num_threads(),
-        calls: call_times(&*sampler, settings.timed_calls, settings.seed),
+        calls: CallTimes::default(),
         angles: limit_directions(symmetry)
             .par_iter()
-            .map(|&angles| angle_figures(&*sampler, &**brdf.brdf(), angles, settings))
+            .map(|&angles| angle_figures(&**sampler, &**brdf.brdf(), angles, settings))
             .collect(),
     })
 }

@@ -50,7 +50,7 @@ pub struct ResamplingErrors {
 /// How the weights of draws by a file's own density spread, by quadrature at [`LIMIT_ANGLES_DEG`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct DrawQuality {
-    /// Standard deviation over mean of the luminance of f_r·cosθ/pdf, f_r the material's and pdf the file's or table's: the least.
+    /// Standard deviation over mean of the scalar asked for of f_r·cosθ/pdf, f_r the material's and pdf the file's or table's: the least.
     pub least_relstd: f64,
     /// And the largest.
     pub largest_relstd: f64,
@@ -105,14 +105,19 @@ impl Brdf for ReciprocalMean<'_> {
     }
 }
 
-/// How well a file's own density, or a table's, draws from the material it was made from.
-pub fn draw_quality(sampler: &dyn DirectionSampler, brdf: &dyn Brdf) -> DrawQuality {
+/// How well a file's own density, or a table's, draws from the material it was made from, by the scalar that its density
+/// follows: the luminance of a `.bsdf` file, the mean of RGB of a table unless it was built on another.
+pub fn draw_quality(
+    sampler: &dyn DirectionSampler,
+    brdf: &dyn Brdf,
+    importance: Importance,
+) -> DrawQuality {
     let spread = |degrees: f64| {
         weight_spread(
             sampler,
             brdf,
             &quadrature(degrees, POINTS_PER_BIN[0]),
-            Importance::Luminance,
+            importance,
         )
     };
     let spreads: Vec<_> = LIMIT_ANGLES_DEG.into_par_iter().map(spread).collect();

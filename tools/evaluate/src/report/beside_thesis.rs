@@ -69,7 +69,7 @@ impl From<&Curve> for Ours {
             label: label.clone(),
             table_bytes,
             build_seconds,
-            ns_per_sample: Some(*ns_per_sample),
+            ns_per_sample: Some(ns_per_sample.ns),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::cost::{kilobytes, nanoseconds};
 use super::{Sheet, ThesisTable, beside_thesis};
 use crate::measure::compare::{
     Comparison, Curve, ErrorPoint, MaterialComparison, Reach, SHARED_BY, TARGETS, reach,
@@ -25,14 +26,15 @@ impl<'a> ComparisonDocument<'a> {
     }
 }
 
-/// What each competitor needs to reach each of [`TARGETS`] at the lit point: seconds of one estimate, precomputation shared
-/// by 10⁶ samples, and samples in brackets. The quickest first, by the time to 1 %.
+/// What each competitor needs to reach each of [`TARGETS`] at the lit point: counted seconds of one estimate, precomputation
+/// shared by 10⁶ samples, and samples in brackets. The quickest first, by the time to 1 %.
 pub fn targets(material: &MaterialComparison) -> Sheet {
     let mut heading = vec![
         material.material.clone(),
         "KB".into(),
         "build s".into(),
-        "ns/sample".into(),
+        "ns counted".into(),
+        "ns measured".into(),
     ];
     heading.extend(TARGETS.map(|t| format!("to {} %", t * 100.0)));
     heading.push("slope".into());
@@ -43,9 +45,10 @@ pub fn targets(material: &MaterialComparison) -> Sheet {
     for curve in by_time(&material.curves) {
         let mut row = vec![
             curve.label.clone(),
-            format!("{:.1}", curve.table_bytes as f64 / 1000.0),
+            kilobytes(curve.table_bytes),
             format!("{:.3}", curve.build_seconds),
-            format!("{:.0}", curve.ns_per_sample),
+            format!("{:.0}", curve.counted.sample_ns),
+            nanoseconds(&curve.ns_per_sample),
         ];
         row.extend(TARGETS.map(|target| reach(curve, target).map_or("never".into(), |r| cost(&r))));
         row.push(format!("{:.2}", curve.sobol_slope));
@@ -54,9 +57,9 @@ pub fn targets(material: &MaterialComparison) -> Sheet {
     sheet
 }
 
-/// The curves, the quickest to 1 % first.
+/// The curves, the quickest to 1 % by counted time first.
 pub(super) fn by_time(curves: &[Curve]) -> Vec<&Curve> {
-    let seconds = |c: &Curve| reach(c, 0.01).map_or(f64::INFINITY, |r| r.seconds[1]);
+    let seconds = |c: &Curve| reach(c, 0.01).map_or(f64::INFINITY, |r| r.counted_seconds[1]);
     let mut order: Vec<&Curve> = curves.iter().collect();
     order.sort_by(|a, b| seconds(a).total_cmp(&seconds(b)));
     order
@@ -67,7 +70,7 @@ fn cost(reach: &Reach) -> String {
     let about = if reach.extrapolated { "~" } else { "" };
     format!(
         "{about}{} ({})",
-        duration(reach.seconds[1]),
+        duration(reach.counted_seconds[1]),
         count(reach.samples)
     )
 }
@@ -142,15 +145,9 @@ fn push_curve(sheet: &mut Sheet, material: &str, curve: &Curve) {
         let end = [samples, figure.into(), format!("{value:e}"), unit.into()];
         sheet.push(start.into_iter().chain(end).collect());
     };
-    line(
-        "",
-        String::new(),
-        "table",
-        curve.table_bytes as f64,
-        "bytes",
-    );
-    line("", String::new(), "build", curve.build_seconds, "s");
-    line("", String::new(), "sample", curve.ns_per_sample, "ns");
+    for (figure, value, unit) in cost_figures(curve) {
+        line("", String::new(), figure, value, unit);
+    }
     for (points, errors, slope) in [
         ("random", &curve.random, curve.random_slope),
         ("sobol", &curve.sobol, curve.sobol_slope),
@@ -184,11 +181,26 @@ fn push_curve(sheet: &mut Sheet, material: &str, curve: &Curve) {
             r.samples,
             "",
         );
-        for (shared, seconds) in SHARED_BY.iter().zip(r.seconds) {
-            let figure = format!("{target}: precomputation shared by {shared}");
+        for (shared, seconds) in SHARED_BY.iter().zip(r.counted_seconds) {
+            let figure = format!("{target}: counted, precomputation shared by {shared}");
             line("sobol", format!("{:e}", r.samples), &figure, seconds, "s");
         }
     }
+}
+
+/// What a curve's sample and sampler cost: figure, value, unit.
+fn cost_figures(curve: &Curve) -> [(&'static str, f64, &'static str); 8] {
+    let (counted, measured) = (curve.counted, curve.ns_per_sample);
+    [
+        ("table", curve.table_bytes as f64, "bytes"),
+        ("build", curve.build_seconds, "s"),
+        ("build, counted", counted.build_seconds, "s"),
+        ("sample, counted", counted.sample_ns, "ns"),
+        ("sample", measured.ns, "ns"),
+        ("sample, low", measured.low, "ns"),
+        ("sample, high", measured.high, "ns"),
+        ("sample, spread", measured.spread, ""),
+    ]
 }
 
 fn push_pictures(sheet: &mut Sheet, comparison: &Comparison) {
@@ -228,7 +240,10 @@ fn push_settings(sheet: &mut Sheet, comparison: &Comparison) {
             let figures = [
                 ("table", s.table_bytes as f64, "bytes"),
                 ("build", s.build_seconds, "s"),
-                ("sample", s.sample_ns, "ns"),
+                ("sample", s.sample_ns.ns, "ns"),
+                ("sample, low", s.sample_ns.low, "ns"),
+                ("sample, high", s.sample_ns.high, "ns"),
+                ("sample, spread", s.sample_ns.spread, ""),
                 ("relstd", s.relstd, ""),
                 ("relative rmse", s.rmse, ""),
             ];

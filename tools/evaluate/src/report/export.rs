@@ -3,7 +3,7 @@
 use super::Sheet;
 use crate::measure::{DrawQuality, ValueErrors};
 
-/// A sheet for [`export_row`]s.
+/// A sheet for [`export_row`]s. The files' densities follow luminance, so that of luminance is the spread they answer for.
 pub fn export_sheet() -> Sheet {
     Sheet::new(&[
         "file",
@@ -12,7 +12,7 @@ pub fn export_sheet() -> Sheet {
         "95th %",
         "albedo %",
         "colour %",
-        "relstd",
+        "relstd of luminance",
         "draws below the horizon %",
     ])
 }
@@ -37,9 +37,9 @@ pub fn export_row(
     ]
 }
 
-/// A sheet for [`drawn_row`]s.
+/// A sheet for [`drawn_row`]s. The spread is that of `report`, of the mean of red, green and blue.
 pub fn table_sheet() -> Sheet {
-    Sheet::new(&["file", "MB", "holds", "relstd"])
+    Sheet::new(&["file", "MB", "holds", "relstd of mean RGB"])
 }
 
 /// A file of values, of a half-vector table, or of both: its length, what it holds, and how its table draws if it has one.

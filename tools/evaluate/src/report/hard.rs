@@ -98,7 +98,7 @@ fn cell(check: HardCheck, outcomes: &[&HardOutcome]) -> String {
         _ if outcomes.is_empty() => String::new(),
         _ if failed > 0 => format!("{failed} of {} FAILED", outcomes.len()),
         HardCheck::Values | HardCheck::Draws | HardCheck::Picture => format!("{count} ok"),
-        HardCheck::Memory => format!("{:.0} KB", worst / 1024.0),
+        HardCheck::Memory => format!("{:.0} KB", worst / 1000.0),
         _ if free => format!("({worst:.1e})"),
         _ if worst == 0.0 => "0".into(),
         _ => format!("{worst:.1e}"),

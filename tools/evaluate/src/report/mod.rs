@@ -7,6 +7,7 @@ mod beside_thesis;
 mod charts;
 mod check;
 mod compare;
+mod cost;
 mod export;
 mod hard;
 mod import;
@@ -38,7 +39,7 @@ use serde::Serialize;
 use std::io::{self, Write};
 
 /// Version of the JSON documents' shape; it grows when a field changes its name, place or meaning.
-pub const JSON_SCHEMA: u32 = 2;
+pub const JSON_SCHEMA: u32 = 3;
 
 /// Writes `{"schema": …, "kind": kind, "results": results}` and a line feed. Numbers that are not finite become `null`.
 ///

@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::Sheet;
-use super::thesis::{ThesisFigures, thesis_figures, thesis_uniform_memory};
+use super::cost::{kilobytes, nanoseconds};
+use super::thesis::{THESIS_KB, ThesisFigures, thesis_figures, thesis_uniform_memory};
+use crate::measure::cost::ROUNDS;
 use crate::measure::profile::{MaterialFigures, SamplerFigures};
 use merlkit::geometry::Symmetry;
 use merlkit::material::LookupRule;
@@ -61,8 +63,8 @@ impl SamplerReport {
         };
         let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
-            "{}: {}; loaded (or decoded) in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one (median of five runs over \
-             7 angles). relstd: standard deviation of the weight of mean RGB over its mean, by quadrature, mean and worst \
+            "{}: {}; loaded (or decoded) in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one by CPU time, all samplers in turn (lower quartile of {ROUNDS} rounds over 7 angles, and \
+             in brackets the interval that holds it with 95 %). 1 KB = 1000 bytes. relstd: standard deviation of the weight of mean RGB over its mean, by quadrature, mean and worst \
              angle{azimuths}; holes: share of the albedo where the density is 0, worst angle; bias: of the albedo from {} draws, seed {}, \
              at the angle where it is most standard errors (±) from 0; lost: failed draws.",
             m.material,
@@ -75,7 +77,7 @@ impl SamplerReport {
     }
 
     /// The same figures as one wide table for machines: full precision, SI units, one row a sampler and angle, then the
-    /// thesis's (1 KB = 1024 bytes).
+    /// thesis's, whose KB are 1024 bytes.
     pub fn csv(reports: &[Self]) -> Sheet {
         let mut sheet = Sheet::new(&[
             "material",
@@ -89,7 +91,11 @@ impl SamplerReport {
             "build_cpu_s",
             "threads",
             "sample_ns",
+            "sample_ns_low",
+            "sample_ns_high",
             "pdf_ns",
+            "pdf_ns_low",
+            "pdf_ns_high",
             "failed",
             "theta_o_deg",
             "phi_o_deg",
@@ -123,8 +129,12 @@ impl SamplerReport {
                     s.build.wall.to_string(),
                     s.build.cpu.to_string(),
                     s.threads.to_string(),
-                    s.calls.sample_ns.to_string(),
-                    s.calls.pdf_ns.to_string(),
+                    s.calls.sample_ns.ns.to_string(),
+                    s.calls.sample_ns.low.to_string(),
+                    s.calls.sample_ns.high.to_string(),
+                    s.calls.pdf_ns.ns.to_string(),
+                    s.calls.pdf_ns.low.to_string(),
+                    s.calls.pdf_ns.high.to_string(),
                     s.calls.failed.to_string(),
                     a.theta_o_deg.to_string(),
                     a.phi_o_deg.to_string(),
@@ -145,7 +155,7 @@ impl SamplerReport {
             row[0] = m.material.clone();
             row[2] = "thesis".into();
             row[3] = t.method.clone();
-            row[4] = number(t.memory_kb.map(|kb| (kb * 1024.0).round()));
+            row[4] = number(t.memory_kb.map(|kb| (kb * THESIS_KB).round()));
             row[7] = number(t.precompute_s);
             sheet.push(row);
         }
@@ -156,10 +166,11 @@ impl SamplerReport {
 pub fn thesis_legend() -> String {
     let sizes: Vec<String> = thesis_uniform_memory()
         .iter()
-        .map(|(h, p, kb)| format!("{h} × {p} cells {kb} KB"))
+        .map(|(h, p, kb)| format!("{h} × {p} cells {kb} of its KB"))
         .collect();
     format!(
-        "Lines \"thesis\" are printed in R. Montes's thesis (2008), on an AMD Opteron; none was measured here. Their sample \
+        "Lines \"thesis\" are printed in R. Montes's thesis (2008), on an AMD Opteron; none was measured here. Its KB of 1024 \
+         bytes are KB of 1000 bytes in the table. Their sample \
          column is the time spent on drawing for one picture of 450 × 200 pixels at 25 samples. Its uniform CDFs, any \
          material (5.9): {}.",
         sizes.join(", ")
@@ -174,8 +185,8 @@ fn measured_line(s: &SamplerFigures) -> Vec<String> {
         s.file_bytes.map_or_else(|| "–".into(), kilobytes),
         format!("{:.3}", s.build.wall),
         format!("{:.3}", s.build.cpu),
-        format!("{:.0}", s.calls.sample_ns),
-        format!("{:.0}", s.calls.pdf_ns),
+        nanoseconds(&s.calls.sample_ns),
+        nanoseconds(&s.calls.pdf_ns),
         figure(s.relstd()),
         figure(s.worst_relstd()),
         format!("{:.3}", 100.0 * s.worst_holes()),
@@ -190,14 +201,12 @@ fn thesis_line(t: &ThesisFigures) -> Vec<String> {
         |x: Option<f64>, unit: &str| x.map_or_else(|| "–".into(), |x| format!("{x}{unit}"));
     let mut line = vec!["–".to_owned(); 13];
     line[0] = t.method.clone();
-    line[1] = number(t.memory_kb, "");
+    if let Some(kb) = t.memory_kb {
+        line[1] = kilobytes((kb * THESIS_KB).round() as usize);
+    }
     line[3] = number(t.precompute_s, "");
     line[5] = number(t.sampling_s, " s");
     line
-}
-
-fn kilobytes(bytes: usize) -> String {
-    format!("{:.1}", bytes as f64 / 1024.0)
 }
 
 /// Three significant digits or so.

@@ -1,5 +1,6 @@
 //! Each sampler over all materials of a report.
 
+use super::cost::nanoseconds;
 use super::{SamplerReport, Sheet};
 use crate::measure::profile::SamplerFigures;
 
@@ -47,7 +48,7 @@ pub fn summary(reports: &[SamplerReport]) -> Sheet {
 fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
     let most =
         |of: &dyn Fn(&SamplerFigures) -> f64| all.iter().map(|(_, s)| of(s)).fold(0.0, f64::max);
-    let kilobytes = |s: &SamplerFigures| s.table_bytes as f64 / 1024.0;
+    let kilobytes = |s: &SamplerFigures| s.table_bytes as f64 / 1000.0;
     let least = all
         .iter()
         .map(|(_, s)| kilobytes(s))
@@ -55,6 +56,9 @@ fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
     let worst = all
         .iter()
         .max_by(|a, b| a.1.relstd().total_cmp(&b.1.relstd()));
+    let slowest = all
+        .iter()
+        .max_by(|a, b| a.1.calls.sample_ns.ns.total_cmp(&b.1.calls.sample_ns.ns));
     let off = |s: &SamplerFigures| {
         s.angles
             .iter()
@@ -65,17 +69,14 @@ fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
         label,
         format!("{least:.1}–{:.1}", most(&kilobytes)),
         format!("{:.3}", most(&|s| s.build.wall)),
-        format!("{:.0}", most(&|s| s.calls.sample_ns)),
+        slowest.map_or_else(String::new, |(_, s)| nanoseconds(&s.calls.sample_ns)),
         format!("{:.3}", geometric_mean(all.iter().map(|(_, s)| s.relstd()))),
         worst.map_or_else(String::new, |(name, s)| {
             format!("{:.3} ({name})", s.relstd())
         }),
         format!("{:.3}", most(&SamplerFigures::worst_relstd)),
         format!("{:.3}", 100.0 * most(&SamplerFigures::worst_holes)),
-        format!(
-            "{:.1}",
-            most(&|s| s.worst_bias().relative.abs() / s.worst_bias().standard_error)
-        ),
+        format!("{:.1}", most(&|s| s.worst_bias().in_standard_errors())),
         format!("{:.3}", 100.0 * most(&off)),
         format!("{:.2}", 100.0 * most(&|s| s.calls.failed)),
     ]

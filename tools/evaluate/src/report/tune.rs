@@ -2,43 +2,62 @@
 
 use super::Sheet;
 use super::compare::duration;
+use super::cost::{kilobytes, nanoseconds};
 use crate::measure::compare::{MOST_SAMPLES, Tried, Tuning};
 
-/// One line a sampler that was tried, the quickest first.
+/// One line a sampler that was tried, the quickest by counted time first.
 pub fn tuning_sheet(material: &str, tuning: &Tuning) -> Sheet {
-    let to = format!("to {} %", percent(tuning.wish.error));
+    let to = format!("to {} %, counted", percent(tuning.wish.error));
     let mut sheet = Sheet::new(&[
         material,
         "KB",
         "build s",
-        "ns/sample",
+        "ns counted",
+        "ns measured",
         "samples",
         &to,
+        "on fresh seeds",
         "within limits",
         "slope",
     ]);
     for (i, tried) in tuning.tried.iter().enumerate() {
         let curve = &tried.curve;
-        let mark = if tuning.chosen == Some(i) { "→ " } else { "" };
+        let mark = match tuning.chosen {
+            Some(chosen) if chosen == i => "→ ",
+            _ if tuning.ties.contains(&i) => "= ",
+            _ => "",
+        };
         let samples = tried.reach.map_or("never".into(), |r| {
-            format!(
-                "{}{:.0}",
-                if r.extrapolated { "~" } else { "" },
-                r.samples.ceil()
-            )
+            format!("{}{:.0}", if r.extrapolated { "~" } else { "" }, r.samples)
         });
         sheet.push(vec![
             format!("{mark}{}", curve.label),
-            format!("{:.1}", curve.table_bytes as f64 / 1000.0),
+            kilobytes(curve.table_bytes),
             format!("{:.3}", curve.build_seconds),
-            format!("{:.0}", curve.ns_per_sample),
+            format!("{:.0}", curve.counted.sample_ns),
+            nanoseconds(&curve.ns_per_sample),
             samples,
-            tried.seconds.map_or(String::new(), duration),
+            tried.counted_seconds.map_or(String::new(), duration),
+            proved(tried),
             if tried.allowed { "yes" } else { "no" }.into(),
             format!("{:.2}", curve.sobol_slope),
         ]);
     }
     sheet
+}
+
+/// The error that a proof found, what came of one that failed, or nothing where none was made.
+fn proved(tried: &Tried) -> String {
+    match &tried.proof {
+        Some(proof) => format!(
+            "{} % ({}–{} %)",
+            percent(proof.error.rmse),
+            percent(proof.error.low),
+            percent(proof.error.high)
+        ),
+        None if tried.unproved => "not proved".into(),
+        None => String::new(),
+    }
 }
 
 /// The choice with its proof and its neighbours, or how near one gets.
@@ -49,10 +68,12 @@ pub fn tuning_summary(material: &str, tuning: &Tuning) -> String {
     };
     let mut lines = vec![match &tuning.proof {
         Some(proof) => format!(
-            "{material}: {} reaches {asked} % with {} samples, {} an estimate: {} % ({} to {} %) over seeds {} to {}",
+            "{material}: {} reaches {asked} % with {} samples, {} an estimate by counted time, {} measured: {} % ({} to {} %) over \
+             seeds {} to {}",
             choice.curve.label,
             proof.samples,
-            duration(choice.curve.ns_per_sample * 1e-9 * proof.samples as f64),
+            duration(choice.counted_seconds.unwrap_or_default()),
+            measured(choice, proof.samples as f64),
             percent(proof.error.rmse),
             percent(proof.error.low),
             percent(proof.error.high),
@@ -64,9 +85,37 @@ pub fn tuning_summary(material: &str, tuning: &Tuning) -> String {
             choice.curve.label
         ),
     }];
-    lines.extend(tuning.cheaper().map(|t| neighbour("with less memory", t)));
-    lines.extend(tuning.better().map(|t| neighbour("with fewer samples", t)));
+    lines.extend(tie(tuning));
+    let named = |index: Option<usize>| index.and_then(|i| tuning.tried.get(i));
+    lines.extend(named(tuning.cheaper).map(|t| neighbour("with less memory", t)));
+    lines.extend(named(tuning.better).map(|t| neighbour("with fewer samples", t)));
     lines.join("\n")
+}
+
+/// Who ties with the choice and what decided.
+fn tie(tuning: &Tuning) -> Option<String> {
+    let mut names: Vec<&str> = Vec::new();
+    for &i in &tuning.ties {
+        names.extend(tuning.tried.get(i).map(|t| t.curve.label.as_str()));
+    }
+    (!names.is_empty()).then(|| {
+        format!(
+            "a tie within 25 % of counted time with {}: decided by samples, then bytes",
+            names.join(", ")
+        )
+    })
+}
+
+/// Measured seconds of an estimate without its part of the precomputation, with their interval.
+fn measured(tried: &Tried, samples: f64) -> String {
+    let seconds = |ns: f64| duration(ns * 1e-9 * samples);
+    let cost = &tried.curve.ns_per_sample;
+    format!(
+        "{} ({} to {})",
+        seconds(cost.ns),
+        seconds(cost.low),
+        seconds(cost.high)
+    )
 }
 
 fn neighbour(how: &str, tried: &Tried) -> String {
@@ -75,16 +124,14 @@ fn neighbour(how: &str, tried: &Tried) -> String {
     } else {
         ", beyond the limits"
     };
-    let (samples, seconds) = (
-        tried.reach.map_or(0.0, |r| r.samples),
-        tried.seconds.unwrap_or_default(),
-    );
+    let samples = tried.reach.map_or(0.0, |r| r.samples);
     format!(
-        "{how}: {}, {:.1} KB, {:.0} samples, {}{limits}",
+        "{how}: {}, {} KB, {samples:.0} samples, {} counted, {} measured: {}{limits}",
         tried.curve.label,
-        tried.curve.table_bytes as f64 / 1000.0,
-        samples.ceil(),
-        duration(seconds),
+        kilobytes(tried.curve.table_bytes),
+        duration(tried.counted_seconds.unwrap_or_default()),
+        measured(tried, samples),
+        proved(tried),
     )
 }
 

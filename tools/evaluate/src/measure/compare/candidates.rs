@@ -7,7 +7,7 @@ use merlkit::Result;
 use merlkit::distribution::Heuristic;
 use merlkit::material::MaterialFacts;
 use merlkit::render::Strategy;
-use merlkit::sampler::{FactoredSettings, SamplerSpec};
+use merlkit::sampler::{CosineSettings, FactoredSettings, SamplerSpec};
 
 /// Materials that methods are compared on unless others are asked for: metals, paints, plastics and a diffuse one.
 pub const MATERIALS: [&str; 8] = [
@@ -24,7 +24,7 @@ pub const MATERIALS: [&str; 8] = [
 /// A sampler and how it is used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Competitor {
-    /// What draws from the BRDF.
+    /// What draws from the BRDF; [`Technique::Light`], which draws from the light alone, never asks it.
     pub spec: SamplerSpec,
     /// How its draws are combined with the light's.
     pub technique: Technique,
@@ -122,7 +122,11 @@ fn with_light(spec: &SamplerSpec, quick: bool) -> Vec<Competitor> {
     techniques
         .into_iter()
         .map(|technique| Competitor {
-            spec: spec.clone(),
+            spec: match technique {
+                // The technique asks no sampler: the cosine, which has no tables, stands in.
+                Technique::Light => SamplerSpec::new(CosineSettings {}),
+                _ => spec.clone(),
+            },
             technique,
         })
         .collect()

@@ -10,22 +10,32 @@
 //! stopped.
 
 mod candidates;
+mod counted;
+mod light;
 mod picture;
 mod point;
+mod proof;
 mod setting;
 mod target;
+mod tie;
 mod tune;
 mod verdict;
 
 pub use candidates::{Competitor, MATERIALS, competitors, picture_competitors, supported};
+pub use counted::{CountedCost, cost_notes, counted_cost};
+pub use light::LightTables;
 pub use picture::{
     LIT_FROM, PICTURE_SAMPLES, PictureErrors, PicturePlan, PictureReference, PictureResult,
     SceneKind, picture_errors, picture_reference, pictures,
 };
-pub use point::{Curve, ErrorPoint, PointPlan, Reference, THESIS_SAMPLES, curve, references};
+pub use point::{
+    Curve, ErrorPoint, PointPlan, Reference, THESIS_SAMPLES, curve, measure_costs, references,
+};
+pub use proof::Proof;
 pub use setting::{Knob, RMSE_SAMPLES, Setting, knobs, setting};
 pub use target::{Reach, SHARED_BY, TARGETS, reach, samples_to_reach};
-pub use tune::{MOST_SAMPLES, Proof, Tried, Tuning, Wish, tunable, tune};
+pub use tie::{Contender, TIE, Winner, best};
+pub use tune::{MOST_SAMPLES, Tried, Tuning, Wish, tunable, tune};
 pub use verdict::{Verdict, verdict};
 
 use serde::{Deserialize, Serialize};
@@ -34,7 +44,7 @@ use merlkit::material::merl::LookupRule;
 use merlkit::sampler::SamplerSpec;
 
 /// Version of [`Comparison`]'s shape.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// What a run compares, and how: two runs of equal plans may share their measurements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,6 +108,8 @@ pub struct MaterialComparison {
     pub curves: Vec<Curve>,
     /// Who reaches 1 % first.
     pub verdict: Option<Verdict>,
+    /// What to know before trusting a measured time.
+    pub notes: Vec<String>,
 }
 
 /// One scene in one material.

@@ -1,17 +1,21 @@
 //! The point experiment: errors of an environment-lit point against samples and against measured seconds.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::Competitor;
+use super::counted::counted_cost;
+use super::light::LightTables;
+use super::target::next_count;
+use super::{Competitor, CountedCost};
 use crate::measure::convergence::{Incident, LitPoint, Runs, Technique, slope_of};
+use crate::measure::cost::{CallCost, TimedBatch, costs};
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
 use merlkit::light::Environment;
+use merlkit::material::Loaded;
 use merlkit::points::PointSet;
 
 /// Numbers of samples of the thesis (6.4), up to 50².
@@ -28,8 +32,10 @@ pub struct PointPlan {
     pub seeds: u64,
     /// The first of their seeds.
     pub first_seed: u64,
-    /// Draws timed, five times over.
+    /// Samples of each batch that is timed.
     pub timed: usize,
+    /// Whether errors under independent random numbers are measured, beside those under Sobol points.
+    pub random: bool,
 }
 
 impl PointPlan {
@@ -40,7 +46,22 @@ impl PointPlan {
             samples: sample_counts(2500),
             seeds: 40,
             first_seed,
-            timed: 12_000,
+            timed: 3000,
+            random: true,
+        }
+    }
+
+    /// As [`Self::quick`], under Sobol points alone, at numbers of samples that a choice may name: powers of two and one and a
+    /// half times these.
+    pub fn tuning(first_seed: u64) -> Self {
+        let mut samples = vec![1];
+        while samples.last().is_some_and(|&n| n < MOST_TUNED) {
+            samples.extend(samples.last().map(|&n| next_count(n)));
+        }
+        Self {
+            samples,
+            random: false,
+            ..Self::quick(first_seed)
         }
     }
 
@@ -51,10 +72,14 @@ impl PointPlan {
             samples: sample_counts(4096),
             seeds: 200,
             first_seed,
-            timed: 60_000,
+            timed: 6000,
+            random: true,
         }
     }
 }
+
+/// The largest number of samples that [`PointPlan::tuning`] measures.
+const MOST_TUNED: usize = 4096;
 
 /// The thesis's numbers of samples and the powers of two from 2 on, up to `most`.
 fn sample_counts(most: usize) -> Vec<usize> {
@@ -137,13 +162,16 @@ pub struct Curve {
     pub competitor: Competitor,
     /// Its name for people.
     pub label: String,
-    /// Bytes of the sampler's tables.
+    /// Bytes of the tables that it draws by: the sampler's, the environment's, or both.
     pub table_bytes: usize,
-    /// Wall-clock seconds that building took, on all threads.
+    /// Wall-clock seconds that building these took, on all threads.
     pub build_seconds: f64,
-    /// Nanoseconds of one sample of the estimate on one thread: numbers, draw, density, BRDF and light.
-    pub ns_per_sample: f64,
-    /// Errors under independent random numbers.
+    /// What a sample and building cost by the fixed model, which comparisons go by.
+    pub counted: CountedCost,
+    /// CPU time of one sample of the estimate on one thread: numbers, draw, density, BRDF and light. All 0 until
+    /// [`measure_costs`] has been called.
+    pub ns_per_sample: CallCost,
+    /// Errors under independent random numbers; none if the plan leaves them out.
     pub random: Vec<ErrorPoint>,
     /// Errors under Owen-scrambled Sobol points.
     pub sobol: Vec<ErrorPoint>,
@@ -153,32 +181,102 @@ pub struct Curve {
     pub sobol_slope: f64,
 }
 
-/// Measures `sampler`, which took `build_seconds`, as `competitor` uses it.
+/// Measures `sampler`, which took `build_seconds`, as `competitor` uses it; its time is left to [`measure_costs`].
 pub fn curve(
     competitor: Competitor,
     sampler: &dyn DirectionSampler,
     build_seconds: f64,
-    brdf: &dyn Brdf,
+    material: &Loaded,
     sky: &Environment,
     (plan, references): (&PointPlan, &[Reference]),
 ) -> Curve {
-    let points: Vec<(LitPoint<'_>, f64)> = references
-        .iter()
-        .map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance))
-        .collect();
+    let points = lit_points(&**material.brdf(), sky, references);
     let technique = competitor.technique;
     let errors = |set| errors(&points, sampler, technique, plan, set);
-    let (random, sobol) = (errors(PointSet::Random), errors(PointSet::Sobol));
+    let sobol = errors(PointSet::Sobol);
+    let random = if plan.random {
+        errors(PointSet::Random)
+    } else {
+        Vec::new()
+    };
+    // Light sampling asks the environment alone, the BRDF's techniques the sampler alone.
+    let light = match technique {
+        Technique::Light | Technique::Mis(_) => LightTables::measure(sky),
+        Technique::Brdf | Technique::Ris(_) => LightTables::default(),
+    };
+    let (sampler_bytes, sampler_seconds) = match technique {
+        Technique::Light => (0, 0.0),
+        _ => (sampler.bytes(), build_seconds),
+    };
     Curve {
         label: competitor.label(),
-        table_bytes: sampler.bytes(),
-        build_seconds,
-        ns_per_sample: nanoseconds(&points, sampler, technique, plan),
+        table_bytes: sampler_bytes + light.bytes,
+        build_seconds: sampler_seconds + light.build_seconds,
+        counted: counted_cost(&competitor, material, sampler_bytes, light.bytes),
+        ns_per_sample: CallCost::default(),
         random_slope: fitted(&random),
         sobol_slope: fitted(&sobol),
         random,
         sobol,
         competitor,
+    }
+}
+
+fn lit_points<'a>(
+    brdf: &'a dyn Brdf,
+    sky: &'a Environment,
+    references: &[Reference],
+) -> Vec<(LitPoint<'a>, f64)> {
+    references
+        .iter()
+        .map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance))
+        .collect()
+}
+
+/// Estimates of all angles, to be timed.
+struct EstimateBatch<'a> {
+    points: &'a [(LitPoint<'a>, f64)],
+    sampler: &'a dyn DirectionSampler,
+    technique: Technique,
+    /// Samples at each angle.
+    each: usize,
+}
+
+impl TimedBatch for EstimateBatch<'_> {
+    fn run(&self, round: u64) -> usize {
+        for (point, _) in self.points {
+            let runs = Runs {
+                points: PointSet::Sobol,
+                seeds: 1,
+                first_seed: round,
+            };
+            black_box(point.estimate(self.technique, self.sampler, self.each, runs));
+        }
+        self.each * self.points.len()
+    }
+}
+
+/// Times a sample of each of `curves`, whose samplers are `samplers` in the same order, all in turn ([`costs`]).
+pub fn measure_costs(
+    curves: &mut [Curve],
+    samplers: &[&dyn DirectionSampler],
+    brdf: &dyn Brdf,
+    sky: &Environment,
+    (plan, references): (&PointPlan, &[Reference]),
+) {
+    let points = lit_points(brdf, sky, references);
+    let mut batches = Vec::new();
+    for (curve, &sampler) in curves.iter().zip(samplers) {
+        batches.push(EstimateBatch {
+            points: &points,
+            sampler,
+            technique: curve.competitor.technique,
+            each: plan.timed.div_ceil(points.len().max(1)),
+        });
+    }
+    let contenders: Vec<&dyn TimedBatch> = batches.iter().map(|b| b as &dyn TimedBatch).collect();
+    for (curve, cost) in curves.iter_mut().zip(costs(&contenders)) {
+        curve.ns_per_sample = cost;
     }
 }
 
@@ -229,31 +327,6 @@ fn interval(samples: usize, squares: impl Iterator<Item = f64> + Clone) -> Error
     }
 }
 
-/// Median over five runs of the time of a sample, the numbers behind it included.
-fn nanoseconds(
-    points: &[(LitPoint<'_>, f64)],
-    sampler: &dyn DirectionSampler,
-    technique: Technique,
-    plan: &PointPlan,
-) -> f64 {
-    let each = plan.timed.div_ceil(points.len().max(1));
-    let run = |seed: u64| {
-        let start = Instant::now();
-        for (point, _) in points {
-            let runs = Runs {
-                points: PointSet::Sobol,
-                seeds: 1,
-                first_seed: seed,
-            };
-            black_box(point.estimate(technique, sampler, each, runs));
-        }
-        start.elapsed().as_secs_f64() * 1e9 / (each * points.len()).max(1) as f64
-    };
-    let mut times: Vec<f64> = (0..5).map(run).collect();
-    times.sort_by(f64::total_cmp);
-    times[2]
-}
-
 /// Errors of directions from the sampler alone, under Sobol points.
 pub(super) fn errors_at(
     sampler: &dyn DirectionSampler,
@@ -262,10 +335,7 @@ pub(super) fn errors_at(
     references: &[Reference],
     plan: &PointPlan,
 ) -> Vec<ErrorPoint> {
-    let points: Vec<(LitPoint<'_>, f64)> = references
-        .iter()
-        .map(|r| (lit(brdf, sky, r.theta_o_deg), r.radiance))
-        .collect();
+    let points = lit_points(brdf, sky, references);
     errors(&points, sampler, Technique::Brdf, plan, PointSet::Sobol)
 }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::candidates::supported;
 use super::point::{PointPlan, error_at};
 use crate::measure::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
-use crate::measure::cost::{call_times, time};
+use crate::measure::cost::{CallCost, call_times, time};
 use merlkit::Result;
 use merlkit::brdf::Importance;
 use merlkit::geometry::{Quadrature, spherical};
@@ -39,8 +39,9 @@ pub struct Setting {
     pub table_bytes: usize,
     /// Wall-clock seconds that building took, on all threads.
     pub build_seconds: f64,
-    /// Nanoseconds of a draw with its density.
-    pub sample_ns: f64,
+    /// CPU time of a draw with its density. Settings are timed one after the other, so compare them with the intervals in
+    /// mind.
+    pub sample_ns: CallCost,
     /// Relative standard deviation of the weight of one draw, by quadrature: mean over [`LIMIT_ANGLES_DEG`].
     pub relstd: f64,
     /// Relative RMSE of the lit point from [`RMSE_SAMPLES`] Sobol samples.
@@ -162,8 +163,8 @@ fn cascade_knobs(lookup: LookupRule) -> Vec<Knob> {
 
 /// Points a bin of the spread's quadrature.
 const SPREAD_POINTS: usize = 233;
-/// Calls that are timed, five times over.
-const TIMED: usize = 20_000;
+/// Calls of each batch that is timed.
+const TIMED: usize = 4000;
 
 /// Measures a setting for a material under a sky; a table is read by the setting's own lookup rule.
 ///
@@ -198,7 +199,9 @@ pub fn setting(
     Ok(Setting {
         table_bytes: sampler.bytes(),
         build_seconds: seconds.wall,
-        sample_ns: call_times(&*sampler, TIMED, 1).sample_ns,
+        sample_ns: call_times(&[&*sampler], TIMED, 1)
+            .first()
+            .map_or_else(CallCost::default, |t| t.sample_ns),
         relstd: LIMIT_ANGLES_DEG.map(spread).iter().sum::<f64>() / LIMIT_ANGLES_DEG.len() as f64,
         rmse: error_at(&*sampler, brdf, sky, RMSE_SAMPLES, plan),
         knob,

@@ -20,26 +20,66 @@ pub struct Reach {
     pub samples: f64,
     /// Whether that is beyond what was measured, by the slope of the last measurements.
     pub extrapolated: bool,
-    /// Seconds of one estimate on one thread, with its share of the precomputation when that is for as many samples as
-    /// [`SHARED_BY`] says, or for this estimate's alone if that is more.
-    pub seconds: [f64; 3],
+    /// Counted seconds ([`super::CountedCost`]) of one estimate on one thread, with its part of the precomputation when that
+    /// is for as many samples as [`SHARED_BY`] says, or for this estimate's alone if that is more.
+    pub counted_seconds: [f64; 3],
 }
 
 /// What `curve` needs, under Sobol points, to reach `error`; `None` if its error doesn't fall.
 pub fn reach(curve: &Curve, error: f64) -> Option<Reach> {
     let (samples, extrapolated) = samples_to_reach(&curve.sobol, error)?;
-    let seconds = SHARED_BY.map(|shared| seconds(curve, samples, shared));
-    Some(Reach {
+    Some(reach_with(curve, error, samples, extrapolated))
+}
+
+/// What `samples` of `curve` take, which is what it needs to reach `error`.
+pub(super) fn reach_with(curve: &Curve, error: f64, samples: f64, extrapolated: bool) -> Reach {
+    Reach {
         error,
         samples,
         extrapolated,
-        seconds,
-    })
+        counted_seconds: SHARED_BY.map(|shared| counted_seconds(curve, samples, shared)),
+    }
 }
 
-/// Seconds of one estimate with its share of the precomputation.
-pub(super) fn seconds(curve: &Curve, samples: f64, shared: u64) -> f64 {
-    samples * curve.ns_per_sample * 1e-9 + curve.build_seconds * (samples / shared as f64).min(1.0)
+/// Counted seconds of one estimate with its part of the precomputation, which `shared` samples share.
+pub(super) fn counted_seconds(curve: &Curve, samples: f64, shared: u64) -> f64 {
+    let cost = curve.counted;
+    samples * cost.sample_ns * 1e-9 + cost.build_seconds * (samples / shared as f64).min(1.0)
+}
+
+/// The least number above `samples` that is a power of two or one and a half times one: 1, 2, 3, 4, 6, 8, 12, 16, 24…
+///
+/// Sobol points are spread best at powers of two; between these numbers their error follows no law, so that what a number of
+/// samples reaches is measured at that very number.
+pub(super) fn next_count(samples: usize) -> usize {
+    let power = samples.max(1).next_power_of_two();
+    // ¾ of the power above lies halfway between two powers, and is a whole number from 3 on.
+    let between = power / 4 * 3;
+    match (between > samples, power > samples) {
+        (true, _) => between,
+        (false, true) => power,
+        (false, false) => next_count_above_power(power),
+    }
+}
+
+/// Behind a power of two comes one and a half times it; behind 1 comes 2.
+fn next_count_above_power(power: usize) -> usize {
+    if power == 1 { 2 } else { power / 2 * 3 }
+}
+
+/// The first of the measured numbers of samples whose error's interval ends at or below `error`, or one beyond them along
+/// the errors' fall, and whether it is that; `None` if they don't fall.
+pub(super) fn count_to_reach(errors: &[ErrorPoint], error: f64) -> Option<(usize, bool)> {
+    if let Some(found) = errors.iter().find(|e| e.high <= error) {
+        return Some((found.samples, false));
+    }
+    let last = errors.last()?.samples;
+    let (samples, _) = samples_to_reach(errors, error)?;
+    let mut count = next_count(last);
+    while (count as f64) < samples && count < usize::MAX / 4 {
+        count = next_count(count);
+    }
+    Some((count, true))
 }
 
 /// The slowest fall that is still called one.
@@ -106,6 +146,33 @@ mod tests {
         close(samples_to_reach(&falling(1.0), 0.1), 100.0, false);
         close(samples_to_reach(&falling(1.0), 0.01), 10_000.0, true);
         close(samples_to_reach(&falling(0.05), 0.1), 1.0, false);
+    }
+
+    #[test]
+    fn counts_are_powers_of_two_and_half_as_much_again() {
+        let mut counts = vec![1];
+        while counts.len() < 11 {
+            counts.push(next_count(*counts.last().unwrap()));
+        }
+        assert_eq!(counts, [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48]);
+        assert_eq!([0, 5, 100, 256, 300].map(next_count), [1, 6, 128, 384, 384]);
+    }
+
+    /// The upper end decides: 0.01 is the mean at 64 and is not reached there.
+    #[test]
+    fn a_count_is_one_whose_interval_ends_below_the_target() {
+        let point = |(samples, rmse): (usize, f64)| ErrorPoint {
+            samples,
+            rmse,
+            low: 0.9 * rmse,
+            high: 1.1 * rmse,
+        };
+        let errors = [(16, 0.05), (64, 0.01), (128, 0.005)].map(point);
+        assert_eq!(count_to_reach(&errors, 0.01), Some((128, false)));
+        assert_eq!(count_to_reach(&errors, 0.012), Some((64, false)));
+        let (beyond, extrapolated) = count_to_reach(&errors, 0.004).unwrap();
+        assert!(beyond > 128 && extrapolated, "{beyond}");
+        assert_eq!(count_to_reach(&[], 0.1), None);
     }
 
     #[test]

@@ -3,16 +3,17 @@
 use serde::Serialize;
 
 use super::candidates::supported;
-use super::point::{ErrorPoint, PointPlan, Reference, curve, errors_at, references};
-use super::target::{Reach, reach, seconds};
-use super::{Competitor, Curve};
+use super::point::{ErrorPoint, PointPlan, Reference, curve, measure_costs, references};
+use super::proof::{Proof, Prover};
+use super::target::{Reach, count_to_reach, counted_seconds, reach_with};
+use super::tie::{Contender, Winner, best};
+use super::{Competitor, Curve, cost_notes};
 use crate::measure::cost::time;
 use merlkit::Result;
-use merlkit::brdf::Brdf;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::light::Environment;
 use merlkit::material::{Loaded, MaterialFacts};
-use merlkit::sampler::SamplerSpec;
+use merlkit::sampler::{Sampler, SamplerSpec};
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -21,7 +22,7 @@ pub struct Wish {
     pub error: f64,
     /// Most bytes of tables.
     pub max_bytes: Option<usize>,
-    /// Most seconds to build, on the threads of this run.
+    /// Most seconds to build, by the clock on the threads of this run.
     pub max_build: Option<f64>,
     /// Samples that share the precomputation.
     pub shared_by: u64,
@@ -32,31 +33,22 @@ pub struct Wish {
 pub struct Tried {
     /// What was measured.
     pub curve: Curve,
-    /// What it needs; `None` if it doesn't get there with [`MOST_SAMPLES`] samples.
+    /// What it needs, proved if `proof` is there; `None` if it doesn't get there with [`MOST_SAMPLES`] samples.
     pub reach: Option<Reach>,
-    /// Seconds of one estimate on one thread, with its share of the precomputation.
-    pub seconds: Option<f64>,
+    /// Counted seconds of one estimate on one thread, with its part of the precomputation.
+    pub counted_seconds: Option<f64>,
     /// Whether it keeps the limits of bytes and build time.
     pub allowed: bool,
+    /// The proof on fresh seeds, if one was made.
+    pub proof: Option<Proof>,
+    /// Whether a proof was tried and would take more samples than are measured, so that this is no choice.
+    pub unproved: bool,
 }
 
 /// More samples than these are no choice.
 pub const MOST_SAMPLES: f64 = 1e8;
 
-/// A choice measured again, on other seeds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Proof {
-    /// Samples of one estimate that were found to be enough.
-    pub samples: usize,
-    /// The first of the fresh seeds.
-    pub first_seed: u64,
-    /// How many.
-    pub seeds: u64,
-    /// The error with its interval; at most what was asked for.
-    pub error: ErrorPoint,
-}
-
-/// Samplers in the order of time to the error, and which of them it is.
+/// Samplers in the order of counted time to the error, and which of them it is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tuning {
     /// What was asked for.
@@ -65,27 +57,21 @@ pub struct Tuning {
     pub references: Vec<Reference>,
     /// Everything tried, the quickest first, then those that don't get there.
     pub tried: Vec<Tried>,
-    /// Position of the quickest that is allowed and gets there.
+    /// Position of the best that is allowed and gets there, by [`best`].
     pub chosen: Option<usize>,
+    /// Positions of those that tie with the choice in counted time.
+    pub ties: Vec<usize>,
+    /// Position of the best of those that are allowed, proved and hold fewer bytes than the choice.
+    pub cheaper: Option<usize>,
+    /// Position of the best of those that are proved with fewer samples than the choice, whether the limits allow it or not.
+    pub better: Option<usize>,
     /// The proof of the choice; `None` without one, or if it needs more samples than are measured.
     pub proof: Option<Proof>,
+    /// What to know before trusting a measured time.
+    pub notes: Vec<String>,
 }
 
 impl Tuning {
-    /// The quickest of those that are allowed, get there and hold fewer bytes than the choice.
-    pub fn cheaper(&self) -> Option<&Tried> {
-        let bytes = self.tried.get(self.chosen?)?.curve.table_bytes;
-        self.usable().find(|t| t.curve.table_bytes < bytes)
-    }
-
-    /// The quickest of those that get there with fewer samples than the choice, whether the limits allow it or not.
-    pub fn better(&self) -> Option<&Tried> {
-        let samples = self.tried.get(self.chosen?)?.reach?.samples;
-        self.tried
-            .iter()
-            .find(|t| t.reach.is_some_and(|r| r.samples < 0.95 * samples))
-    }
-
     /// The allowed one with the least error at the largest number of samples measured: as near as one gets.
     pub fn nearest(&self) -> Option<(&Tried, ErrorPoint)> {
         let last = |t: &Tried| t.curve.sobol.last().copied();
@@ -95,10 +81,6 @@ impl Tuning {
             .filter(|t| t.allowed)
             .filter_map(|t| Some((t, last(t)?)));
         ends.min_by(|a, b| a.1.rmse.total_cmp(&b.1.rmse))
-    }
-
-    fn usable(&self) -> impl Iterator<Item = &Tried> {
-        self.tried.iter().filter(|t| t.allowed && t.reach.is_some())
     }
 }
 
@@ -135,7 +117,11 @@ pub fn tunable(facts: &MaterialFacts, stored: bool) -> Result<Vec<SamplerSpec>> 
     Ok(all)
 }
 
-/// Tries `specs` for a material under a sky. `progress` is called after each.
+/// Tries `specs` for a material under a sky, proves the best three and whatever then is the choice or named beside it, and
+/// chooses among what is proved. `progress` is called after each that is tried.
+///
+/// The choice goes by counted costs and by errors of fixed seeds, so that it is the same in every run; measured times stand
+/// beside. A limit of build time alone is held against the clock.
 ///
 /// # Errors
 /// Those of building samplers.
@@ -149,41 +135,42 @@ pub fn tune(
 ) -> Result<Tuning> {
     let brdf = &**material.brdf();
     let references = references(brdf, sky, plan);
-    let mut tried = Vec::new();
+    let measured = (plan, &references[..]);
+    let mut samplers: Vec<Sampler> = Vec::new();
+    let mut curves = Vec::new();
     for spec in specs {
         let (sampler, seconds) = time(|| spec.build(material));
-        let measured = (plan, &references[..]);
-        let curve = curve(
-            Competitor::brdf(spec.clone()),
-            &*sampler?,
-            seconds.wall,
-            brdf,
-            sky,
-            measured,
-        );
-        tried.push(judged(curve, wish));
+        let sampler = sampler?;
+        let competitor = Competitor::brdf(spec.clone());
+        let found = curve(competitor, &*sampler, seconds.wall, material, sky, measured);
+        curves.push(found);
+        samplers.push(sampler);
         progress();
     }
-    let order = |t: &Tried| t.seconds.unwrap_or(f64::INFINITY);
-    tried.sort_by(|a, b| order(a).total_cmp(&order(b)));
-    let chosen = tried.iter().position(|t| t.allowed && t.reach.is_some());
-    let mut tuning = Tuning {
+    let drawing: Vec<&dyn DirectionSampler> = samplers.iter().map(Sampler::as_dyn).collect();
+    measure_costs(&mut curves, &drawing, brdf, sky, measured);
+    let mut field = Field {
+        tried: curves.into_iter().map(|c| judged(c, wish)).collect(),
+        samplers: &drawing,
         wish,
-        references,
-        tried,
-        chosen,
-        proof: None,
+        prover: Prover {
+            material,
+            sky,
+            references: &references,
+            plan,
+            error: wish.error,
+        },
     };
-    if let Some(choice) = chosen.map(|i| &tuning.tried[i]) {
-        let sampler = choice.curve.competitor.spec.build(material)?;
-        tuning.proof = prove(&tuning, choice, &*sampler, (brdf, sky), plan);
-    }
-    Ok(tuning)
+    let choice = field.choose();
+    let tried = field.tried;
+    Ok(ordered(choice, tried, wish, references))
 }
 
 fn judged(curve: Curve, wish: Wish) -> Tried {
-    let reach = reach(&curve, wish.error).filter(|r| r.samples <= MOST_SAMPLES);
-    let seconds = reach.map(|r| seconds(&curve, r.samples, wish.shared_by));
+    let reach = count_to_reach(&curve.sobol, wish.error)
+        .map(|(samples, beyond)| reach_with(&curve, wish.error, samples as f64, beyond))
+        .filter(|r| r.samples <= MOST_SAMPLES);
+    let seconds = reach.map(|r| counted_seconds(&curve, r.samples, wish.shared_by));
     let allowed = wish.max_bytes.is_none_or(|most| curve.table_bytes <= most)
         && wish
             .max_build
@@ -191,51 +178,157 @@ fn judged(curve: Curve, wish: Wish) -> Tried {
     Tried {
         curve,
         reach,
-        seconds,
+        counted_seconds: seconds,
         allowed,
+        proof: None,
+        unproved: false,
     }
 }
 
-/// Added to the plan's seeds for the proof.
-const FRESH: u64 = 1 << 32;
-/// Estimates of more samples are not tried.
-const MOST_PROVED: f64 = (1u64 << 20) as f64;
-/// Times that the number of samples may be raised.
-const ROUNDS: u64 = 6;
+/// Positions of the choice and of what is named beside it.
+#[derive(Default)]
+struct Choice {
+    winner: Option<Winner>,
+    cheaper: Option<usize>,
+    better: Option<usize>,
+}
 
-/// Measures the choice on fresh seeds; where its error is above what was asked for, with more samples on fresher ones.
-fn prove(
-    tuning: &Tuning,
-    choice: &Tried,
-    sampler: &dyn DirectionSampler,
-    (brdf, sky): (&dyn Brdf, &Environment),
-    plan: &PointPlan,
-) -> Option<Proof> {
-    let mut samples = choice.reach?.samples;
-    for round in 1..=ROUNDS {
-        if samples > MOST_PROVED {
-            return None;
+/// How many are proved whatever the first proof comes to.
+const PROVED: usize = 3;
+/// What takes more than this times as long as the best is neither proved beside it nor named as an alternative: nobody would
+/// take it, and its proof would take as much longer.
+const FAR: f64 = 30.0;
+
+/// Contenders whose figures change as they are proved.
+struct Field<'a> {
+    tried: Vec<Tried>,
+    samplers: &'a [&'a dyn DirectionSampler],
+    wish: Wish,
+    prover: Prover<'a>,
+}
+
+impl Field<'_> {
+    /// The choice and its neighbours, all of them proved.
+    ///
+    /// A proof can only raise a number of samples, which may let others past, so proofs go on until the choice by all figures
+    /// is one that is proved.
+    fn choose(&mut self) -> Choice {
+        let first = self.winner(&|t| t.allowed);
+        let least = first.and_then(|w| self.tried[w.index].counted_seconds);
+        for _ in 0..PROVED {
+            let Some(next) = self.winner(&|t| t.allowed && t.proof.is_none() && is_near(t, least))
+            else {
+                break;
+            };
+            self.prove(next.index);
         }
-        let fresh = PointPlan {
-            samples: vec![samples.ceil() as usize],
-            first_seed: plan.first_seed.wrapping_add(round * FRESH),
-            ..plan.clone()
-        };
-        let error = errors_at(sampler, brdf, sky, &tuning.references, &fresh)
-            .into_iter()
-            .next()?;
-        if error.rmse <= tuning.wish.error {
-            let PointPlan {
-                first_seed, seeds, ..
-            } = fresh;
-            return Some(Proof {
-                samples: error.samples,
-                first_seed,
-                seeds,
-                error,
-            });
+        loop {
+            let Some(winner) = self.settle(&|t| t.allowed) else {
+                return self.unproved();
+            };
+            let choice = &self.tried[winner.index];
+            let bytes = choice.curve.table_bytes;
+            let samples = choice.reach.map_or(0.0, |r| r.samples);
+            let seconds = choice.counted_seconds;
+            let fewer_bytes =
+                self.settle(&|t| t.allowed && t.curve.table_bytes < bytes && is_near(t, seconds));
+            let fewer_samples = self
+                .settle(&|t| t.reach.is_some_and(|r| r.samples < samples) && is_near(t, seconds));
+            // The proofs of the neighbours may have changed who ties.
+            let again = self.winner(&|t| t.allowed);
+            if again.as_ref().is_some_and(|w| w.index == winner.index) {
+                return Choice {
+                    winner: again,
+                    cheaper: fewer_bytes.map(|w| w.index),
+                    better: fewer_samples.map(|w| w.index),
+                };
+            }
         }
-        samples *= (error.rmse / tuning.wish.error).powf(1.5) * 1.02;
     }
-    None
+
+    /// The best of some, proved; `None` if none of them can be.
+    fn settle(&mut self, among: &dyn Fn(&Tried) -> bool) -> Option<Winner> {
+        loop {
+            let winner = self.winner(among)?;
+            if self.tried[winner.index].proof.is_some() {
+                return Some(winner);
+            }
+            self.prove(winner.index);
+        }
+    }
+
+    /// The best of some by the figures so far.
+    fn winner(&self, among: &dyn Fn(&Tried) -> bool) -> Option<Winner> {
+        let mut contenders = Vec::new();
+        for tried in &self.tried {
+            let takes_part = !tried.unproved && among(tried);
+            contenders.push(contender(tried).filter(|_| takes_part));
+        }
+        best(&contenders)
+    }
+
+    /// Proves one that is not proved yet, and puts the proved figures in the place of the found ones.
+    fn prove(&mut self, index: usize) {
+        let tried = &mut self.tried[index];
+        let Some(reach) = tried.reach else {
+            return;
+        };
+        let start = reach.samples as usize;
+        let proof = self.prover.prove(&tried.curve, self.samplers[index], start);
+        tried.proof = proof;
+        tried.unproved = proof.is_none();
+        if let Some(proof) = proof {
+            let samples = proof.samples as f64;
+            tried.reach = Some(reach_with(&tried.curve, self.wish.error, samples, false));
+            let seconds = counted_seconds(&tried.curve, samples, self.wish.shared_by);
+            tried.counted_seconds = Some(seconds);
+        }
+    }
+
+    /// Where no proof was had: what would be the choice if all figures held.
+    fn unproved(&self) -> Choice {
+        let mut contenders = Vec::new();
+        for tried in &self.tried {
+            contenders.push(contender(tried).filter(|_| tried.allowed));
+        }
+        Choice {
+            winner: best(&contenders),
+            ..Choice::default()
+        }
+    }
+}
+
+/// Whether something takes at most [`FAR`] times `seconds`.
+fn is_near(tried: &Tried, seconds: Option<f64>) -> bool {
+    let most = FAR * seconds.unwrap_or(f64::INFINITY);
+    tried.counted_seconds.is_some_and(|s| s <= most)
+}
+
+fn contender(tried: &Tried) -> Option<Contender> {
+    Some(Contender {
+        seconds: tried.counted_seconds?,
+        samples: tried.reach?.samples,
+        bytes: tried.curve.table_bytes,
+    })
+}
+
+/// The tuning with everything tried in the order of counted time; of equals the one tried first.
+fn ordered(choice: Choice, tried: Vec<Tried>, wish: Wish, references: Vec<Reference>) -> Tuning {
+    let mut order: Vec<usize> = (0..tried.len()).collect();
+    let seconds = |i: usize| tried[i].counted_seconds.unwrap_or(f64::INFINITY);
+    order.sort_by(|&a, &b| seconds(a).total_cmp(&seconds(b)));
+    let place = |index: usize| order.iter().position(|&i| i == index);
+    let chosen = choice.winner.as_ref().and_then(|w| place(w.index));
+    let ties = choice.winner.map_or_else(Vec::new, |w| w.ties);
+    Tuning {
+        wish,
+        references,
+        chosen,
+        ties: ties.into_iter().filter_map(place).collect(),
+        cheaper: choice.cheaper.and_then(place),
+        better: choice.better.and_then(place),
+        proof: chosen.and_then(|c| tried[order[c]].proof),
+        notes: cost_notes(&tried.iter().map(|t| &t.curve).collect::<Vec<_>>()),
+        tried: order.iter().map(|&i| tried[i].clone()).collect(),
+    }
 }

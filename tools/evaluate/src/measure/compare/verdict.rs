@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::target::{SHARED_BY, reach};
+use super::tie::{Contender, best};
 use super::{Curve, Reach};
 use crate::measure::convergence::Technique;
 
@@ -16,14 +17,14 @@ const ENOUGH: f64 = 1.5;
 /// Beyond this, a ratio says more of the extrapolation than of the samplers.
 const MANY: f64 = 1000.0;
 
-/// Who reaches an error in the least time.
+/// Who reaches an error in the least counted time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// The relative error.
     pub error: f64,
     /// Samples that share the precomputation.
     pub shared_by: u64,
-    /// The quickest competitor.
+    /// The quickest competitor; of equals in time the one with the fewest samples, then with the fewest bytes.
     pub best: String,
     /// Its sampler.
     pub sampler: String,
@@ -31,9 +32,11 @@ pub struct Verdict {
     pub table_bytes: usize,
     /// What it needs.
     pub reach: Reach,
-    /// The quickest with another sampler, and its time over the best's.
+    /// Competitors whose counted time is within [`super::TIE`] of the least: they tie with the best.
+    pub ties: Vec<String>,
+    /// The quickest with another sampler that does not tie, and its counted time over the best's.
     pub next: Option<(String, f64)>,
-    /// Cosine sampling's time over the best's; `None` if it never gets there.
+    /// Cosine sampling's counted time over the best's; `None` if it never gets there.
     pub cosine_ratio: Option<f64>,
     /// Whether that is beyond what was measured of the cosine.
     pub cosine_extrapolated: bool,
@@ -41,21 +44,28 @@ pub struct Verdict {
     pub sentence: String,
 }
 
-/// Who of `curves`, drawing from the BRDF alone, reaches 1 % of `material`'s lit point first, precomputation shared by 10⁶
-/// samples. `None` if nobody does.
+/// Who of `curves`, drawing from the BRDF alone, reaches 1 % of `material`'s lit point first by counted time, precomputation
+/// shared by 10⁶ samples. `None` if nobody does.
 pub fn verdict(material: &str, curves: &[Curve]) -> Option<Verdict> {
-    let brdf = curves
-        .iter()
-        .filter(|c| c.competitor.technique == Technique::Brdf);
-    let mut order: Vec<(&Curve, Reach)> =
-        brdf.filter_map(|c| Some((c, reach(c, ERROR)?))).collect();
+    let mut order: Vec<(&Curve, Reach)> = Vec::new();
+    for curve in curves {
+        if curve.competitor.technique == Technique::Brdf {
+            order.extend(reach(curve, ERROR).map(|r| (curve, r)));
+        }
+    }
+    // By label first, so that the order of the curves decides nothing.
+    order.sort_by(|a, b| a.0.label.cmp(&b.0.label));
     order.sort_by(|a, b| seconds(&a.1).total_cmp(&seconds(&b.1)));
-    let &(best, best_reach) = order.first()?;
+    let contenders: Vec<Option<Contender>> =
+        order.iter().map(|(c, r)| Some(contender(c, r))).collect();
+    let winner = best(&contenders)?;
+    let (best, best_reach) = order[winner.index];
     let family = best.competitor.spec.name();
     let ratio = |r: &Reach| seconds(r) / seconds(&best_reach);
-    let next = order
-        .iter()
-        .find(|(c, _)| c.competitor.spec.name() != family);
+    let behind = |i: usize| i != winner.index && !winner.ties.contains(&i);
+    let next = (0..order.len())
+        .find(|&i| behind(i) && order[i].0.competitor.spec.name() != family)
+        .map(|i| (order[i].0.label.clone(), ratio(&order[i].1)));
     let cosine = order
         .iter()
         .find(|(c, _)| c.competitor.spec.name() == "cosine");
@@ -66,7 +76,12 @@ pub fn verdict(material: &str, curves: &[Curve]) -> Option<Verdict> {
         sampler: family.into(),
         table_bytes: best.table_bytes,
         reach: best_reach,
-        next: next.map(|(c, r)| (c.label.clone(), ratio(r))),
+        ties: winner
+            .ties
+            .iter()
+            .map(|&i| order[i].0.label.clone())
+            .collect(),
+        next,
         cosine_ratio: cosine.map(|(_, r)| ratio(r)),
         cosine_extrapolated: cosine.is_some_and(|(_, r)| r.extrapolated),
         sentence: String::new(),
@@ -75,20 +90,37 @@ pub fn verdict(material: &str, curves: &[Curve]) -> Option<Verdict> {
     Some(verdict)
 }
 
+fn contender(curve: &Curve, reach: &Reach) -> Contender {
+    Contender {
+        seconds: seconds(reach),
+        samples: reach.samples,
+        bytes: curve.table_bytes,
+    }
+}
+
 fn seconds(reach: &Reach) -> f64 {
-    reach.seconds[SHARE]
+    reach.counted_seconds[SHARE]
 }
 
 fn sentence(material: &str, v: &Verdict) -> String {
     let percent = v.error * 100.0;
+    let tie = match &v.ties[..] {
+        [] => String::new(),
+        [one] => format!("; a tie with {one}, decided by samples, then bytes"),
+        all => format!(
+            "; a tie with {} others ({}), decided by samples, then bytes",
+            all.len(),
+            all.join(", ")
+        ),
+    };
     let enough = v.cosine_ratio.filter(|r| *r <= ENOUGH);
     if let Some(ratio) = enough {
         let beside = if v.sampler == "cosine" {
             "nothing is quicker".to_owned()
         } else {
-            format!("{ratio:.1}× the time of {}, the quickest", v.best)
+            format!("{ratio:.1}× the counted time of {}", v.best)
         };
-        return format!("{material}: cosine is enough to reach {percent} % ({beside})");
+        return format!("{material}: cosine is enough to reach {percent} % ({beside}{tie})");
     }
     let about = if v.cosine_extrapolated { "about " } else { "" };
     let against = match v.cosine_ratio {
@@ -102,7 +134,7 @@ fn sentence(material: &str, v: &Verdict) -> String {
         format!("; next is {who} at {ratio:.1}×")
     });
     format!(
-        "{material}: {} ({kilobytes:.1} KB) reaches {percent} % in {against}{next}",
+        "{material}: {} ({kilobytes:.1} KB) reaches {percent} % in {against}, counted{tie}{next}",
         v.best
     )
 }

@@ -2,7 +2,8 @@
 
 use super::Section;
 use super::html::{escape, table};
-use crate::measure::compare::{Comparison, LIT_FROM, MaterialComparison, Reference};
+use crate::measure::compare::{Comparison, LIT_FROM, MaterialComparison, Reference, TIE};
+use crate::measure::cost::ROUNDS;
 use crate::report::Sheet;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
@@ -34,14 +35,21 @@ fn terms(comparison: &Comparison) -> Vec<(&'static str, String)> {
              table's.",
             plan.lookup.name()
         )),
-        ("Times", "Wall-clock. A sample: the median of five runs on one thread. Building: once, on all threads. A picture: \
-                   once, on all threads, without loading and building. Seconds against which errors are drawn are N times \
-                   the time of a sample."
-            .into()),
+        ("Counted time", format!(
+            "A fixed number of nanoseconds for a sample of each sampler and for building it, on one thread, and the same on \
+             every machine: medians over materials on one core of an AMD EPYC. Verdicts, the order of tables and seconds to \
+             an error go by it, because a clock never says the same twice. It is right to some 25 %, so counted times within \
+             a factor of {TIE} are a tie."
+        )),
+        ("Measured time", format!(
+            "A sample: CPU time of one thread, the lower quartile of {ROUNDS} short batches, all samplers in turn, with the \
+             interval that holds that quartile with 95 %. Building: once, by the clock, on all threads. A picture: the same, \
+             without loading and building. Seconds against which errors are drawn are N times the measured time of a sample."
+        )),
         ("Shared by", "Building is done once and serves every later sample. Shared by 10⁶ samples, an estimate of N bears \
                        N/10⁶ of it, at most all."
             .into()),
-        ("Bytes", "Those of the sampler's tables; 1 KB is 1000 bytes. The material's own table, which every renderer needs \
+        ("Bytes", "Those of the tables that directions are drawn by, the sampler's or the light's; 1 KB is 1000 bytes. The material's own table, which every renderer needs \
                    to evaluate, is not counted."
             .into()),
         ("What does not count", "Loading the material; writing files; rays (the point sees all of its light); errors of the \

@@ -3,18 +3,21 @@
 use super::Section;
 use super::html::{column_head, escape, framed, paragraph};
 use crate::measure::compare::{
-    Comparison, Curve, MaterialComparison, Reach, SHARED_BY, TARGETS, reach,
+    Comparison, Curve, MaterialComparison, Reach, SHARED_BY, TARGETS, TIE, reach,
 };
 use crate::report::compare::{by_time, duration};
+use crate::report::cost::{kilobytes, nanoseconds};
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let tables: String = comparison.materials.iter().map(table).collect();
     if tables.is_empty() {
         return None;
     }
-    let note = "Sobol points. N is the samples of one estimate; beside it the seconds of one estimate on one thread, with \
-                its share of the precomputation when that serves this estimate alone, or 10⁶ or 10⁹ samples. The quickest \
-                to 1 % stands first, the least of each column is underlined. A ~ marks samples beyond what was measured, \
+    let note = "Sobol points. N is the samples of one estimate; beside it the counted seconds of one estimate on one \
+                thread, with its part of the precomputation when that serves this estimate alone, or 10⁶ or 10⁹ samples. \
+                Counted times are the same in every run; measured nanoseconds of a sample stand beside the counted ones, \
+                with the interval that holds them with 95 %. The quickest to 1 % is first; the least of each column and \
+                what ties with it, within 25 %, is underlined. A ~ marks samples beyond what was measured, \
                 continued along the last measurements; “never” an error that does not fall.";
     Section::new("needs", "What an error costs", paragraph(note) + &tables)
 }
@@ -29,7 +32,7 @@ fn table(material: &MaterialComparison) -> String {
         let seconds = needs
             .iter()
             .filter_map(|n| n[target])
-            .map(|r| r.seconds[share]);
+            .map(|r| r.counted_seconds[share]);
         seconds.fold(f64::INFINITY, f64::min)
     };
     let least: [[f64; SHARED_BY.len()]; TARGETS.len()] =
@@ -51,7 +54,7 @@ fn table(material: &MaterialComparison) -> String {
 }
 
 fn head() -> String {
-    let first: String = ["sampler", "KB", "build", "ns a sample"]
+    let first: String = ["sampler", "KB", "build", "ns a sample, counted", "measured"]
         .map(|h| column_head(h, " rowspan=\"2\""))
         .concat();
     let group = |target: f64| {
@@ -75,11 +78,12 @@ fn head() -> String {
 
 fn start(curve: &Curve) -> String {
     format!(
-        "<th scope=\"row\">{}</th><td>{:.1}</td><td>{}</td><td>{:.0}</td>",
+        "<th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{:.0}</td><td>{}</td>",
         escape(&curve.label),
-        curve.table_bytes as f64 / 1000.0,
+        kilobytes(curve.table_bytes),
         duration(curve.build_seconds),
-        curve.ns_per_sample
+        curve.counted.sample_ns,
+        nanoseconds(&curve.ns_per_sample)
     )
 }
 
@@ -89,10 +93,15 @@ fn cells(reach: Option<&Reach>, least: &[f64; SHARED_BY.len()]) -> String {
     };
     let about = if reach.extrapolated { "~" } else { "" };
     let seconds = |(&seconds, &least): (&f64, &f64)| match duration(seconds) {
-        text if seconds <= least => format!("<td><b>{text}</b></td>"),
+        text if seconds <= TIE * least => format!("<td><b>{text}</b></td>"),
         text => format!("<td>{text}</td>"),
     };
-    let times: String = reach.seconds.iter().zip(least).map(seconds).collect();
+    let times: String = reach
+        .counted_seconds
+        .iter()
+        .zip(least)
+        .map(seconds)
+        .collect();
     format!(
         "<td class=\"first\">{about}{}</td>{times}",
         count(reach.samples)

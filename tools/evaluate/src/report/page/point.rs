@@ -36,8 +36,8 @@ impl Across {
     fn title(self) -> &'static str {
         match self {
             Self::Samples => "samples N",
-            Self::Seconds => "seconds of an estimate, one thread",
-            Self::SecondsWithBuild => "seconds of an estimate and of building the sampler",
+            Self::Seconds => "measured seconds of an estimate, one thread",
+            Self::SecondsWithBuild => "measured seconds of an estimate and of building the sampler",
         }
     }
 
@@ -50,7 +50,7 @@ impl Across {
     }
 
     fn abscissa(self, curve: &Curve, samples: usize) -> f64 {
-        let seconds = samples as f64 * curve.ns_per_sample * 1e-9;
+        let seconds = samples as f64 * curve.ns_per_sample.ns * 1e-9;
         match self {
             Self::Samples => samples as f64,
             Self::Seconds => seconds,

@@ -30,7 +30,7 @@ type Measure = (&'static str, fn(&Setting) -> f64);
 
 const BYTES: Measure = ("bytes of tables", |s| s.table_bytes as f64);
 const BUILD: Measure = ("seconds to build", |s| s.build_seconds);
-const DRAW: Measure = ("ns of a draw with its density", |s| s.sample_ns);
+const DRAW: Measure = ("ns of a draw with its density", |s| s.sample_ns.ns);
 const RMSE: Measure = ("relative RMSE", |s| s.rmse);
 const SPREAD: Measure = ("relative standard deviation of a weight", |s| s.relstd);
 

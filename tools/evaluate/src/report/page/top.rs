@@ -97,8 +97,10 @@ pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
     };
     let items: String = comparison.materials.iter().map(item).collect();
     let note = "The time to a relative error of 1 % at the lit point, with precomputation shared by 10⁶ samples, among \
-                samplers that draw from the BRDF alone. Extrapolated samples have a ~ in the tables. Times vary \
-                from run to run: one run does not decide between near equals.";
+                samplers that draw from the BRDF alone. It is counted by a fixed cost of each sampler's draw, so that the \
+                same run gives the same verdict; measured times stand in the tables below. Counted times within 25 % of \
+                the least are a tie, which goes to the fewest samples, then to the fewest bytes. Extrapolated samples have \
+                a ~ in the tables.";
     let table = table("Who reaches 1 % first", &summary(comparison));
     let body = format!(
         "<ul class=\"verdicts\">\n{items}</ul>\n{}{table}",
@@ -107,7 +109,7 @@ pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
     Section::new("verdicts", "Verdicts", body)
 }
 
-/// That the half-vector table is not the quickest, where it isn't.
+/// That the half-vector table is not the choice, where it isn't, and whether it ties.
 fn loses(material: &MaterialComparison) -> Option<String> {
     let verdict = material
         .verdict
@@ -118,6 +120,10 @@ fn loses(material: &MaterialComparison) -> Option<String> {
         c.competitor.technique == Technique::Brdf && c.competitor.spec.name() == HALF_VECTOR
     });
     Some(match half_vector {
+        Some((label, _)) if verdict.ties.iter().any(|t| t == label) => format!(
+            "On {name} the half-vector table is not the choice: {} is, which ties with {label}.",
+            verdict.best
+        ),
         Some((label, seconds)) => format!(
             "On {name} the half-vector table is not the quickest: {} is, and {label} takes {}.",
             verdict.best,
@@ -137,17 +143,17 @@ fn times(seconds: f64, verdict: &Verdict) -> String {
     format!("{:.2}× the time", seconds / seconds_of(verdict))
 }
 
-/// Seconds to the verdict's error as the verdict counts them.
+/// Counted seconds to the verdict's error.
 fn seconds_of(verdict: &Verdict) -> f64 {
-    verdict.reach.seconds[1]
+    verdict.reach.counted_seconds[1]
 }
 
-/// Label and seconds to 1 % of the quickest of some.
+/// Label and counted seconds to 1 % of the quickest of some.
 fn quickest(curves: &[Curve], of: impl Fn(&Curve) -> bool) -> Option<(&str, f64)> {
     let times = curves
         .iter()
         .filter(|c| of(c))
-        .filter_map(|c| Some((c.label.as_str(), reach(c, 0.01)?.seconds[1])));
+        .filter_map(|c| Some((c.label.as_str(), reach(c, 0.01)?.counted_seconds[1])));
     times.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -156,7 +162,7 @@ fn summary(comparison: &Comparison) -> Sheet {
         "material",
         "quickest",
         "KB",
-        "time to 1 %",
+        "counted time to 1 %",
         "cosine",
         "best half-vector table",
         "best that samples the light too",
