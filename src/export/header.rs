@@ -3,7 +3,8 @@
 //! In the templates `NAME` begins every identifier of a material, and `@…@` stands for what is filled in. The text is ASCII
 //! without backslashes, and its floats are the shortest decimals that are read back to the bit.
 
-use super::{Export, identifier};
+use super::contents::Export;
+use super::identifier::identifier;
 use crate::geometry::half_vector_chart::ChartEdge;
 use crate::material::merl::LookupRule;
 use crate::sampler::{NODE_UNIT, ROW_UNIT, Stored};

@@ -5,7 +5,7 @@ use std::io::{Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use super::{Export, little_endian};
+use super::contents::{Export, little_endian};
 use crate::material::merl::{THETA_D_BINS, THETA_H_BINS};
 
 /// Writes all arrays. The archive carries no time: the same bytes for the same material and settings.

@@ -6,43 +6,28 @@
 //! A format is one folder here with a `MaterialFormat`, and one line in `FORMATS`. A formula is one file in [`analytic`], and
 //! one line in its list.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
 pub mod analytic;
 mod facts;
+mod format;
 mod loaded;
 pub mod measurements;
 pub mod merl;
 pub mod rgl;
 
 pub use facts::MaterialFacts;
+pub use format::Origin;
 pub use loaded::Loaded;
 pub use merl::{LookupRule, MerlBrdf, MerlTable};
 pub use rgl::RglBrdf;
 
 use crate::files::RegularFile;
 use crate::{Error, Result};
+use format::MaterialFormat;
 use merl::embedded;
-
-/// How one kind of material is recognised and loaded.
-trait MaterialFormat: Sync {
-    /// Whether materials of this origin are of this format; a file is known by its first bytes.
-    fn recognises(&self, origin: &Origin) -> bool;
-
-    /// What the material is, with no more work than that takes.
-    ///
-    /// # Errors
-    /// Those of reading the material.
-    fn facts(&self, origin: &Origin) -> Result<MaterialFacts>;
-
-    /// Loads the material; formats without a table have no use for `rule`.
-    ///
-    /// # Errors
-    /// Those of reading the material.
-    fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded>;
-}
 
 /// All formats: the first that recognises an origin reads it. What none recognises is read as a MERL binary, which begins
 /// with no magic number and whose reader says what is wrong.
@@ -51,27 +36,6 @@ const FORMATS: [&dyn MaterialFormat; 3] = [
     &merl::EmbeddedNetworks,
     &analytic::Formulas,
 ];
-
-/// Where a material's values come from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// A MERL binary, or a `.bsdf` file.
-    File(PathBuf),
-    /// One of the embedded networks, by its name.
-    Embedded(String),
-    /// A formula with all its parameters, as "lambert:reflectance=0.5".
-    Formula(String),
-}
-
-impl Origin {
-    /// What it holds, as a path: of a file its path, otherwise the name or the formula's text as it is.
-    fn path(&self) -> &Path {
-        match self {
-            Self::File(path) => path,
-            Self::Embedded(text) | Self::Formula(text) => Path::new(text),
-        }
-    }
-}
 
 /// A named material whose values are not loaded yet.
 #[derive(Clone, Debug, PartialEq, Eq)]

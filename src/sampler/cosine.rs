@@ -4,8 +4,9 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
-use super::{DirectionSample, DirectionSampler, Field, Method, Needs, Settings};
+use super::{Field, Method, Needs, Settings};
 use crate::Result;
+use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::material::Loaded;
 

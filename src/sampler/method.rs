@@ -57,7 +57,7 @@ impl fmt::Display for Needs {
 /// A family of samplers: how one is built from a material and kept in a file.
 ///
 /// The type that implements this is what is built. To add a method, implement it and [`Settings`], and name the type in the
-/// list of `sampler/mod.rs`: commands, help, tables, files and checks follow from these.
+/// list of `sampler/spec.rs`: commands, help, tables, files and checks follow from these.
 pub trait Method: Any + Send + Sync + Sized {
     /// The word that names it on the command line and in files.
     const NAME: &'static str;

@@ -6,6 +6,7 @@
 mod adaptive_disc;
 mod cascade_cdf;
 mod cosine;
+mod draws;
 mod factored;
 mod half_vector_table;
 mod knots;
@@ -30,35 +31,3 @@ pub use method::{Method, Needs, Settings};
 pub use own_sampler::{OwnSampler, OwnSamplerSettings};
 pub use settings::{Field, Preset, PresetFacts, SettingFacts};
 pub use spec::{Sampler, SamplerSpec};
-
-use glam::Vec3;
-
-use crate::direction_sampler::{DirectionSample, DirectionSampler};
-use crate::geometry::is_upper;
-
-/// The list of methods, each as its default settings.
-macro_rules! methods {
-    ($($method:ty),+ $(,)?) => {
-        &[$(|| SamplerSpec::new(<$method as Method>::Settings::default())),+]
-    };
-}
-
-/// All methods that have a name, the default first: what commands offer and files may hold.
-const METHODS: &[fn() -> SamplerSpec] = methods![
-    HalfVector,
-    AdaptiveDisc,
-    CascadeCdf,
-    Lobe,
-    Factored,
-    Cosine,
-    OwnSampler,
-];
-
-/// What was drawn, with its density; `None` where it is not above the horizon or has no density.
-fn with_density(sampler: &impl DirectionSampler, wo: Vec3, wi: Vec3) -> Option<DirectionSample> {
-    if !is_upper(wi) {
-        return None;
-    }
-    let pdf = sampler.pdf(wo, wi);
-    (pdf > 0.0).then_some(DirectionSample { wi, pdf })
-}

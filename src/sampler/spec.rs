@@ -9,15 +9,33 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::METHODS;
 use super::method::{Method, Needs, Settings, list_fields, list_presets, value_text};
 use super::settings::{PresetFacts, SettingFacts, most_alike};
 use super::store::{TensorWriter, Tensors};
+use super::{AdaptiveDisc, CascadeCdf, Cosine, Factored, HalfVector, Lobe, OwnSampler};
 use crate::direction_sampler::{DirectionSample, DirectionSampler, draw_stratified};
 use crate::error::list_words;
 use crate::material::merl::LookupRule;
 use crate::material::{Loaded, MaterialFacts};
 use crate::{Error, Result};
+
+/// The list of methods, each as its default settings.
+macro_rules! methods {
+    ($($method:ty),+ $(,)?) => {
+        &[$(|| SamplerSpec::new(<$method as Method>::Settings::default())),+]
+    };
+}
+
+/// All methods that have a name, the default first: what commands offer and files may hold.
+const METHODS: &[fn() -> SamplerSpec] = methods![
+    HalfVector,
+    AdaptiveDisc,
+    CascadeCdf,
+    Lobe,
+    Factored,
+    Cosine,
+    OwnSampler,
+];
 
 /// A method and its settings.
 ///

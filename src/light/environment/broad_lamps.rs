@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Environment, SkySampling};
+use super::map::{Environment, SkySampling};
 use crate::color::Rgb;
 
 /// Size of the map: a cell is a tenth of the narrower lamp.

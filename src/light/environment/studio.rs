@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Environment, SkySampling};
+use super::map::{Environment, SkySampling};
 use crate::color::Rgb;
 
 /// Size of the map: fine enough for the sun's soft edge, small enough for a cache.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::Model;
+use super::model::Model;
 use super::parameters::Parameters;
 use crate::Result;
 use crate::brdf::Brdf;

@@ -4,24 +4,19 @@
 //! parameters that are left out keep the model's defaults.
 
 mod lambert;
+mod model;
 mod parameters;
 
 use std::sync::Arc;
 
 pub use lambert::Lambert;
 
-use super::{Loaded, LookupRule, MaterialFacts, MaterialFormat, Origin};
+use super::format::{MaterialFormat, Origin};
+use super::{Loaded, LookupRule, MaterialFacts};
 use crate::brdf::Brdf;
 use crate::{Error, Result};
+use model::Model;
 use parameters::Parameters;
-
-/// A model: what it is called, and how it is made of its parameters.
-struct Model {
-    /// Its name in front of the colon.
-    name: &'static str,
-    /// Asks for every parameter that the model has, and builds the BRDF.
-    build: fn(&mut Parameters) -> Result<Arc<dyn Brdf>>,
-}
 
 /// All models.
 const MODELS: [Model; 1] = [lambert::MODEL];

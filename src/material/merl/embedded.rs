@@ -9,8 +9,8 @@ use std::sync::LazyLock;
 use byteorder::{ByteOrder, LittleEndian};
 use rayon::prelude::*;
 
-use super::{Header, MerlTable, THETA_D_BINS};
-use crate::geometry::merl_axes;
+use super::{Header, MerlTable};
+use crate::geometry::merl_axes::{self, THETA_D_BINS};
 
 static WEIGHTS: &[u8] = include_bytes!("../../../data/nbrdf/merl.f32le");
 static INDEX: &str = include_str!("../../../data/nbrdf/merl.json");

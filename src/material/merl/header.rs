@@ -7,6 +7,9 @@ use crate::files::{ForeignKind, recognise_foreign};
 use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 use crate::{Error, Result};
 
+/// Factors from a file's raw values to f_r in sr⁻¹, for red, green and blue.
+pub const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+
 /// Dimensions that a file declares; only the two known kinds exist as values of this type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header {

@@ -18,19 +18,17 @@ use decode::check_file;
 pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
-pub use header::Header;
+pub use header::{Header, SCALE};
 pub use import::{BinPoint, reciprocal_mean, tabulate_brdf};
 pub(super) use import::{bin_is_upper, pair_of_angles};
 pub use lookup::{BinIndex, LookupRule};
 pub use table::{Census, MerlTable};
 pub use write::write;
 
-use super::{Loaded, MaterialFacts, MaterialFormat, Origin};
+use super::format::{MaterialFormat, Origin};
+use super::{Loaded, MaterialFacts};
 use crate::geometry::Symmetry;
 use crate::{Error, Result};
-
-/// Factors from a file's raw values to f_r in sr⁻¹, for red, green and blue.
-pub const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
 /// What every table is.
 const FACTS: MaterialFacts = MaterialFacts {

@@ -2,9 +2,9 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{Header, SCALE, THETA_D_BINS, THETA_H_BINS};
+use super::header::{Header, SCALE};
 use crate::color::Rgb;
-use crate::geometry::merl_axes::{theta_d, theta_h_edge};
+use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS, theta_d, theta_h_edge};
 
 /// The last 16 bits of a raw value that was filled in, in all three channels: they are far below the precision of f32, and three
 /// measured values end in them once in 3·10¹⁴ cells.

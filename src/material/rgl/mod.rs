@@ -20,8 +20,9 @@ pub(super) use spectrum::colour_weights;
 pub use tabulate::{BsdfSize, tabulate};
 pub use tensors::{Tensor, looks_like_bsdf};
 
+use super::format::{MaterialFormat, Origin};
 use super::merl::LookupRule;
-use super::{Loaded, MaterialFacts, MaterialFormat, Origin};
+use super::{Loaded, MaterialFacts};
 use crate::Result;
 
 /// Files that begin as a `.bsdf` file does.

@@ -2,23 +2,14 @@
 
 mod adaptive;
 mod even;
+mod rendered;
 mod to_error;
 
-pub use to_error::{Refinement, Tile};
+pub use rendered::{Refinement, Rendered, Tile};
 
-use super::film::Film;
 use super::scene::Scene;
 use super::settings::{Budget, RenderSettings};
 use crate::Result;
-
-/// A rendered picture, and how it came to be.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Rendered {
-    /// The picture.
-    pub film: Film,
-    /// How far [`Budget::ToError`] came; `None` for other budgets.
-    pub refinement: Option<Refinement>,
-}
 
 /// Renders `scene` by the plan that it holds, on all threads of the current pool.
 ///

@@ -5,11 +5,13 @@ use rayon::prelude::*;
 
 use super::bounds::MaxTable;
 use super::quad_cell::{QuadCell, Rect};
+use super::settings::{AdaptiveDiscSettings, Construction, LeafChoice};
 use super::slice::Slice;
 use super::tree::{Forest, Grown, MOST_LEAVES};
+use super::trees::Trees;
 use super::warp::{self, WarpGrower, Warps};
-use super::{AdaptiveDiscSettings, Construction, LeafChoice, MOST_TRIALS, ThetaKnots, Trees};
 use crate::material::merl::MerlBrdf;
+use crate::sampler::knots::ThetaKnots;
 
 /// Points along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
 /// decides on splits, and a rough one will do.
@@ -27,6 +29,9 @@ const NORMALISER_STEP: f64 = 5e-4;
 const SUSPECT: f64 = 4.0;
 /// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
 const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
+/// Most trials a draw may need on average. A tree that is not allowed to be deep enough for its material stands for the
+/// uniform disc instead.
+pub(super) const MOST_TRIALS: f64 = 1000.0;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
 const SPARE: usize = 20;
 /// Nodes above this depth are split unseen.

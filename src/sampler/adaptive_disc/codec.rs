@@ -1,13 +1,11 @@
 //! The adaptive disc in a file: its tensors, and what drawing relies on.
 
-use std::sync::Arc;
-
 use super::quad_cell::DEEPEST;
+use super::settings::{AdaptiveDiscSettings, LeafChoice};
 use super::tree::{Forest, Leaf, MOST_LEAVES, WHOLE};
+use super::trees::Trees;
 use super::warp::{Node, Warps};
-use super::{AdaptiveDisc, AdaptiveDiscSettings, LeafChoice, Trees};
 use crate::Result;
-use crate::material::merl::MerlBrdf;
 use crate::sampler::store::{TensorWriter, Tensors};
 
 /// Adds the trees to a file.
@@ -33,19 +31,14 @@ fn write_forest(forest: &Forest, out: &mut TensorWriter) {
     out.add("tree.integral", forest.integrals.iter().copied());
 }
 
-/// Reads the trees, and draws under the material that they were built for.
-pub(super) fn read(
-    tensors: &Tensors,
-    brdf: Arc<MerlBrdf>,
-    settings: AdaptiveDiscSettings,
-) -> Result<AdaptiveDisc> {
-    let trees = match settings.leaves {
+/// Reads the trees.
+pub(super) fn read(tensors: &Tensors, settings: &AdaptiveDiscSettings) -> Result<Trees> {
+    Ok(match settings.leaves {
         LeafChoice::Warp => Trees::Warped(read_warps(tensors, settings.tables)?),
         LeafChoice::Envelope | LeafChoice::Integral => {
             Trees::Rejecting(read_forest(tensors, settings.tables)?)
         }
-    };
-    AdaptiveDisc::from_parts(brdf, settings, trees)
+    })
 }
 
 /// Reads trees whose nodes have their children behind them and in the same tree, no deeper than any that is built.

@@ -1,13 +1,7 @@
 //! Settings of the adaptive disc.
 
-use std::ops::Bound;
-
-use super::AdaptiveDisc;
-use super::quad_cell::DEEPEST;
 use crate::brdf::Importance;
-use crate::sampler::settings::{floor, importance, table_choice};
-use crate::sampler::{Field, Preset, Settings, TableChoice};
-use crate::{Error, Result};
+use crate::sampler::TableChoice;
 
 /// How the values behind a tree are gathered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -111,116 +105,5 @@ impl AdaptiveDiscSettings {
             depth: 0,
             ..Self::default()
         }
-    }
-}
-
-impl Settings for AdaptiveDiscSettings {
-    type Method = AdaptiveDisc;
-
-    fn fields() -> Vec<Field<Self>> {
-        vec![
-            Field::count(
-                "tables",
-                1..=4096,
-                "trees over the polar angle of wo",
-                |s| s.tables,
-                |s, value| s.tables = value,
-            ),
-            Field::count(
-                "depth",
-                0..=DEEPEST as usize,
-                "subdivisions down to the smallest leaf; 0 rejects draws on the whole disc",
-                |s| s.depth as usize,
-                |s, value| s.depth = value as u32,
-            ),
-            Field::real(
-                "n-max",
-                (Bound::Excluded(1.0), Bound::Unbounded),
-                "mean number of trials allowed in a leaf",
-                |s| s.n_max,
-                |s, value| s.n_max = value,
-            ),
-            Field::real(
-                "waste",
-                0.0..1.0,
-                "a leaf that wastes less than this fraction of all trials is not split",
-                |s| s.waste,
-                |s, value| s.waste = value,
-            ),
-            leaves(),
-            Field::choice(
-                "carry",
-                &[
-                    ("half-vector", Carry::HalfVector),
-                    ("direction", Carry::Direction),
-                ],
-                "what keeps its place when a tree serves a wo beside its own",
-                |s| s.carry,
-                |s, value| s.carry = value,
-            ),
-            Field::optional_count(
-                "grid",
-                "none",
-                8..=4096,
-                "pixels a side of an image that trees are built from; none refines where needed",
-                |s| match s.construction {
-                    Construction::Refined => None,
-                    Construction::Grid(side) => Some(side as usize),
-                },
-                |s, value| s.construction = construction(value),
-            ),
-            table_choice(|s: &Self| s.choice, |s, value| s.choice = value),
-            floor(|s: &Self| s.floor, |s, value| s.floor = value),
-            importance(|s: &Self| s.importance, |s, value| s.importance = value),
-        ]
-    }
-
-    fn presets() -> Vec<Preset<Self>> {
-        vec![
-            Preset::new(
-                "published",
-                "the settings of the 2008 thesis, with the flaws that `merlkit check` shows",
-                Self::as_published(),
-            ),
-            Preset::new(
-                "rejection",
-                "rejection on the whole disc, under the largest value for each tree's wo",
-                Self::rejection(),
-            ),
-        ]
-    }
-
-    fn check_together(&self) -> Result<()> {
-        if let (Construction::Grid(_), LeafChoice::Warp) = (self.construction, self.leaves) {
-            return Err(Error::argument(
-                "trees of adaptive-disc without rejection from a grid of pixels",
-                "add grid=none, or choose other leaves",
-            ));
-        }
-        Ok(())
-    }
-}
-
-/// The setting of how leaves are drawn, of which the one that does not reject stands alone.
-fn leaves() -> Field<AdaptiveDiscSettings> {
-    Field::choice(
-        "leaves",
-        &[
-            ("envelope", LeafChoice::Envelope),
-            ("integral", LeafChoice::Integral),
-            ("rejection-free", LeafChoice::Warp),
-        ],
-        "how a leaf is drawn: under its bound, by its integral, or by a warp that rejects nothing",
-        |s: &AdaptiveDiscSettings| s.leaves,
-        |s, value| s.leaves = value,
-    )
-    .standing_alone(&["rejection-free"])
-}
-
-/// Where values come from: a grid of so many pixels a side, or points in each node.
-fn construction(side: Option<usize>) -> Construction {
-    match side {
-        Some(side) => Construction::Grid(side as u32),
-        None => Construction::Refined,
     }
 }

@@ -2,14 +2,33 @@
 
 use glam::{DVec2, Vec3};
 
+use super::disc::{AdaptiveDisc, MAX_TRIALS, TreeView};
+use super::settings::LeafChoice;
 use super::tree::{Drawn, Forest};
-use super::{AdaptiveDisc, LeafChoice, MAX_TRIALS, TreeView};
-use crate::direction_sampler::DirectionSample;
+use super::trees::Trees;
+use crate::direction_sampler::{DirectionSample, draw_stratified};
 use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::points::{PointSet, Stream};
 
+impl AdaptiveDisc {
+    /// Draws `count` directions for one `wo` whose numbers in every node of the tree are their expectation, rounded at random:
+    /// one descent shares them over the leaves (thesis 6.3.2, algorithms 17 and 18). Trees that are warped instead are drawn
+    /// from by [`draw_stratified`]. Each draw alone has the density `pdf`; `None` is a failed draw.
+    pub fn draw_stratified(
+        &self,
+        wo: Vec3,
+        count: usize,
+        seed: u64,
+    ) -> Vec<Option<DirectionSample>> {
+        match &self.trees {
+            Trees::Rejecting(forest) => share_draws(self, forest, wo, count, seed),
+            Trees::Warped(_) => draw_stratified(self, wo, count, seed),
+        }
+    }
+}
+
 /// Draws `count` directions whose numbers in every node are their expectation, rounded at random.
-pub(super) fn share_draws(
+fn share_draws(
     disc: &AdaptiveDisc,
     forest: &Forest,
     wo: Vec3,

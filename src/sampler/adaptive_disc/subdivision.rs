@@ -4,9 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
+use super::disc::AdaptiveDisc;
 use super::quad_cell::QuadCell;
-use super::tree::WHOLE;
-use super::{AdaptiveDisc, Forest, Trees, Warps};
+use super::tree::{Forest, WHOLE};
+use super::trees::Trees;
+use super::warp::Warps;
 use crate::geometry::concentric_disc;
 
 /// A leaf of a tree, or a square beside them in which nothing is drawn.

@@ -12,9 +12,10 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{DVec2, Vec3};
 
+use super::bounds::MaxTable;
 use super::quad_cell::{DEEPEST, Rect};
+use super::settings::AdaptiveDiscSettings;
 use super::slice::Slice;
-use super::{AdaptiveDiscSettings, MaxTable};
 use crate::geometry::{concentric_disc, concentric_square};
 use crate::sampler::knots::split_unit;
 

@@ -6,10 +6,13 @@ use glam::{DVec3, Vec3};
 use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 
-use super::{CascadeCdfSettings, Tables, ThetaAxis, ThetaKnots};
+use super::axis::ThetaAxis;
+use super::settings::CascadeCdfSettings;
+use super::tables::Tables;
 use crate::brdf::{Brdf, Importance};
 use crate::distribution::{Curves, cumulated, simplify};
 use crate::geometry::{reflect_about, spherical};
+use crate::sampler::knots::ThetaKnots;
 
 /// Evaluations that a table is worth, however few its cells: coarse cells take the mean over several points.
 const POINTS: [usize; 2] = [512, 128];

@@ -1,6 +1,7 @@
 //! The cascade CDF in a file: its tensors, and what drawing relies on.
 
-use super::{CascadeCdf, CascadeCdfSettings, Tables};
+use super::settings::CascadeCdfSettings;
+use super::tables::Tables;
 use crate::Result;
 use crate::distribution::Curves;
 use crate::sampler::store::{TensorWriter, Tensors, read_curves, write_curves};
@@ -12,7 +13,7 @@ pub(super) fn write(tables: &Tables, out: &mut TensorWriter) {
 }
 
 /// Reads curves, of which every one that can be drawn from has mass.
-pub(super) fn read(tensors: &Tensors, settings: CascadeCdfSettings) -> Result<CascadeCdf> {
+pub(super) fn read(tensors: &Tensors, settings: &CascadeCdfSettings) -> Result<Tables> {
     let marginal = read_curves(tensors, "marginal", settings.theta_h)?;
     let conditional = read_curves(tensors, "conditional", settings.phi_h)?;
     if marginal.len() != settings.tables {
@@ -34,7 +35,7 @@ pub(super) fn read(tensors: &Tensors, settings: CascadeCdfSettings) -> Result<Ca
         let at = conditional.starts[curve] as usize;
         return Err(tensors.invalid_in("conditional.cdf", at, &expected, "an empty one"));
     }
-    CascadeCdf::from_parts(settings, Tables::new(marginal, conditional))
+    Ok(Tables::new(marginal, conditional))
 }
 
 /// A piece of a marginal that can be drawn though its conditional is empty: marginal, piece and conditional.

@@ -6,8 +6,10 @@
 mod axis;
 mod build;
 mod codec;
+mod fields;
 mod plot_data;
 mod settings;
+mod tables;
 
 pub use axis::ThetaSpacing;
 pub use plot_data::CdfCurve;
@@ -23,40 +25,14 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::knots::{KnotPair, ThetaKnots, split_unit};
 use super::store::{TensorWriter, Tensors};
-use super::{DirectionSample, DirectionSampler, Method, Needs, Settings};
+use super::{Method, Needs, Settings};
 use crate::Result;
 use crate::brdf::Brdf;
+use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::distribution::Curves;
 use crate::geometry::{approx, cosine_hemisphere, is_upper, reflect_about, unit_upper};
 use crate::material::Loaded;
-
-/// The tables of all knots.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Tables {
-    /// One curve over θh a knot.
-    pub marginal: Curves,
-    /// One curve over φh for each piece of each marginal, in order.
-    pub conditional: Curves,
-    /// First conditional of each knot.
-    first: Vec<u32>,
-}
-
-impl Tables {
-    pub fn new(marginal: Curves, conditional: Curves) -> Self {
-        let first = (0..marginal.len())
-            .scan(0, |next, k| {
-                let first = *next;
-                *next += marginal.segments(k) as u32;
-                Some(first)
-            })
-            .collect();
-        Self {
-            marginal,
-            conditional,
-            first,
-        }
-    }
-}
+use tables::Tables;
 
 /// Marginal and conditional CDFs over the half vector.
 #[derive(Clone, Debug)]
@@ -86,7 +62,7 @@ impl CascadeCdf {
     }
 
     /// Puts a sampler together from stored tables, which must have been validated.
-    pub(super) fn from_parts(settings: CascadeCdfSettings, tables: Tables) -> Result<Self> {
+    fn from_parts(settings: CascadeCdfSettings, tables: Tables) -> Result<Self> {
         let knots = ThetaKnots::new(settings.tables, settings.choice)?;
         let axis = ThetaAxis::new(settings.spacing, settings.theta_h);
         Ok(Self {
@@ -100,10 +76,6 @@ impl CascadeCdf {
     /// The settings it was built with.
     pub fn settings(&self) -> &CascadeCdfSettings {
         &self.settings
-    }
-
-    pub(super) fn tables(&self) -> &Tables {
-        &self.tables
     }
 
     /// Grid coordinates (θh, φh) drawn from table `k`, which must not be void.
@@ -206,12 +178,12 @@ impl Method for CascadeCdf {
     }
 
     fn write(&self, out: &mut TensorWriter) -> Result<()> {
-        codec::write(self.tables(), out);
+        codec::write(&self.tables, out);
         Ok(())
     }
 
     fn read(tensors: &Tensors, settings: CascadeCdfSettings, _: &Loaded) -> Result<Self> {
-        codec::read(tensors, settings)
+        Self::from_parts(settings, codec::read(tensors, &settings)?)
     }
 }
 

@@ -4,7 +4,8 @@ use glam::DVec3;
 use ndarray::{Array1, Array2, Axis};
 use rayon::prelude::*;
 
-use super::{Factored, FactoredSettings, Factors, Terms};
+use super::mixture::{Factored, Terms};
+use super::settings::{FactoredSettings, Factors};
 use crate::Result;
 use crate::brdf::{Brdf, Importance};
 use crate::distribution::{Curves, cumulated};
@@ -12,7 +13,7 @@ use crate::geometry::spherical;
 use crate::sampler::cascade_cdf::{ThetaAxis, contribution, masses};
 use crate::sampler::knots::ThetaKnots;
 use crate::sampler::lobe::Nodes;
-use crate::sampler::{TableChoice, ThetaSpacing};
+use crate::sampler::{Settings, TableChoice, ThetaSpacing};
 
 /// Rounds of multiplicative updates; the divergence changes by some thousandths of itself after these.
 const ROUNDS: usize = 80;
@@ -23,12 +24,22 @@ const THETA: usize = 90;
 const FIRST_FLOOR: f64 = 0.01;
 const FLOORS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
 
+impl Factored {
+    /// Factors `brdf` on the threads of the current pool; the result does not depend on their number.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] for settings outside their domains.
+    pub fn build(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Self> {
+        settings.check()?;
+        match settings.factors {
+            Some(factors) => factored(brdf, settings, factors),
+            None => best(brdf, settings),
+        }
+    }
+}
+
 /// The sampler of the given factors.
-pub(super) fn factored(
-    brdf: &dyn Brdf,
-    settings: FactoredSettings,
-    factors: Factors,
-) -> Result<Factored> {
+fn factored(brdf: &dyn Brdf, settings: FactoredSettings, factors: Factors) -> Result<Factored> {
     let grid = grid(brdf, &settings, &factors)?;
     let outer = Factorisation::factorise(&grid, factors.outer);
     Factored::from_parts(settings, terms(&outer, &factors))
@@ -36,7 +47,7 @@ pub(super) fn factored(
 
 /// The sampler of those factors that make weights most even, by the measure that lobes are fitted by. The first of equals, that
 /// is the smallest; for a black material, the smallest of all.
-pub(super) fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factored> {
+fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factored> {
     let least = Factors {
         outer: 1,
         inner: 1,

@@ -1,6 +1,7 @@
 //! The factored BRDF in a file: its tensors, and what drawing relies on.
 
-use super::{Factored, FactoredSettings, Terms};
+use super::mixture::Terms;
+use super::settings::FactoredSettings;
 use crate::Result;
 use crate::sampler::store::{TensorWriter, Tensors, read_curves, write_curves};
 
@@ -12,7 +13,7 @@ pub(super) fn write(terms: &Terms, out: &mut TensorWriter) {
 }
 
 /// Reads terms, of which every one that a table draws from has curves with mass.
-pub(super) fn read(tensors: &Tensors, settings: FactoredSettings) -> Result<Factored> {
+pub(super) fn read(tensors: &Tensors, settings: &FactoredSettings) -> Result<Terms> {
     let factors = settings.factors.ok_or_else(|| {
         tensors.invalid("the factors of a factored sampler in the record", "none")
     })?;
@@ -57,5 +58,5 @@ pub(super) fn read(tensors: &Tensors, settings: FactoredSettings) -> Result<Fact
             ));
         }
     }
-    Factored::from_parts(settings, terms)
+    Ok(terms)
 }

@@ -1,13 +1,27 @@
 //! Fitting tables of integers to a BRDF that is tabulated over the chart of half vectors.
 
+use std::f64::consts::PI;
+
 use ndarray::{ArrayView1, Axis};
 use rayon::prelude::*;
 
 use super::lookup::{NODE_SUM, ONE};
+use super::settings::HalfVectorSettings;
 use super::tables::{SLOPE_UNIT, STEEPEST, Stored};
 use super::tabulate::{Tabulated, choose_row_edges, columns, slope_of, tabulate};
-use super::{HalfVectorSettings, knot_cosines};
 use crate::brdf::Brdf;
+
+/// The last table stands short of the horizon.
+const LAST_KNOT: f64 = 89.0 / 180.0 * PI;
+
+/// Cosines of the angles that have a table: 0° to 89°, denser towards the horizon, and the more so the fewer there are.
+fn knot_cosines(tables: usize) -> Vec<f32> {
+    let steps = tables.saturating_sub(1).max(1) as f64;
+    let power = if tables < 8 { 2.0 } else { 1.5 };
+    (0..tables)
+        .map(|k| (LAST_KNOT * (1.0 - (1.0 - k as f64 / steps).powf(power))).cos() as f32)
+        .collect()
+}
 
 /// Tables of all knots, in parallel over knots.
 pub(super) fn build_tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> Stored {

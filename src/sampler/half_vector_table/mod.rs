@@ -17,140 +17,28 @@ mod azimuths;
 mod batch;
 mod build;
 mod codec;
+mod fields;
 mod lookup;
 mod sample;
 mod settings;
+mod table;
 mod tables;
 mod tabulate;
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
-
 use super::store::{TensorWriter, Tensors};
-use super::{DirectionSample, DirectionSampler, Method, Needs, Settings};
-use crate::batch::Wo;
-use crate::brdf::Brdf;
-use crate::geometry::half_vector_chart::HalfVectorChart;
-use crate::geometry::{Symmetry, unit_upper};
+use super::{Method, Needs};
+use crate::Result;
+use crate::direction_sampler::DirectionSampler;
+use crate::geometry::Symmetry;
 use crate::material::{Loaded, MaterialFacts};
-use crate::{Error, Result};
-use sample::TableView;
-use tables::{IndexedTables, TablePair};
 
 pub use azimuths::ByAzimuth;
 pub(crate) use lookup::{NODE_UNIT, ROW_UNIT};
 pub use settings::HalfVectorSettings;
+pub use table::HalfVectorTable;
 pub(crate) use tables::Stored;
-
-/// The last table stands short of the horizon.
-const LAST_KNOT: f64 = 89.0 / 180.0 * PI;
-
-/// Cosines of the angles that have a table: 0° to 89°, denser towards the horizon, and the more so the fewer there are.
-pub(super) fn knot_cosines(tables: usize) -> Vec<f32> {
-    let steps = tables.saturating_sub(1).max(1) as f64;
-    let power = if tables < 8 { 2.0 } else { 1.5 };
-    (0..tables)
-        .map(|k| (LAST_KNOT * (1.0 - (1.0 - k as f64 / steps).powf(power))).cos() as f32)
-        .collect()
-}
-
-/// A density over the chart of half vectors at each of a few angles of `wo`.
-#[derive(Clone, Debug)]
-pub struct HalfVectorTable {
-    settings: HalfVectorSettings,
-    tables: IndexedTables,
-}
-
-impl HalfVectorTable {
-    /// Tabulates the isotropic `brdf` on the threads of the current pool; the result does not depend on their number.
-    ///
-    /// Where the BRDF is black at an angle, the table there follows the cosine.
-    ///
-    /// # Errors
-    /// [`Error::Argument`] for settings outside their domains, or a BRDF that is not isotropic.
-    pub fn build(brdf: &dyn Brdf, settings: HalfVectorSettings) -> Result<Self> {
-        settings.check()?;
-        if !brdf.is_isotropic() {
-            return Err(Error::argument(
-                "the half-vector table is for isotropic BRDFs",
-                "choose another sampler",
-            ));
-        }
-        if settings.azimuths.is_some() {
-            return Err(settings::azimuths_of_isotropic());
-        }
-        Ok(Self::from_parts(
-            settings,
-            build::build_tables(brdf, &settings),
-        ))
-    }
-
-    /// Puts a sampler together from tables that have been validated.
-    pub(super) fn from_parts(settings: HalfVectorSettings, stored: Stored) -> Self {
-        Self {
-            settings,
-            tables: IndexedTables::new(stored, settings.fold),
-        }
-    }
-
-    /// The settings it was built with.
-    pub fn settings(&self) -> &HalfVectorSettings {
-        &self.settings
-    }
-
-    /// The tables of the two polar angles about that of a chart's `wo`, with their weights.
-    #[inline]
-    pub(super) fn interpolate(&self, chart: &HalfVectorChart) -> TablePair<'_> {
-        self.tables.interpolate(chart.cos_o())
-    }
-
-    pub(crate) fn stored(&self) -> &Stored {
-        self.tables.stored()
-    }
-
-    /// The point of the unit square that [`DirectionSampler::sample`] maps to `wi`, up to rounding; `None` unless both
-    /// directions are above the horizon.
-    pub fn invert(&self, wo: Vec3, wi: Vec3) -> Option<Vec2> {
-        let wo = unit_upper(wo)?;
-        let wi = unit_upper(wi)?;
-        Some(TableView::new(&self.tables, HalfVectorChart::new(wo)).invert(wi))
-    }
-}
-
-impl DirectionSampler for HalfVectorTable {
-    /// Never fails for a `wo` above the horizon.
-    #[inline]
-    fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
-        let wo = unit_upper(wo)?;
-        Some(TableView::new(&self.tables, HalfVectorChart::new(wo)).sample(u))
-    }
-
-    #[inline]
-    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
-            return 0.0;
-        };
-        TableView::new(&self.tables, HalfVectorChart::new(wo)).pdf(wi)
-    }
-
-    fn bytes(&self) -> usize {
-        self.tables.bytes()
-    }
-
-    #[track_caller]
-    fn sample_batch(&self, wo: Wo<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
-        wo.assert_lanes(u.len(), out.len());
-        batch::sample_batch(&self.tables, wo, u, out);
-    }
-
-    #[track_caller]
-    fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
-        wo.assert_lanes(wi.len(), out.len());
-        batch::pdf_batch(&self.tables, wo, wi, out);
-    }
-}
 
 /// The half-vector table of an isotropic material, or those of an anisotropic one.
 #[derive(Clone, Debug)]

@@ -1,11 +1,8 @@
 //! Settings of half-vector tables.
 
-use super::{HalfVector, tables};
+use super::tables;
 use crate::Error;
 use crate::brdf::Importance;
-use crate::geometry::half_vector_chart::PARTS;
-use crate::sampler::settings::importance;
-use crate::sampler::{Field, Preset, Settings};
 
 /// Settings of half-vector tables.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -98,65 +95,6 @@ impl HalfVectorSettings {
 
 /// Azimuths of `wo` that have tables where no number is given.
 const DEFAULT_AZIMUTHS: usize = 8;
-
-impl Settings for HalfVectorSettings {
-    type Method = HalfVector;
-
-    fn fields() -> Vec<Field<Self>> {
-        vec![
-            Field::count(
-                "tables",
-                1..=1024,
-                "tables over the polar angle of wo, dense towards the horizon",
-                |s| s.tables,
-                |s, value| s.tables = value,
-            ),
-            Field::count(
-                "rows",
-                2..=PARTS,
-                "rows over θh, put where the material asks for them",
-                |s| s.rows,
-                |s, value| s.rows = value,
-            ),
-            Field::count(
-                "segments",
-                1..=256,
-                "segments over the azimuth, each linear",
-                |s| s.segments,
-                |s, value| s.segments = value,
-            ),
-            Field::choice(
-                "sides",
-                &[("unfolded", false), ("folded", true)],
-                "whether the two sides of the plane of incidence are told apart, or one is stored for both",
-                |s: &Self| s.fold,
-                |s, value| s.fold = value,
-            )
-            .standing_alone(&["unfolded", "folded"]),
-            Field::optional_count(
-                "azimuths",
-                "auto",
-                2..=256,
-                "azimuths of wo that have tables, for anisotropic materials; auto is 8",
-                |s| s.azimuths,
-                |s, value| s.azimuths = value,
-            ),
-            importance(|s: &Self| s.importance, |s, value| s.importance = value),
-        ]
-    }
-
-    fn presets() -> Vec<Preset<Self>> {
-        let preset = |(name, settings): (&'static str, Self)| {
-            let folded = if settings.fold { ", folded" } else { "" };
-            let meaning = format!(
-                "{} tables of {} rows by {} segments{folded}",
-                settings.tables, settings.rows, settings.segments
-            );
-            Preset::new(name, meaning, settings)
-        };
-        Self::PRESETS.map(preset).to_vec()
-    }
-}
 
 /// The error for azimuths that an isotropic material has no use for.
 pub(super) fn azimuths_of_isotropic() -> Error {

@@ -1,6 +1,6 @@
 //! A lobe in a file.
 
-use super::{Lobe, LobeParameters, LobeSettings};
+use super::settings::{LobeParameters, LobeSettings};
 use crate::Result;
 use crate::sampler::store::{TensorWriter, Tensors};
 
@@ -15,7 +15,7 @@ pub(super) fn write(parameters: &LobeParameters, out: &mut TensorWriter) {
 }
 
 /// Reads the parameters that the record states too; their domains are checked where a lobe is put together.
-pub(super) fn read(tensors: &Tensors, settings: LobeSettings) -> Result<Lobe> {
+pub(super) fn read(tensors: &Tensors, settings: &LobeSettings) -> Result<LobeParameters> {
     let stored = tensors.get::<f32>("lobe.parameter")?;
     let [along, across, diffuse] = stored[..] else {
         return Err(tensors.invalid_in("lobe.parameter", 0, "3 values", stored.len().to_string()));
@@ -29,5 +29,5 @@ pub(super) fn read(tensors: &Tensors, settings: LobeSettings) -> Result<Lobe> {
         let expected = format!("the parameters of the record, {:?},", settings.parameters);
         return Err(tensors.invalid_in("lobe.parameter", 0, &expected, format!("{stored:?}")));
     }
-    Lobe::from_settings(settings, parameters)
+    Ok(parameters)
 }

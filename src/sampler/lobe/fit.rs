@@ -5,7 +5,8 @@ use argmin::solver::neldermead::NelderMead;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{LEAST_DIFFUSE, LobeKind, LobeParameters, density};
+use super::settings::{LEAST_DIFFUSE, LobeKind, LobeParameters};
+use super::shape::mixture_density;
 use crate::brdf::{Brdf, Importance};
 use crate::geometry::{Quadrature, spherical};
 
@@ -85,7 +86,7 @@ struct Search<'a> {
 impl Search<'_> {
     fn cost_of(&self, parameters: &LobeParameters) -> f64 {
         self.nodes
-            .unevenness(|wo, wi| density(self.kind, parameters, wo, wi))
+            .unevenness(|wo, wi| mixture_density(self.kind, parameters, wo, wi))
     }
 
     /// The parameters at `x`: what lies outside the domain is moved to its edge.

@@ -5,6 +5,7 @@
 //! MIS with the balance heuristic; Veach 1997, 9.2.4). Draws that end below the horizon fail.
 
 mod codec;
+mod fields;
 mod fit;
 mod settings;
 mod shape;
@@ -12,16 +13,17 @@ mod shape;
 pub(super) use fit::Nodes;
 pub use settings::{LEAST_DIFFUSE, LobeKind, LobeParameters, LobeSettings};
 
-use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 use glam::{DVec2, Vec2, Vec3};
 
+use super::draws::with_density;
 use super::knots::split_unit;
 use super::store::{TensorWriter, Tensors};
-use super::{DirectionSample, DirectionSampler, Method, Needs, Settings, with_density};
+use super::{Method, Needs, Settings};
 use crate::Result;
 use crate::brdf::Brdf;
+use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::material::Loaded;
 
@@ -52,10 +54,7 @@ impl Lobe {
     ///
     /// # Errors
     /// [`crate::Error::Argument`] for parameters outside their domains.
-    pub(super) fn from_settings(
-        settings: LobeSettings,
-        parameters: LobeParameters,
-    ) -> Result<Self> {
+    fn from_settings(settings: LobeSettings, parameters: LobeParameters) -> Result<Self> {
         let settings = LobeSettings {
             parameters: Some(parameters),
             ..settings
@@ -77,15 +76,6 @@ impl Lobe {
     pub fn parameters(&self) -> &LobeParameters {
         &self.parameters
     }
-}
-
-/// Density of the mixture at `wi`, both unit and above the horizon.
-#[inline]
-fn density(kind: LobeKind, parameters: &LobeParameters, wo: Vec3, wi: Vec3) -> f64 {
-    let diffuse = f64::from(parameters.diffuse);
-    let shape = [parameters.along, parameters.across].map(f64::from);
-    let lobe = shape::density(kind, shape, wo.as_dvec3(), wi.as_dvec3());
-    (1.0 - diffuse) * lobe + diffuse * f64::from(wi.z) * FRAC_1_PI
 }
 
 impl Method for Lobe {
@@ -120,7 +110,7 @@ impl Method for Lobe {
     }
 
     fn read(tensors: &Tensors, settings: LobeSettings, _: &Loaded) -> Result<Self> {
-        codec::read(tensors, settings)
+        Self::from_settings(settings, codec::read(tensors, &settings)?)
     }
 }
 
@@ -152,7 +142,7 @@ impl DirectionSampler for Lobe {
         let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
             return 0.0;
         };
-        density(self.kind, &self.parameters, wo, wi).min(f64::from(f32::MAX)) as f32
+        shape::mixture_density(self.kind, &self.parameters, wo, wi).min(f64::from(f32::MAX)) as f32
     }
 
     fn bytes(&self) -> usize {

@@ -1,13 +1,13 @@
-//! The lobes themselves: what is drawn and its density, without the share of cosine.
+//! The lobes: what is drawn and its density, without the share of cosine and mixed with it.
 //!
 //! Angles near 0 are kept as tangents and chords, whose digits an arc cosine would lose. `wo` and `wi` are unit and above the
 //! horizon; with s = wo + wi, tan θh = |s.xy|/s.z and dσ(wi) = 4 (wo·h) dσ(h) = 2|s| dσ(h).
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
-use super::LobeKind;
+use super::settings::{LobeKind, LobeParameters};
 use crate::geometry::reflect_about;
 
 /// Density per solid angle of `wi`, with the shapes along and across the plane of incidence.
@@ -24,6 +24,20 @@ pub(super) fn density(kind: LobeKind, shape: [f64; 2], wo: DVec3, wi: DVec3) -> 
             half_density(kind, shape, wo, wo + wi) / (2.0 * (wo + wi).length())
         }
     }
+}
+
+/// Density of a lobe mixed with the cosine at `wi`, both unit and above the horizon.
+#[inline]
+pub(super) fn mixture_density(
+    kind: LobeKind,
+    parameters: &LobeParameters,
+    wo: Vec3,
+    wi: Vec3,
+) -> f64 {
+    let diffuse = f64::from(parameters.diffuse);
+    let shape = [parameters.along, parameters.across].map(f64::from);
+    let lobe = density(kind, shape, wo.as_dvec3(), wi.as_dvec3());
+    (1.0 - diffuse) * lobe + diffuse * f64::from(wi.z) * FRAC_1_PI
 }
 
 /// (1 + `less`)ⁿ; 0 unless `sign` is positive.

@@ -6,7 +6,8 @@ use super::bins::azimuth;
 use super::coordinates::CoordinateTables;
 use super::half_diff_tan2::HalfDiffTan2;
 use crate::color::Rgb;
-use crate::material::merl::{MerlTable, THETA_D_BINS, THETA_H_BINS};
+use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
+use crate::material::merl::MerlTable;
 
 /// Two neighbouring bins and the share of the second.
 #[derive(Clone, Copy)]

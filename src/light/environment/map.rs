@@ -1,0 +1,463 @@
+//! The map, and how directions are chosen by it.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec2, DVec3, Vec4};
+
+use super::equirectangular::{direction_of, square_of};
+use super::notes::MapNotes;
+use crate::color::{Rgb, luminance};
+use crate::distribution::Piecewise2d;
+use crate::light::Emission;
+use crate::{Error, Result};
+
+/// How an environment chooses directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SkySampling {
+    /// In proportion to luminance × solid angle, from tables of 10 bytes a pixel.
+    Importance,
+    /// Uniform over the sphere, without tables.
+    Uniform,
+}
+
+/// Radiance from infinitely far away, by direction: a map `[row][column]` of latitude and longitude.
+///
+/// Rows run from the zenith (+y) to the nadir, columns clockwise as seen from above. The middle of the map is −z and its
+/// right half is +x, so that a camera looking along −z sees the middle upright. Between the pixels' centres radiance is
+/// bilinear; it closes on itself left and right, and is constant beyond the first and last rows.
+pub struct Environment {
+    width: usize,
+    height: usize,
+    /// Width and height.
+    extent: DVec2,
+    /// With what a look-up may read beyond the map: the last column before the first, the first after the last, and the last
+    /// row once more. `[height + 1][width + 2]`; of four channels, which are read as one.
+    pixels: Vec<Vec4>,
+    /// Cosines of the polar angles of the rows' upper edges, `height + 1` values from 1 to −1.
+    cos_edges: Vec<f64>,
+    /// `None`: uniform over the sphere.
+    table: Option<Table>,
+    /// `None` for maps that were not read from a file.
+    notes: Option<Box<MapNotes>>,
+}
+
+/// Directions in proportion to luminance.
+struct Table {
+    cells: Piecewise2d,
+    /// Probability of each row over the solid angle of one of its cells.
+    densities: Vec<f64>,
+}
+
+impl Environment {
+    /// An environment of `width` × `height` pixels, `[row][column]`.
+    ///
+    /// A black map has nothing to be in proportion to and is sampled uniformly.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if a side is 0, the number of pixels is not `width · height`, or a channel is negative or not
+    /// finite.
+    pub fn new(
+        width: usize,
+        height: usize,
+        pixels: Vec<Rgb>,
+        sampling: SkySampling,
+    ) -> Result<Self> {
+        if width == 0 || height == 0 || width.checked_mul(height) != Some(pixels.len()) {
+            let what = format!(
+                "{} pixels for an environment of {width} × {height}",
+                pixels.len()
+            );
+            return Err(Error::argument(what, "give one value a pixel"));
+        }
+        if let Some(i) = pixels
+            .iter()
+            .position(|c| !c.is_finite() || c.min_element() < 0.0)
+        {
+            let what = format!(
+                "radiance {} in column {}, row {}",
+                pixels[i],
+                i % width,
+                i / width
+            );
+            return Err(Error::argument(what, "give finite radiance ≥ 0"));
+        }
+        Ok(Self::assemble(width, height, &pixels, sampling))
+    }
+
+    /// An environment of at least one pixel, all of them finite and ≥ 0.
+    fn assemble(width: usize, height: usize, pixels: &[Rgb], sampling: SkySampling) -> Self {
+        let cos_edges = (0..=height)
+            .map(|row| (row as f64 / height as f64 * PI).cos())
+            .collect();
+        let extent = DVec2::new(width as f64, height as f64);
+        let mut sky = Self {
+            width,
+            height,
+            extent,
+            pixels: padded(width, pixels),
+            cos_edges,
+            table: None,
+            notes: None,
+        };
+        if sampling == SkySampling::Importance && pixels.iter().any(|c| luminance(*c) > 0.0) {
+            // Weights of finite pixels ≥ 0 are finite and ≥ 0. Should all of them vanish by underflow, no density is in
+            // proportion to them, and directions stay uniform.
+            let cells = Piecewise2d::new(width, height, &sky.weights(pixels)).ok();
+            sky.table = cells.map(|cells| sky.tabulate(cells));
+        }
+        sky
+    }
+
+    /// The table that chooses directions in proportion to the masses of cells.
+    fn tabulate(&self, cells: Piecewise2d) -> Table {
+        let densities = (0..self.height)
+            .map(|y| cells.row_mass(y) / self.solid_angle(y))
+            .collect();
+        Table { cells, densities }
+    }
+
+    /// A built-in environment: radiance towards the unit vector of each pixel's centre, known to be finite and ≥ 0.
+    pub(super) fn procedural(
+        width: usize,
+        height: usize,
+        sampling: SkySampling,
+        radiance: impl Fn(DVec3) -> Rgb,
+    ) -> Self {
+        let pixels = radiance_of_pixels(width, height, radiance);
+        debug_assert!(!pixels.is_empty());
+        debug_assert!(
+            pixels
+                .iter()
+                .all(|c| c.is_finite() && c.min_element() >= 0.0)
+        );
+        Self::assemble(width, height, &pixels, sampling)
+    }
+
+    /// Equal radiance from everywhere.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if a channel is negative or not finite.
+    pub fn uniform(radiance: Rgb) -> Result<Self> {
+        Self::new(1, 1, vec![radiance], SkySampling::Uniform)
+    }
+
+    /// Pixels of a row, and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    pub(super) fn with_notes(mut self, notes: MapNotes) -> Self {
+        self.notes = Some(Box::new(notes));
+        self
+    }
+
+    /// What was found and changed in the file that the map was read from; `None` for maps that come from none.
+    pub fn notes(&self) -> Option<&MapNotes> {
+        self.notes.as_deref()
+    }
+
+    /// Bytes of memory that the sampling tables hold.
+    pub fn table_bytes(&self) -> usize {
+        self.table
+            .as_ref()
+            .map_or(0, |t| t.cells.bytes() + size_of_val(t.densities.as_slice()))
+    }
+
+    /// Radiance that arrives from the unit vector `direction`.
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        self.radiance_at(square_of(direction))
+    }
+
+    /// Density per solid angle of choosing `direction`, in sr⁻¹.
+    pub fn pdf(&self, direction: DVec3) -> f64 {
+        self.pdf_at(square_of(direction))
+    }
+
+    #[inline]
+    pub(super) fn emission_at(&self, p: DVec2) -> Emission {
+        Emission {
+            radiance: self.radiance_at(p),
+            pdf: self.pdf_at(p),
+        }
+    }
+
+    #[inline]
+    fn radiance_at(&self, p: DVec2) -> Rgb {
+        // Padding moves the pixels to the right by one.
+        let x = p.x * self.extent.x + 0.5;
+        let y = (p.y * self.extent.y - 0.5)
+            .max(0.0)
+            .min(self.extent.y - 1.0);
+        let (column, row) = (x as u32, y as u32);
+        let (s, t) = ((x - f64::from(column)) as f32, (y - f64::from(row)) as f32);
+        let stride = self.width + 2;
+        let i = row as usize * stride + column as usize;
+        let line = |i: usize| self.pixels[i].lerp(self.pixels[i + 1], s);
+        line(i).lerp(line(i + stride), t).truncate()
+    }
+
+    #[inline]
+    fn pdf_at(&self, p: DVec2) -> f64 {
+        let at = p * self.extent;
+        match &self.table {
+            None => 1.0 / (4.0 * PI),
+            Some(table) => {
+                let (column, row) = (at.x as u32 as usize, at.y as u32 as usize);
+                let row = row.min(self.height - 1);
+                table.densities[row] * table.cells.mass_within_row(column.min(self.width - 1), row)
+            }
+        }
+    }
+
+    /// Longitude in turns and cosine of the polar angle of the direction that `u` chooses.
+    #[inline]
+    pub(super) fn choose(&self, u: DVec2) -> (f64, f64) {
+        match &self.table {
+            None => (u.x, 1.0 - 2.0 * u.y),
+            Some(table) => {
+                let at = table.cells.locate(u);
+                // Uniform in solid angle within a row, so that the density is constant in a cell and finite at the poles.
+                let (top, bottom) = (self.cos_edges[at.row], self.cos_edges[at.row + 1]);
+                let longitude = (at.column as f64 + at.share.x) / self.extent.x;
+                (longitude, top + at.share.y * (bottom - top))
+            }
+        }
+    }
+
+    /// Solid angle of a cell of a row.
+    fn solid_angle(&self, row: usize) -> f64 {
+        TAU / self.width as f64 * (self.cos_edges[row] - self.cos_edges[row + 1])
+    }
+
+    /// For each cell, the mean luminance of the bilinear map in it, times its solid angle. The mean over a cell of what is
+    /// bilinear between centres weighs the pixel itself and its neighbours 1 : 6 : 1 along each axis; it is positive
+    /// wherever some light is.
+    fn weights(&self, pixels: &[Rgb]) -> Vec<f64> {
+        let at = |x: usize, y: usize| f64::from(luminance(pixels[y * self.width + x]));
+        let across = |x: usize, y: usize| {
+            let (w, e) = ((x + self.width - 1) % self.width, (x + 1) % self.width);
+            (at(w, y) + 6.0 * at(x, y) + at(e, y)) / 8.0
+        };
+        let mut weights = Vec::with_capacity(pixels.len());
+        for y in 0..self.height {
+            let (n, s) = (y.saturating_sub(1), (y + 1).min(self.height - 1));
+            let solid_angle = self.solid_angle(y);
+            for x in 0..self.width {
+                let mean = (across(x, n) + 6.0 * across(x, y) + across(x, s)) / 8.0;
+                weights.push(mean * solid_angle);
+            }
+        }
+        weights
+    }
+}
+
+/// Radiance towards the centres of pixels, `[row][column]`.
+fn radiance_of_pixels(width: usize, height: usize, radiance: impl Fn(DVec3) -> Rgb) -> Vec<Rgb> {
+    let mut pixels = Vec::with_capacity(width * height);
+    for i in 0..width * height {
+        let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        let cos = (y / height as f64 * PI).cos();
+        pixels.push(radiance(direction_of(x / width as f64, cos)));
+    }
+    pixels
+}
+
+/// The map with what look-ups may read beyond it.
+fn padded(width: usize, pixels: &[Rgb]) -> Vec<Vec4> {
+    let rows = pixels.chunks_exact(width);
+    let last = rows.clone().next_back();
+    let mut padded = Vec::with_capacity((width + 2) * (rows.len() + 1));
+    for row in rows.chain(last) {
+        let around = row[width - 1..].iter().chain(row).chain(&row[..1]);
+        padded.extend(around.map(|c| c.extend(0.0)));
+    }
+    padded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::Light;
+    use crate::points::PointSet;
+
+    /// A dim sky with one bright pixel and a black half.
+    fn spotted() -> Environment {
+        let pixels = (0..32 * 16).map(|i| match i {
+            100 => Rgb::splat(500.0),
+            _ if i % 32 < 16 => Rgb::ZERO,
+            _ => Rgb::new(0.1, 0.2, 0.3),
+        });
+        Environment::new(32, 16, pixels.collect(), SkySampling::Importance).unwrap()
+    }
+
+    #[test]
+    fn directions_have_the_density_they_claim() {
+        // ∫ L dω by sampling the map against a fine grid of directions.
+        let sky = spotted();
+        let (n, grid) = (1 << 14, 512);
+        let mean = |f: &dyn Fn(u64) -> f64, n: u64| (0..n).map(f).sum::<f64>() / n as f64;
+        let sampled = mean(
+            &|i| {
+                let s = sky
+                    .sample(DVec3::ZERO, PointSet::Sobol.point(1, i, 0).as_dvec2())
+                    .unwrap();
+                f64::from(luminance(s.radiance)) / s.pdf
+            },
+            n,
+        );
+        let at = |i: u64| {
+            let (x, y) = ((i % grid) as f64 + 0.5, (i / grid) as f64 + 0.5);
+            let w = direction_of(x / grid as f64, 1.0 - 2.0 * y / grid as f64);
+            f64::from(luminance(sky.radiance(w))) * 4.0 * PI
+        };
+        let exact = mean(&at, grid * grid);
+        assert!((sampled / exact - 1.0).abs() < 5e-3, "{sampled} {exact}");
+    }
+
+    #[test]
+    fn the_density_integrates_to_one_and_covers_all_light() {
+        let sky = spotted();
+        // Midpoints of a grid that the map's cells are multiples of.
+        let (columns, rows) = (32 * 30, 16 * 30);
+        let mut sum = 0.0;
+        for i in 0..columns * rows {
+            let (x, y) = (f64::from(i % columns) + 0.5, f64::from(i / columns) + 0.5);
+            let theta = y / f64::from(rows) * PI;
+            let w = direction_of(x / f64::from(columns), theta.cos());
+            sum += sky.pdf(w) * theta.sin() * TAU * PI / f64::from(columns * rows);
+            assert!(
+                sky.pdf(w) > 0.0 || sky.radiance(w) == Rgb::ZERO,
+                "dark hole at {w}"
+            );
+        }
+        assert!((sum - 1.0).abs() < 1e-4, "{sum}");
+    }
+
+    #[test]
+    fn the_middle_of_the_map_is_ahead_and_its_right_is_x() {
+        assert!(square_of(-DVec3::Z).abs_diff_eq(DVec2::splat(0.5), 1e-15));
+        assert!(square_of(DVec3::X).abs_diff_eq(DVec2::new(0.75, 0.5), 1e-15));
+        assert_eq!(square_of(DVec3::Y).y, 0.0);
+        for i in 0..100 {
+            let u = PointSet::Random.point(2, i, 0).as_dvec2();
+            let back = square_of(direction_of(u.x, (u.y * PI).cos()));
+            assert!(back.abs_diff_eq(u, 1e-9), "{u} {back}");
+        }
+    }
+
+    #[test]
+    fn poles_and_seam_are_finite() {
+        let sky = spotted();
+        for w in [DVec3::Y, -DVec3::Y, DVec3::Z, DVec3::new(-0.0, 0.0, 1.0)] {
+            assert!(sky.radiance(w).is_finite() && sky.pdf(w).is_finite());
+        }
+        for u in [DVec2::ZERO, DVec2::ONE, DVec2::new(1.0f64.next_down(), 0.0)] {
+            let s = sky.sample(DVec3::ZERO, u).unwrap();
+            assert!(s.wi.is_normalized() && s.pdf.is_finite());
+        }
+    }
+
+    /// Directions of all kinds: drawn, and along, near and between the axes.
+    fn directions(count: u64) -> Vec<DVec3> {
+        let drawn = (0..count).map(|i| {
+            let u = PointSet::Random.point(5, i, 0).as_dvec2();
+            direction_of(u.x, 1.0 - 2.0 * u.y)
+        });
+        let steps = [-1.0, -1e-9, -1e-300, -0.0, 0.0, 1e-300, 1e-9, 1.0];
+        let grid = (0..512).map(|i| DVec3::new(steps[i % 8], steps[i / 8 % 8], steps[i / 64]));
+        grid.filter(|w| w.abs().max_element() == 1.0)
+            .map(DVec3::normalize)
+            .chain(drawn)
+            .collect()
+    }
+
+    #[test]
+    fn batches_are_the_same_bits_as_one_by_one() {
+        let plain =
+            Environment::new(3, 2, vec![Rgb::new(0.1, 2.0, 3e5); 6], SkySampling::Uniform).unwrap();
+        let nothing = Some(Emission {
+            radiance: Rgb::ONE,
+            pdf: -1.0,
+        });
+        for sky in [spotted(), plain] {
+            let wi = directions(10_000);
+            let u: Vec<DVec2> = (0..10_000)
+                .map(|i| PointSet::Random.point(6, i, 0).as_dvec2())
+                .collect();
+            let from = vec![DVec3::ONE; wi.len()];
+            let reach: Vec<f64> = (0..wi.len())
+                .map(|i| if i % 7 == 3 { 5.0 } else { f64::INFINITY })
+                .collect();
+            for count in [0, 1, 63, 64, 65, 200, 10_000] {
+                let mut sampled = vec![None; count];
+                sky.sample_batch(&from[..count], &u[..count], &mut sampled);
+                let mut emitted = vec![nothing; count];
+                sky.emitted_batch(&from[..count], &wi[..count], &reach[..count], &mut emitted);
+                for k in 0..count {
+                    assert_eq!(sampled[k], sky.sample(from[k], u[k]), "{}", u[k]);
+                    assert_eq!(
+                        emitted[k],
+                        sky.emitted_along(from[k], wi[k], reach[k]),
+                        "{}",
+                        wi[k]
+                    );
+                    let drawn = sampled[k].unwrap();
+                    let back = sky.emitted_along(from[k], drawn.wi, f64::INFINITY).unwrap();
+                    assert_eq!(
+                        (back.radiance, back.pdf.to_bits()),
+                        (drawn.radiance, drawn.pdf.to_bits())
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn fractions_are_those_of_the_library_and_in_bounds() {
+        for w in directions(100_000) {
+            let p = square_of(w);
+            let exact = DVec2::new(w.x.atan2(-w.z) / TAU + 0.5, w.x.hypot(w.z).atan2(w.y) / PI);
+            assert!(p.abs_diff_eq(exact, 1e-11), "{w}: {p} {exact}");
+            assert!(p.min_element() >= 0.0 && p.max_element() <= 1.0, "{w}: {p}");
+            let back = direction_of(p.x, (p.y * PI).cos());
+            assert!((back.length() - 1.0).abs() < 1e-12, "{w}: {back}");
+        }
+    }
+
+    #[test]
+    fn radiance_is_bilinear_between_centres_and_closes_on_itself() {
+        let (width, height) = (5, 3);
+        let pixel = |x: usize, y: usize| Rgb::new(x as f32, y as f32, (x * x + 7 * y) as f32);
+        let pixels = (0..width * height)
+            .map(|i| pixel(i % width, i / width))
+            .collect();
+        let sky = Environment::new(width, height, pixels, SkySampling::Importance).unwrap();
+        for i in 0..2000 {
+            let p = PointSet::Sobol.point(3, i, 0).as_dvec2();
+            let (x, y) = (
+                p.x * width as f64 - 0.5,
+                (p.y * height as f64 - 0.5).clamp(0.0, height as f64 - 1.0),
+            );
+            let (s, t) = ((x - x.floor()) as f32, y.fract() as f32);
+            let column = |x: f64| (x as i64).rem_euclid(width as i64) as usize;
+            let line =
+                |y: usize| pixel(column(x.floor()), y).lerp(pixel(column(x.floor() + 1.0), y), s);
+            let expected = line(y as usize).lerp(line((y as usize + 1).min(height - 1)), t);
+            assert!(sky.radiance_at(p).abs_diff_eq(expected, 1e-5), "{p}");
+        }
+    }
+
+    #[test]
+    fn bad_pixels_are_refused_and_black_maps_are_not() {
+        let build = |c| Environment::new(1, 1, vec![c], SkySampling::Importance);
+        assert!(build(Rgb::splat(-1.0)).is_err());
+        assert!(build(Rgb::splat(f32::NAN)).is_err());
+        assert!(
+            build(Rgb::ZERO)
+                .unwrap()
+                .sample(DVec3::ZERO, DVec2::ZERO)
+                .is_some()
+        );
+        assert!(Environment::new(2, 2, vec![Rgb::ONE], SkySampling::Uniform).is_err());
+    }
+}
