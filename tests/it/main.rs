@@ -9,6 +9,7 @@ mod baselines;
 mod batches;
 mod bsdf;
 mod compare;
+mod disc_mass;
 mod examples;
 mod format;
 mod half_vector;

@@ -38,8 +38,8 @@ pub fn limit_directions(symmetry: Symmetry) -> Vec<[f64; 2]> {
 /// How the weight of one draw spreads, by quadrature. A failed draw is a weight of 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct WeightSpread {
-    /// Standard deviation over mean: `√(E[w²]/E[w]² − 1)`, `E[w²]` = ∫ (f cosθ)²/pdf and `E[w]` = ∫ f cosθ where pdf > 0.
-    /// 0 for a black material. The quadrature resolves about 2·10⁻³.
+    /// Standard deviation over mean: √(∫ (w − E[w])²·pdf + lost·E[w]²)/E[w], with `E[w]` = ∫ f cosθ where pdf > 0 and what is
+    /// lost = 1 − ∫ pdf. 0 for a black material. The quadrature resolves about 2·10⁻³.
     pub relstd: f64,
     /// `E[w]`: the directional albedo as far as the sampler reaches it.
     pub mean: f64,
@@ -166,9 +166,17 @@ impl Moments {
         }
     }
 
-    /// Variance of one weight; rounding of a constant weight below 0 is 0.
+    /// Variance of one weight, a failed draw being a weight of 0: ∫ (w − E[w])²·pdf + lost·E[w]².
+    ///
+    /// Neither term is negative, even where ∫ pdf is not one minus what is lost; E[w²] − E[w]² is where ∫ pdf is above 1, by an
+    /// error of 10⁻⁴ in a density or of the quadrature.
     pub fn variance(&self, lane: usize) -> f64 {
-        (self.second[lane] - self.first[lane] * self.first[lane]).max(0.0)
+        let mean = self.first[lane];
+        let lost = (1.0 - self.pdf).max(0.0);
+        // ∫ (w − m)²·pdf = ∫ w²·pdf − 2m ∫ w·pdf + m² ∫ pdf, of which the second integral is m itself.
+        let about_mean = self.second[lane] - (2.0 - self.pdf) * mean * mean;
+        // What is left below 0 is the rounding of a weight that does not spread.
+        about_mean.max(0.0) + lost * mean * mean
     }
 
     /// The farthest that one weight can be from the mean, by the nodes.
@@ -290,6 +298,50 @@ mod tests {
             },
         );
         assert!(bias.relative.abs() < 1e-5, "{bias:?}");
+    }
+
+    /// [`Cosine`] with a density that is too large by a factor.
+    struct Overrated(f32);
+
+    impl DirectionSampler for Overrated {
+        fn sample(&self, wo: Vec3, u: glam::Vec2) -> Option<DirectionSample> {
+            let mut draw = Cosine.sample(wo, u)?;
+            draw.pdf *= self.0;
+            Some(draw)
+        }
+
+        fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+            self.0 * Cosine.pdf(wo, wi)
+        }
+
+        fn bytes(&self) -> usize {
+            0
+        }
+    }
+
+    /// cos^0.02θ under cosine sampling spreads by n/(2√(n + 1)), 0.0099; E[w²] − E[w]² is negative for a density 1.001 times
+    /// too large.
+    #[test]
+    fn spread_is_seen_where_the_density_is_a_little_too_large() {
+        struct Nearly;
+        impl Brdf for Nearly {
+            fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+                let upper = wo.z > 0.0 && wi.z > 0.0;
+                Rgb::splat(if upper { wi.z.powf(0.02) } else { 0.0 })
+            }
+
+            fn is_isotropic(&self) -> bool {
+                true
+            }
+        }
+        let spread = weight_spread(
+            &Overrated(1.001),
+            &Nearly,
+            &quadrature(45.0),
+            Importance::Mean,
+        );
+        let expected = 0.02 / (2.0 * 1.02f64.sqrt());
+        assert!((spread.relstd / expected - 1.0).abs() < 0.02, "{spread:?}");
     }
 
     #[test]
