@@ -266,7 +266,7 @@ mod tests {
                 let h = ((angles.theta_h / FRAC_PI_2).sqrt() * 90.0) as u32;
                 let d = angles.theta_d.to_degrees() as u32;
                 let p = angles.phi_d.rem_euclid(PI).to_degrees() as u32;
-                f64::from((h % 7 + 1) * (d % 3 + 1) * (p % 5))
+                f64::from((h % 7 + 1) * (d % 3 + 1) * (p % 5 + 1))
             };
             let found = BinQuadrature::new(wo, FLOOR)
                 .unwrap()

@@ -423,6 +423,22 @@ mod tests {
     }
 
     #[test]
+    fn cells_of_uncertain_integrals_are_left_out_unless_they_contradict_the_draws() {
+        let uncertain = |observed| Bin {
+            error2: 400.0,
+            ..bin(0, observed, 100.0)
+        };
+        // Deviations of 500 draws², the count's own 100 and the integral's 400: 110 draws are five.
+        for (observed, is_judged) in [(100, false), (205, false), (215, true), (0, false)] {
+            let (kept, unjudged) = judged(vec![uncertain(observed), bin(1, 90, 100.0)]);
+            assert_eq!(
+                (kept.len(), unjudged),
+                if is_judged { (2, 0) } else { (1, 1) }
+            );
+        }
+    }
+
+    #[test]
     fn pooling_keeps_totals_and_leaves_no_small_cell() {
         let bins: Vec<Bin> = (0..40).map(|i| bin(i, i as u64, i as f64 * 0.3)).collect();
         let (bins, unjudged) = judged(bins);
