@@ -141,10 +141,12 @@ impl State {
 
 /// A range of θh and how the unit interval covers it.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+pub(super) struct Piece {
     low: f64,
     high: f64,
     spacing: Spacing,
+    /// Nodes keep this far from both ends: nearer, the rounding of `wi` to f32 may carry them across an edge where values jump.
+    margin: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -173,13 +175,14 @@ impl Piece {
         let weight = 2.0 / lattice.size() as f64;
         for (s, t) in lattice.points() {
             let (theta_h, slope) = self.theta_h(s);
-            let (wi, jacobian) = domain.direction(theta_h, 2.0 * t - 1.0);
+            let inside = theta_h.clamp(self.low + self.margin, self.high - self.margin);
+            let (wi, jacobian) = domain.direction(inside, 2.0 * t - 1.0);
             visit(wi, jacobian * slope * weight);
         }
     }
 
     /// θh at `t` in (0, 1), and dθh/dt.
-    fn theta_h(&self, t: f64) -> (f64, f64) {
+    pub(super) fn theta_h(&self, t: f64) -> (f64, f64) {
         match self.spacing {
             Spacing::Area => {
                 let root = t.sqrt();
@@ -215,7 +218,7 @@ fn pieces(domain: &HalfVectorDomain) -> Vec<Piece> {
         .collect()
 }
 
-fn piece(low: f64, high: f64, cut: f64, end: f64) -> Piece {
+pub(super) fn piece(low: f64, high: f64, cut: f64, end: f64) -> Piece {
     let spacing = if low == 0.0 {
         Spacing::Area
     } else if low == cut || high == end {
@@ -223,7 +226,15 @@ fn piece(low: f64, high: f64, cut: f64, end: f64) -> Piece {
     } else {
         Spacing::Root
     };
-    Piece { low, high, spacing }
+    // Components of wi are rounded by up to 3·10⁻⁸, and the half vector by that over |wo + wi| = 2 wo·h.
+    let rounding = 6e-8 / end.mul_add(-2.0, PI).sin().max(1e-9);
+    let margin = rounding.min((high - low) / 64.0);
+    Piece {
+        low,
+        high,
+        spacing,
+        margin,
+    }
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ mod baselines;
 mod batches;
 mod bsdf;
 mod compare;
+mod disc_mass;
 mod examples;
 mod foreign_files;
 mod format;

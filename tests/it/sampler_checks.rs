@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use merlkit::Wo;
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
@@ -97,6 +97,58 @@ impl DirectionSampler for Lobe {
         let cos_n = (-0.5 * self.claimed * tan2.ln_1p()).exp();
         let lobe = (self.claimed + 1.0) / TAU * cos_n / (4.0 * o.dot(h));
         self.scale * (0.5 * i.z * FRAC_1_PI + 0.5 * lobe) as f32
+    }
+
+    fn bytes(&self) -> usize {
+        0
+    }
+}
+
+/// Cosine sampling and, with probability `drawn`, a spike: half vectors within 10⁻⁴ of one that is 20° off the normal.
+#[derive(Clone, Copy)]
+struct Spike {
+    drawn: f64,
+    claimed: f64,
+}
+
+impl Spike {
+    const RADIUS: f64 = 1e-4;
+
+    fn axis() -> DVec3 {
+        spherical(0.35, 1.3)
+    }
+}
+
+impl DirectionSampler for Spike {
+    fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
+        let x = f64::from(u.x);
+        let wi = if x < self.drawn {
+            let (a, b) = Self::axis().any_orthonormal_pair();
+            let radius = Self::RADIUS * (x / self.drawn).sqrt();
+            let (sin, cos) = (TAU * f64::from(u.y)).sin_cos();
+            let h = (Self::axis() + radius * (cos * a + sin * b)).normalize();
+            reflect_about(wo.as_dvec3().normalize(), h).as_vec3()
+        } else {
+            let rest = (x - self.drawn) / (1.0 - self.drawn);
+            Cosine.sample(wo, Vec2::new(rest as f32, u.y))?.wi
+        };
+        let pdf = self.pdf(wo, wi);
+        (pdf > 0.0).then_some(DirectionSample { wi, pdf })
+    }
+
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if !is_upper(wo) || !is_upper(wi) {
+            return 0.0;
+        }
+        let sum = wo.as_dvec3() + wi.as_dvec3();
+        let is_within = sum.cross(Self::axis()).length() < Self::RADIUS * sum.length();
+        let spike = if is_within {
+            1.0 / (PI * Self::RADIUS * Self::RADIUS * 2.0 * sum.length())
+        } else {
+            0.0
+        };
+        let cosine = f64::from(wi.z) * FRAC_1_PI;
+        ((1.0 - self.claimed) * cosine + self.claimed * spike) as f32
     }
 
     fn bytes(&self) -> usize {
@@ -353,6 +405,31 @@ fn an_exponent_fifteen_per_cent_off_is_rejected() {
             );
             assert!(result.worst.iter().all(|c| c.term > 0.0) && !result.worst.is_empty());
         }
+    }
+}
+
+/// No lattice of any affordable size meets the spike, 3·10⁻⁸ of half vectors: where draws fell shows where to look.
+#[test]
+fn a_narrow_spike_passes_where_it_is_right_and_is_rejected_where_it_is_wrong() {
+    let wos = directions(&[14.5, 30.0]);
+    let right = Spike {
+        drawn: 0.01,
+        claimed: 0.01,
+    };
+    let report = check_sampler(&right, &lambert(), &wos, &settings(1));
+    assert_eq!(failed(&report, Check::ChiSquare), 0, "{report:#?}");
+    assert_eq!(failed(&report, Check::PdfIntegral), 0, "{report:#?}");
+    for claimed in [0.0, 0.006, 0.015] {
+        let wrong = Spike {
+            drawn: 0.01,
+            claimed,
+        };
+        let report = check_sampler(&wrong, &lambert(), &wos, &settings(1));
+        assert_eq!(
+            failed(&report, Check::ChiSquare),
+            2,
+            "{claimed}: {report:#?}"
+        );
     }
 }
 

@@ -26,7 +26,7 @@ pub struct HardCase {
 
 impl HardCase {
     /// All cases, the simplest first.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 22] = [
         case("black", "all zero", |_, _, _| [0.0; 3]),
         case("void", "all invalid", |_, _, _| [-1.0; 3]),
         case("one-cell", "one bin is not zero", |h, d, p| {
@@ -103,6 +103,24 @@ impl HardCase {
             "largest",
             "cells within a part in a hundred of f32's largest, 3.4e38",
             |h, d, p| [f64::from(f32::MAX) * (1.0 - 0.01 * noise(h, d, p, 0)); 3],
+        ),
+        narrow(
+            "narrow-highlight",
+            "1e7 in the first bin of theta_h over an ordinary Lambertian",
+            |h, _, _| grey(h == 0, 1e7, 0.3 * std::f64::consts::FRAC_1_PI),
+        ),
+        case(
+            "steep-at-grazing",
+            "noisy and rising as the inverse cube of the cosine of theta_d, as quotients of small cosines are",
+            |h, d, p| {
+                let cosine = ((90.0 - d as f64 - 0.5) * 1f64.to_radians()).sin();
+                [0, 1, 2].map(|channel| 0.05 * (0.2 + noise(h, d, p, channel)) / cosine.powi(3))
+            },
+        ),
+        case(
+            "garbage-at-grazing",
+            "1e6 where theta_d is 88 degrees and more, next to black elsewhere",
+            |_, d, _| grey(d >= 88, 1e6, 3e-4 * std::f64::consts::FRAC_1_PI),
         ),
         torn(
             "every-magnitude",

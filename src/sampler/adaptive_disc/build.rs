@@ -22,11 +22,10 @@ fn points_a_side(leaves: LeafChoice) -> usize {
     }
 }
 
-/// How far lattices of ∫ f, which every density is divided by, may differ; the error is some tenth of it.
-const NORMALISER_STEP: f64 = 5e-4;
-/// Bounds that exceed ∫ f by this factor, where leaves were split until there were no more to be had, mean that ∫ f may have
-/// missed what they are bounds of: spikes narrower than the lattices that agreed.
-const SUSPECT: f64 = 4.0;
+/// How far ∫ f, which every density is divided by, may be off: what it is off by is a bias of every mean weight.
+const NORMALISER_TOLERANCE: f64 = 2e-5;
+/// How far lattices of ∫ f may differ where it only decides on divisions.
+const DIVISION_TOLERANCE: f64 = 5e-3;
 /// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
 const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
 /// Most trials a draw may need on average. A tree that is not allowed to be deep enough for its material stands for the
@@ -53,8 +52,7 @@ fn warps(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) ->
         .into_par_iter()
         .map(|k| {
             let slice = Slice::new(brdf, settings, Some(&bounds), knots.theta(k));
-            // It only decides on divisions: a rough one will do.
-            let integral = slice.integral(10.0 * NORMALISER_STEP);
+            let integral = slice.rough_integral(DIVISION_TOLERANCE);
             if USABLE.contains(&integral) {
                 WarpGrower {
                     settings,
@@ -80,7 +78,7 @@ fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
         .into_par_iter()
         .map(|k| {
             let slice = Slice::new(brdf, settings, bounds.as_ref(), knots.theta(k));
-            let mut integral = slice.integral(NORMALISER_STEP);
+            let integral = slice.integral(NORMALISER_TOLERANCE);
             let leaves = match (&settings.construction, &bounds) {
                 _ if !USABLE.contains(&integral) => Vec::new(),
                 (Construction::Grid(side), _) => {
@@ -99,9 +97,6 @@ fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
             };
             let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
             let volume: f64 = leaves.iter().map(Grown::volume).sum();
-            if volume > SUSPECT * integral && !leaves.is_empty() {
-                integral = slice.finest_integral();
-            }
             match settings.leaves {
                 _ if leaves.is_empty() || volume > MOST_TRIALS * integral => (Vec::new(), 0.0),
                 LeafChoice::Integral => (leaves, drawn),

@@ -46,6 +46,21 @@ pub(super) struct TreeView {
     pub(super) near: KnotPair,
 }
 
+/// Shortest sum of two unit vectors whose direction f64 knows: to 10⁻⁴, for its components are known to 10⁻¹⁶.
+const LEAST_SUM: f64 = 1e-12;
+
+/// wo + wi' for the direction wi' below the horizon that `wi` was turned up from; `None` where it has no direction.
+///
+/// Next to the mirror direction wi' all but opposes `wo`, and what is left of their sum is perpendicular to `wo`, for
+/// |wo + wi'|² = 2 wo·(wo + wi') holds between vectors of equal length alone. The roundings of components to f32 make
+/// lengths differ by 10⁻⁷: the sum would be as likely along `wo` and find the density of any half vector there, which the
+/// change of variables multiplies by up to 1/|wo + wi'|. So both are brought to unit length in f64 first.
+#[inline]
+fn turned_up_sum(wo: DVec3, wi: DVec3) -> Option<DVec3> {
+    let sum = wo.normalize() + DVec3::new(wi.x, wi.y, -wi.z).normalize();
+    (sum.length_squared() > LEAST_SUM * LEAST_SUM).then_some(sum)
+}
+
 impl AdaptiveDisc {
     /// Builds the trees on the threads of the current pool; the result does not depend on their number.
     ///
@@ -140,9 +155,8 @@ impl AdaptiveDisc {
             return self.knot_density(k, view.turn, wi);
         }
         let knot = self.knot_direction(k, view.turn);
-        let came_from = |wi: DVec3| {
+        let came_from = |sum: DVec3| {
             // dσ(wi) = 4 |wo·h| dσ(h) on either side, and h is along wo + wi, or, beyond the horizon, against it.
-            let sum = view.wo + wi;
             let ratio = 2.0 * knot.dot(sum) / sum.length_squared();
             let there = ratio * sum - knot;
             if there.z > 0.0 {
@@ -152,7 +166,8 @@ impl AdaptiveDisc {
             }
         };
         let wi = wi.as_dvec3();
-        came_from(wi) + came_from(DVec3::new(wi.x, wi.y, -wi.z))
+        let turned_up = turned_up_sum(view.wo, wi).map_or(0.0, came_from);
+        came_from(view.wo + wi) + turned_up
     }
 
     /// A direction drawn for knot `k`, carried over to the `wo` of `view`.

@@ -5,11 +5,9 @@ use glam::{DVec2, Vec3};
 use super::AdaptiveDiscSettings;
 use super::bounds::MaxTable;
 use crate::brdf::Brdf;
+use crate::geometry::bin_quadrature::{BinQuadrature, BinShape};
 use crate::geometry::{Quadrature, spherical};
 use crate::material::merl::{LookupRule, MerlBrdf};
-
-/// Points in each bin of θh of [`Slice::finest_integral`].
-const FINEST: usize = 10_946;
 
 /// f(wo, ·) for one fixed `wo` in the plane of φ = 0, as a scalar.
 pub(super) struct Slice<'a> {
@@ -44,15 +42,25 @@ impl<'a> Slice<'a> {
         })
     }
 
-    /// ∫ f over the disc.
-    pub fn integral(&self, tolerance: f64) -> f64 {
+    /// ∫ f over the disc by lattices: enough to decide on divisions.
+    pub fn rough_integral(&self, tolerance: f64) -> f64 {
         Quadrature::new(self.wo, 1)
             .integrate_refined(tolerance, |wi| self.value(wi) * f64::from(wi.z))
     }
 
-    /// ∫ f over the disc with as many points as any bin is given.
-    pub fn finest_integral(&self) -> f64 {
-        Quadrature::new(self.wo, FINEST).integrate(|wi| self.value(wi) * f64::from(wi.z))
+    /// ∫ f over the disc to `tolerance`, relative: every density is divided by it.
+    pub fn integral(&self, tolerance: f64) -> f64 {
+        let (offset, is_constant) = match self.brdf.rule() {
+            LookupRule::Floor => (0.0, true),
+            LookupRule::Linear => (0.0, false),
+            LookupRule::Centred => (0.5, false),
+        };
+        let shape = BinShape {
+            offset,
+            is_constant,
+        };
+        BinQuadrature::new(self.wo, shape)
+            .map_or(0.0, |q| q.integrate(tolerance, |wi| self.value(wi)))
     }
 
     pub fn value_on_disc(&self, p: DVec2) -> f64 {

@@ -2,7 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::geometry::merl_axes::{THETA_H_BINS, theta_h_at_fraction, theta_h_fraction};
+use crate::geometry::merl_axes::{
+    THETA_H_BINS, theta_h_at_fraction, theta_h_edge, theta_h_fraction,
+};
 
 /// How cells are spaced over θh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -73,6 +75,13 @@ impl ThetaAxis {
         } else {
             a.min(1.0)
         }
+    }
+
+    /// The `a` of the edges between MERL's bins of θh, ascending, without both ends.
+    pub fn merl_edges(&self) -> Vec<f64> {
+        (1..THETA_H_BINS)
+            .map(|bin| self.coordinate(theta_h_edge(bin)))
+            .collect()
     }
 
     /// sin θh · dθh/da: solid angle a radian of azimuth and unit of a, at `a` where the sine of θh is `sin`.

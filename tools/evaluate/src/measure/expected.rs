@@ -1,9 +1,16 @@
-//! The probability of each cell of a grid over half vectors, integrated from a pdf to a known error.
+//! The probability of each cell of a grid over half vectors, integrated from a pdf with an error that can be relied on.
+//!
+//! Lattices that agree prove nothing about a spike that all of them miss. Here a cell is cut into strata of two random points
+//! each. The mean of both is an unbiased estimate, whose variance the difference of both estimates without bias, jump or not
+//! (Cochran 1977, 5A.12); the strata that differ most are cut further. A spike between the points is found by where draws fell
+//! and by half vectors next to the mirror direction: a stratum in which one of those has a density far above that of both points
+//! counts as uncertain by as much, and is cut until it is resolved.
 
 use glam::Vec3;
 
 use merlkit::direction_sampler::DirectionSampler;
-use merlkit::geometry::{FibonacciLattice, HalfVectorDomain, is_upper};
+use merlkit::geometry::{HalfVectorDomain, is_upper};
+use merlkit::points::{Stream, mix};
 
 /// A grid over the half vectors about `wo`: uniform in √θh and in the share of the azimuth, both odd so that no cell edge
 /// falls on the plane of symmetry.
@@ -14,7 +21,7 @@ pub(super) struct Grid {
     pub phi_cells: usize,
 }
 
-/// Mass of a cell and how far off it may be.
+/// Mass of a cell, and the standard error of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Mass {
     pub value: f64,
@@ -29,18 +36,52 @@ pub(super) struct Expected {
     pub unusable: usize,
 }
 
+/// A direction whose density is known, by its place within a cell, each coordinate in [0, 1].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Witness {
+    pub at: [f64; 2],
+    pub pdf: f64,
+}
+
 impl Grid {
     /// Number of cells; cell `theta * phi_cells + phi`.
     pub fn len(&self) -> usize {
         self.theta_cells * self.phi_cells
     }
 
-    /// The cell of a direction above the horizon.
-    pub fn cell(&self, wi: Vec3) -> usize {
+    /// The cell of a direction above the horizon, and the place within it.
+    pub fn place(&self, wi: Vec3) -> (usize, [f64; 2]) {
         let (theta_h, b) = self.domain.coordinates(wi);
         let s = (theta_h / self.domain.theta_max()).sqrt();
-        let index = |x: f64, cells: usize| ((x * cells as f64) as usize).min(cells - 1);
-        index(s, self.theta_cells) * self.phi_cells + index(0.5 * (b + 1.0), self.phi_cells)
+        let index = |x: f64, cells: usize| {
+            let x = x * cells as f64;
+            let index = (x as usize).min(cells - 1);
+            (index, x - index as f64)
+        };
+        let (i, x) = index(s, self.theta_cells);
+        let (j, y) = index(0.5 * (b + 1.0), self.phi_cells);
+        (i * self.phi_cells + j, [x, y])
+    }
+
+    /// The direction at a place within a cell, and dσ(wi) per unit of the place.
+    pub fn direction(&self, cell: usize, at: [f64; 2]) -> (Vec3, f64) {
+        let ([theta_low, theta_high], [b_low, b_high]) = self.ranges(cell);
+        let (low, step) = (theta_low.sqrt(), theta_high.sqrt() - theta_low.sqrt());
+        let root = low + step * at[0];
+        let (wi, jacobian) = self
+            .domain
+            .direction(root * root, b_low + (b_high - b_low) * at[1]);
+        (wi, jacobian * 2.0 * root * step * (b_high - b_low))
+    }
+
+    /// Solid angle of a cell in sr, by midpoints: to a part in a thousand.
+    pub fn solid_angle(&self, cell: usize) -> f64 {
+        let mut sum = 0.0;
+        for k in 0..SIDE * SIDE {
+            let middle = |i: usize| (i as f64 + 0.5) / SIDE as f64;
+            sum += self.direction(cell, [middle(k % SIDE), middle(k / SIDE)]).1;
+        }
+        sum / (SIDE * SIDE) as f64
     }
 
     /// Ranges of θh, radians, and of the azimuth's share in [−1, 1] of a cell.
@@ -53,93 +94,185 @@ impl Grid {
     }
 }
 
-/// Lattice sizes of successive attempts at a cell.
-const ATTEMPTS: [usize; 6] = [55, 144, 377, 987, 2584, 6765];
+/// Strata along each side of a cell to begin with.
+const SIDE: usize = 6;
+/// Most evaluations of the pdf in one cell.
+const BUDGET: usize = 20_000;
+/// The part of a cell's statistical deviation that its integral may be off by.
+const GOAL: f64 = 0.1;
+/// A witness is taken for a part of a spike where its density is this many times that of both points.
+const STANDS_OUT: f64 = 4.0;
+/// Half vectors next to the mirror direction that are looked at, at angles that halve each time from 1° down.
+const NEAR_MIRROR: [usize; 2] = [24, 5];
 
-/// Integrates `sampler.pdf` over each cell until the error is small against the noise of `draws` draws.
-///
-/// The error of a cell is the difference between the last two attempts, so an overestimate. Refinement stops below a fifth of
-/// the cell's standard deviation or at the finest lattice; what error remains is for the test to allow for.
+/// Integrates `sampler.pdf` over each cell until the error is small against the noise of `draws` draws, or the budget is spent;
+/// what error remains is for the test to allow for. `witnesses` holds draws of each cell.
 pub(super) fn expected(
     sampler: &dyn DirectionSampler,
     wo: Vec3,
     grid: &Grid,
     draws: usize,
+    mut witnesses: Vec<Vec<Witness>>,
 ) -> Expected {
+    for (cell, witness) in near_mirror(sampler, wo, grid) {
+        witnesses[cell].push(witness);
+    }
     let mut unusable = 0;
-    let cells = (0..grid.len())
-        .map(|cell| refine(sampler, wo, grid, cell, draws, &mut unusable))
+    let cells = witnesses
+        .iter()
+        .enumerate()
+        .map(|(cell, witnesses)| {
+            let heights = witnesses
+                .iter()
+                .map(|w| (w.at, w.pdf * grid.direction(cell, w.at).1))
+                .collect();
+            let mut integral = CellIntegral {
+                sampler,
+                wo,
+                grid,
+                cell,
+                heights,
+                stream: Stream::new(mix(cell as u64)),
+                unusable: 0,
+                evaluations: 0,
+            };
+            let mass = integral.refine(draws);
+            unusable += integral.unusable;
+            mass
+        })
         .collect();
     Expected { cells, unusable }
 }
 
-fn refine(
-    sampler: &dyn DirectionSampler,
-    wo: Vec3,
-    grid: &Grid,
-    cell: usize,
-    draws: usize,
-    unusable: &mut usize,
-) -> Mass {
-    let mut coarse = integrate(
-        sampler,
-        wo,
-        grid,
-        cell,
-        FibonacciLattice::at_least(ATTEMPTS[0]),
-        unusable,
-    );
-    let mut mass = Mass {
-        value: coarse,
-        error: coarse,
-    };
-    for points in &ATTEMPTS[1..] {
-        let value = integrate(
-            sampler,
-            wo,
-            grid,
-            cell,
-            FibonacciLattice::at_least(*points),
-            unusable,
-        );
-        mass = Mass {
-            value,
-            error: (value - coarse).abs(),
-        };
-        // Cells of less than one expected draw are pooled; they need no more digits than a cell of one.
-        let deviation = (value / draws as f64)
-            .max(1.0 / (draws as f64).powi(2))
-            .sqrt();
-        if mass.error <= 0.2 * deviation {
-            break;
+/// Densities next to the mirror direction, where highlights are and formulas divide by zero.
+fn near_mirror(sampler: &dyn DirectionSampler, wo: Vec3, grid: &Grid) -> Vec<(usize, Witness)> {
+    let mut found = Vec::new();
+    for ring in 0..NEAR_MIRROR[0] {
+        for turn in 0..NEAR_MIRROR[1] {
+            let theta = 1f64.to_radians() * 0.5f64.powi(ring as i32);
+            let azimuth = 2.0 * (turn as f64 + 0.3) / NEAR_MIRROR[1] as f64 - 1.0;
+            if theta >= grid.domain.theta_max() {
+                continue;
+            }
+            let (wi, _) = grid.domain.direction(theta, azimuth);
+            let pdf = f64::from(sampler.pdf(wo, wi));
+            if is_upper(wi) && pdf > 0.0 && pdf.is_finite() {
+                let (cell, at) = grid.place(wi);
+                found.push((cell, Witness { at, pdf }));
+            }
         }
-        coarse = value;
     }
-    mass
+    found
 }
 
-fn integrate(
-    sampler: &dyn DirectionSampler,
+/// A rectangle of a cell with two random points.
+#[derive(Clone, Copy)]
+struct Stratum {
+    low: [f64; 2],
+    /// Its sides are 1/`parts` of those of the cell.
+    parts: f64,
+    value: f64,
+    variance: f64,
+}
+
+/// The integral over one cell.
+struct CellIntegral<'a> {
+    sampler: &'a dyn DirectionSampler,
     wo: Vec3,
-    grid: &Grid,
+    grid: &'a Grid,
     cell: usize,
-    lattice: FibonacciLattice,
-    unusable: &mut usize,
-) -> f64 {
-    let ([theta_low, theta_high], [b_low, b_high]) = grid.ranges(cell);
-    let (low, step) = (theta_low.sqrt(), theta_high.sqrt() - theta_low.sqrt());
-    let mut sum = 0.0;
-    for (s, t) in lattice.points() {
-        let root = low + step * s;
-        let (wi, jacobian) = grid
-            .domain
-            .direction(root * root, b_low + (b_high - b_low) * t);
-        let pdf = f64::from(sampler.pdf(wo, wi));
-        if !(pdf >= 0.0 && pdf.is_finite()) {
-            *unusable += 1;
-        } else if is_upper(wi) {
-            sum += pdf * jacobian * 2.0 * root;
+    /// Places of the witnesses, and their densities per unit of the cell.
+    heights: Vec<([f64; 2], f64)>,
+    stream: Stream,
+    unusable: usize,
+    evaluations: usize,
+}
+
+impl CellIntegral<'_> {
+    fn refine(&mut self, draws: usize) -> Mass {
+        let mut strata = Vec::with_capacity(SIDE * SIDE);
+        self.divide([0.0; 2], SIDE, SIDE as f64, &mut strata);
+        loop {
+            let value: f64 = strata.iter().map(|s| s.value).sum();
+            let variance: f64 = strata.iter().map(|s| s.variance).sum();
+            // Cells of less than one expected draw are pooled; they need no more digits than a cell of one.
+            let deviation2 = (value / draws as f64).max(1.0 / (draws as f64).powi(2));
+            let goal = GOAL * GOAL * deviation2;
+            if variance <= goal || self.evaluations >= BUDGET {
+                let error = variance.sqrt();
+                return Mass { value, error };
+            }
+            // What all strata may keep adds up to less than the goal, so that one of them at least is cut.
+            let allowed = 0.5 * goal / strata.len() as f64;
+            let mut finer = Vec::with_capacity(2 * strata.len());
+            for stratum in strata {
+                if stratum.variance > allowed && self.evaluations < BUDGET {
+                    self.divide(stratum.low, 2, 2.0 * stratum.parts, &mut finer);
+                } else {
+                    finer.push(stratum);
+                }
+            }
+            strata = finer;
         }
     }
-    sum * step * (b_high - b_low) / lattice.size() as f64
+
+    /// Adds `side`² strata of sides 1/`parts` from the corner `low` on.
+    fn divide(&mut self, low: [f64; 2], side: usize, parts: f64, strata: &mut Vec<Stratum>) {
+        for k in 0..side * side {
+            let corner = [
+                low[0] + (k % side) as f64 / parts,
+                low[1] + (k / side) as f64 / parts,
+            ];
+            let stratum = self.stratum(corner, parts);
+            strata.push(stratum);
+        }
+    }
+
+    fn stratum(&mut self, low: [f64; 2], parts: f64) -> Stratum {
+        let area = 1.0 / (parts * parts);
+        let points = [
+            self.random_density(low, parts),
+            self.random_density(low, parts),
+        ];
+        let half = 0.5 * area * (points[0] - points[1]);
+        let mut variance = half * half;
+        let highest = self.highest_witness(low, parts);
+        if highest > STANDS_OUT * points[0].max(points[1]) {
+            variance = variance.max((0.5 * area * highest).powi(2));
+        }
+        Stratum {
+            low,
+            parts,
+            value: 0.5 * area * (points[0] + points[1]),
+            variance,
+        }
+    }
+
+    /// The highest density of a witness in a stratum, per unit of the cell.
+    fn highest_witness(&self, low: [f64; 2], parts: f64) -> f64 {
+        let mut highest = 0.0f64;
+        for &(at, height) in &self.heights {
+            let is_inside = at[0] >= low[0]
+                && at[0] < low[0] + 1.0 / parts
+                && at[1] >= low[1]
+                && at[1] < low[1] + 1.0 / parts;
+            if is_inside {
+                highest = highest.max(height);
+            }
+        }
+        highest
+    }
+
+    /// The density per unit of the cell at a random place of a stratum; 0 below the horizon and where it is unusable.
+    fn random_density(&mut self, low: [f64; 2], parts: f64) -> f64 {
+        let at = low.map(|low| low + self.stream.next_f64() / parts);
+        let (wi, change) = self.grid.direction(self.cell, at);
+        self.evaluations += 1;
+        let pdf = f64::from(self.sampler.pdf(self.wo, wi));
+        if !(pdf >= 0.0 && pdf.is_finite()) {
+            self.unusable += 1;
+            return 0.0;
+        }
+        if is_upper(wi) { pdf * change } else { 0.0 }
+    }
 }

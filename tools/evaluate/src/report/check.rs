@@ -45,7 +45,16 @@ impl CheckResult {
         let count = |check: Check| {
             let outcomes = self.report.outcomes.iter().filter(|o| o.check == check);
             let (passed, all) = outcomes.fold((0, 0), |(p, n), o| (p + u32::from(o.pass), n + 1));
-            if passed == all {
+            let unjudged: usize = self
+                .report
+                .outcomes
+                .iter()
+                .filter(|o| o.check == check)
+                .map(|o| o.unjudged)
+                .sum();
+            if passed == all && unjudged > 0 {
+                format!("{passed} ok, {unjudged} cells unjudged")
+            } else if passed == all {
                 format!("{passed} ok")
             } else {
                 format!("{} of {all} FAILED", all - passed)

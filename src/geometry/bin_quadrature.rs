@@ -1,0 +1,291 @@
+//! ∫ f dx dy over the disc for one `wo`, where f comes from a MERL table: exact in the azimuth.
+//!
+//! A table jumps (or its slope does) at the edges of its bins, of which half vectors about one `wo` cross hundreds: a lattice
+//! converges as n⁻¹ there, and a bin that no point meets is missed altogether. At one θh, however, both other angles are
+//! functions of the half vector's azimuth φ against `wo`,
+//!
+//! ```text
+//! cos θd = wo·h = cos θo cos θh + sin θo sin θh cos φ
+//! tan φd = sin θo sin φ / (cos θo sin θh − sin θo cos θh cos φ)
+//! ```
+//!
+//! and the φ of every edge has a closed form. Between two edges f is constant or smooth, so that two points integrate it. What
+//! is left is a continuous function of θh, which is integrated adaptively in each bin.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::{DVec3, Vec3};
+
+use super::merl_axes::{THETA_D_BINS, THETA_H_BINS, theta_h};
+use super::quadrature::{Piece, piece};
+use super::{HalfVectorDomain, reflect_about};
+
+/// Where a table's values jump or bend, and what they are between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BinShape {
+    /// Distance of the jumps or bends from the lower edges of bins, in bins: 0 or ½.
+    pub offset: f64,
+    /// Whether values are constant between them.
+    pub is_constant: bool,
+}
+
+/// Longest step of the azimuth, radians: over it two points integrate the change of variables to 10⁻⁷.
+const LONGEST: f64 = PI / 32.0;
+/// Most halvings of a bin of θh.
+const HALVINGS: u32 = 6;
+/// √(1/3): Gauss's two points on [−1, 1].
+const GAUSS_2: f64 = 0.577_350_269_189_625_8;
+/// √(3/5): the outer two of Gauss's three points on [−1, 1].
+const GAUSS_3: f64 = 0.774_596_669_241_483_4;
+
+/// Integrals over the disc for one `wo` in the plane of φ = 0.
+pub(crate) struct BinQuadrature {
+    domain: HalfVectorDomain,
+    wo: DVec3,
+    shape: BinShape,
+    pieces: Vec<Piece>,
+}
+
+/// A range of one piece's unit interval, its integral and how far that may be off.
+#[derive(Clone, Copy)]
+struct Part {
+    piece: usize,
+    low: f64,
+    high: f64,
+    halvings: u32,
+    value: f64,
+    error: f64,
+}
+
+impl BinQuadrature {
+    /// The quadrature for `wo`, whose y must be 0; `None` unless `wo` is above the horizon.
+    pub fn new(wo: Vec3, shape: BinShape) -> Option<Self> {
+        let domain = HalfVectorDomain::new(wo)?;
+        let (cut, end) = (domain.theta_full(), domain.theta_max());
+        let mut edges = vec![0.0, cut, end];
+        for bin in 0..=THETA_H_BINS {
+            let edge = theta_h(bin as f64 + shape.offset);
+            if edge < end {
+                edges.push(edge);
+            }
+        }
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        let pieces = edges
+            .windows(2)
+            .map(|pair| piece(pair[0], pair[1], cut, end))
+            .collect();
+        Some(Self {
+            domain,
+            wo: wo.as_dvec3().normalize(),
+            shape,
+            pieces,
+        })
+    }
+
+    /// ∫ `value(wi)`·cos θi dσ(wi), for values ≥ 0 that jump where the table does; the errors of all parts, each the difference
+    /// of Gauss's rules of two and of three points, add up to at most `tolerance` of it, or parts are as small as they may be.
+    pub fn integrate(&self, tolerance: f64, mut value: impl FnMut(Vec3) -> f64) -> f64 {
+        let mut cuts = Vec::new();
+        let mut parts = Vec::new();
+        for piece in 0..self.pieces.len() {
+            parts.push(self.part(piece, [0.0, 1.0], 0, &mut cuts, &mut value));
+        }
+        loop {
+            let total: f64 = parts.iter().map(|p| p.value).sum();
+            let error: f64 = parts.iter().map(|p| p.error).sum();
+            if error <= tolerance * total {
+                return total;
+            }
+            let allowed = tolerance * total / parts.len() as f64;
+            let (mut finer, mut is_finer) = (Vec::with_capacity(2 * parts.len()), false);
+            for part in parts {
+                if part.error <= allowed || part.halvings >= HALVINGS {
+                    finer.push(part);
+                    continue;
+                }
+                let middle = 0.5 * (part.low + part.high);
+                for range in [[part.low, middle], [middle, part.high]] {
+                    let halvings = part.halvings + 1;
+                    finer.push(self.part(part.piece, range, halvings, &mut cuts, &mut value));
+                }
+                is_finer = true;
+            }
+            parts = finer;
+            if !is_finer {
+                return parts.iter().map(|p| p.value).sum();
+            }
+        }
+    }
+
+    /// The integral over a range of a piece by three points, and its difference from that by two.
+    fn part(
+        &self,
+        piece: usize,
+        [low, high]: [f64; 2],
+        halvings: u32,
+        cuts: &mut Vec<f64>,
+        value: &mut impl FnMut(Vec3) -> f64,
+    ) -> Part {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let mut row = |x: f64| {
+            let (theta_h, slope) = self.pieces[piece].theta_h(middle + half * x);
+            slope * self.row(theta_h, cuts, value)
+        };
+        let two = half * (row(-GAUSS_2) + row(GAUSS_2));
+        let three = half / 9.0 * (5.0 * row(-GAUSS_3) + 8.0 * row(0.0) + 5.0 * row(GAUSS_3));
+        Part {
+            piece,
+            low,
+            high,
+            halvings,
+            value: three,
+            error: (three - two).abs(),
+        }
+    }
+
+    /// ∫ `value`·cos θi·dσ(wi)/dθh over the azimuth at one θh: 4 (wo·h) sin θh cos θi dφ.
+    fn row(&self, theta_h: f64, cuts: &mut Vec<f64>, value: &mut impl FnMut(Vec3) -> f64) -> f64 {
+        self.azimuth_cuts(theta_h, cuts);
+        let (sin_h, cos_h) = theta_h.sin_cos();
+        let (across, along) = (self.wo.z * cos_h, self.wo.x * sin_h);
+        let weight = |cos_phi: f64| {
+            let cos_d = across + along * cos_phi;
+            4.0 * cos_d * sin_h * (2.0 * cos_d * cos_h - self.wo.z).max(0.0)
+        };
+        let mut direction = |sin: f64, cos: f64| {
+            let h = DVec3::new(sin_h * cos, sin_h * sin, cos_h);
+            value(reflect_about(self.wo, h).as_vec3())
+        };
+        let mut sum = 0.0;
+        for pair in cuts.windows(2) {
+            let half = 0.5 * (pair[1] - pair[0]);
+            let (sin, cos) = (0.5 * (pair[0] + pair[1])).sin_cos();
+            // Gauss's points lie δ to either side; δ is short enough for its series.
+            let delta = GAUSS_2 * half;
+            let delta2 = delta * delta;
+            let (sin_d, cos_d) = (
+                delta * (1.0 - delta2 / 6.0 * (1.0 - delta2 / 20.0)),
+                1.0 - delta2 / 2.0 * (1.0 - delta2 / 12.0),
+            );
+            let before = (sin * cos_d - cos * sin_d, cos * cos_d + sin * sin_d);
+            let after = (sin * cos_d + cos * sin_d, cos * cos_d - sin * sin_d);
+            let weights = [weight(before.1), weight(after.1)];
+            // Edges lie at ±φ, values need not be the same there.
+            for side in [1.0, -1.0] {
+                sum += half
+                    * if self.shape.is_constant {
+                        direction(side * sin, cos) * (weights[0] + weights[1])
+                    } else {
+                        direction(side * before.0, before.1) * weights[0]
+                            + direction(side * after.0, after.1) * weights[1]
+                    };
+            }
+        }
+        sum
+    }
+
+    /// The azimuths from 0 to the horizon's at which a bin of θd or φd ends, ascending; the same hold below 0.
+    fn azimuth_cuts(&self, theta_h: f64, cuts: &mut Vec<f64>) {
+        let end = self.domain.phi_max(theta_h);
+        cuts.clear();
+        cuts.extend([0.0, end]);
+        let mut push = |phi: f64| {
+            if phi > 0.0 && phi < end {
+                cuts.push(phi);
+            }
+        };
+        for step in 1..(PI / LONGEST) as usize {
+            push(step as f64 * LONGEST);
+        }
+        let (sin_h, cos_h) = theta_h.sin_cos();
+        let (sin_o, cos_o) = (self.wo.x, self.wo.z);
+        // cos φ = (cos θd − cos θo cos θh)/(sin θo sin θh); NaN where there is no such φ.
+        for bin in 0..THETA_D_BINS {
+            let theta_d = (bin as f64 + self.shape.offset) / THETA_D_BINS as f64 * FRAC_PI_2;
+            push(((theta_d.cos() - cos_o * cos_h) / (sin_o * sin_h)).acos());
+        }
+        // sin θo cos ψ sin φ + sin θo cos θh sin ψ cos φ = cos θo sin θh sin ψ at φd = ψ and at φd = ψ + π.
+        for degree in 0..180 {
+            let (sin, cos) = (f64::from(degree) + self.shape.offset)
+                .to_radians()
+                .sin_cos();
+            let (p, q) = (sin_o * cos_h * sin, sin_o * cos);
+            let (middle, reach) = (q.atan2(p), (cos_o * sin_h * sin / p.hypot(q)).acos());
+            for phi in [middle - reach, middle + reach] {
+                push(if phi > PI { phi - TAU } else { phi });
+            }
+        }
+        cuts.sort_unstable_by(f64::total_cmp);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{HalfDiff, spherical};
+    use std::f64::consts::FRAC_1_PI;
+
+    const FLOOR: BinShape = BinShape {
+        offset: 0.0,
+        is_constant: true,
+    };
+
+    fn wo(theta: f64) -> Vec3 {
+        spherical(theta.to_radians(), 0.0).as_vec3()
+    }
+
+    #[test]
+    fn a_constant_integrates_to_pi() {
+        for theta in [0.0, 0.76, 14.5, 45.0, 75.5, 89.0, 90.0] {
+            for shape in [
+                FLOOR,
+                BinShape {
+                    offset: 0.5,
+                    is_constant: false,
+                },
+            ] {
+                let mass = BinQuadrature::new(wo(theta), shape)
+                    .unwrap()
+                    .integrate(1e-6, |_| 1.0);
+                assert!(
+                    (mass * FRAC_1_PI - 1.0).abs() < 2e-6,
+                    "{theta}° {shape:?}: {mass}"
+                );
+            }
+        }
+    }
+
+    /// Bins of all three angles that come and go, against a fine grid over the disc.
+    #[test]
+    fn values_by_bins_are_integrated_as_on_a_fine_grid_of_the_disc() {
+        for theta in [0.0, 20.3, 60.1, 88.0] {
+            let wo = wo(theta);
+            let value = |wi: Vec3| {
+                let angles = HalfDiff::from_directions(wo.as_dvec3(), wi.as_dvec3()).unwrap();
+                let h = ((angles.theta_h / FRAC_PI_2).sqrt() * 90.0) as u32;
+                let d = angles.theta_d.to_degrees() as u32;
+                let p = angles.phi_d.rem_euclid(PI).to_degrees() as u32;
+                f64::from((h % 7 + 1) * (d % 3 + 1) * (p % 5 + 1))
+            };
+            let found = BinQuadrature::new(wo, FLOOR)
+                .unwrap()
+                .integrate(1e-5, value);
+            let n = 1500;
+            let mut sum = 0.0;
+            for k in 0..n * n {
+                let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * 2.0 - 1.0;
+                let (x, y) = (at(k % n), at(k / n));
+                let z2 = 1.0 - x * x - y * y;
+                if z2 > 0.0 {
+                    sum += value(DVec3::new(x, y, z2.sqrt()).as_vec3());
+                }
+            }
+            let expected = sum * 4.0 / f64::from(n * n);
+            assert!(
+                (found / expected - 1.0).abs() < 5e-4,
+                "{theta}°: {found}, {expected}"
+            );
+        }
+    }
+}
