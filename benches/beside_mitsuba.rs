@@ -178,7 +178,10 @@ fn sky_map() -> Image {
 }
 
 fn spec(sky: &Path) -> SceneSpec {
-    let light = LightSpec::Environment(EnvironmentSource::File(sky.to_owned()));
+    let light = LightSpec::Environment(EnvironmentSource::File {
+        path: sky.to_owned(),
+        clamp: None,
+    });
     SceneSpec {
         lights: vec![light],
         depth: 1,

@@ -70,7 +70,7 @@ fn radiance_pictures_are_read_flat_and_in_both_encodings() {
     let pixels = pixels();
     let flat: Vec<u8> = pixels.concat();
     let new: Vec<u8> = pixels.chunks(300).flat_map(encode_new).collect();
-    // The first 200 pixels of each row are one and 199 more: 199 = 7 · 1 + 192 needs two counts if the first is small.
+    // The first 200 pixels of each row are one, repeated 199 times.
     let mut old = Vec::new();
     for row in pixels.chunks(300) {
         old.extend(row[0]);

@@ -724,7 +724,7 @@ fn an_environment_file_lights_as_its_pixels_say() {
     // Light from the upper half only: irradiance on the top of the sphere is that of a uniform sky.
     let half = Image::from_fn(64, 32, |_, y| Rgb::splat(if y < 16 { 2.0 } else { 0.0 })).unwrap();
     write_exr(&path, &half, Overwrite::Refuse).unwrap();
-    let sky = LightSpec::Environment(EnvironmentSource::File(path));
+    let sky = LightSpec::Environment(EnvironmentSource::File { path, clamp: None });
     let mut spec = row(1, vec![sky], MIS);
     look_at_point(&mut spec, DVec3::Y);
     let film = planned(&spec, &[lambert(0.5)], 1, 1 << 14);
