@@ -277,7 +277,7 @@ struct Observed {
 
 impl Observed {
     fn add(&mut self, grid: &Grid, sample: DirectionSample) {
-        let (cell, at) = grid.place(sample.wi);
+        let (cell, at) = grid.locate(sample.wi);
         let pdf = f64::from(sample.pdf);
         self.cells[cell] += 1;
         if pdf > 0.0 && pdf.is_finite() {
@@ -307,9 +307,10 @@ impl Bin {
         difference * difference / (self.expected + self.error2).max(f64::MIN_POSITIVE)
     }
 
-    /// Whether the error of its integral, rather than chance, decides how far the count may be off, and explains that it is.
+    /// Whether it is a cell and the error of its integral, rather than chance, decides how far the count may be off, and explains that it is.
     fn is_unjudged(&self) -> bool {
-        self.error2 > self.expected.max(SMALLEST_EXPECTED)
+        self.cell.is_some()
+            && self.error2 > self.expected.max(SMALLEST_EXPECTED)
             && self.term() <= BEYOND_DOUBT * BEYOND_DOUBT
     }
 

@@ -4,7 +4,7 @@
 //! each. The mean of both is an unbiased estimate, whose variance the difference of both estimates without bias, jump or not
 //! (Cochran 1977, 5A.12); the strata that differ most are cut further. A spike between the points is found by where draws fell
 //! and by half vectors next to the mirror direction: a stratum in which one of those has a density far above that of both points
-//! counts as uncertain by as much, and is cut until it is resolved.
+//! counts as uncertain by as much, and is cut until it is resolved. The strata so found are then integrated by points of their own.
 
 use glam::Vec3;
 
@@ -50,7 +50,7 @@ impl Grid {
     }
 
     /// The cell of a direction above the horizon, and the place within it.
-    pub fn place(&self, wi: Vec3) -> (usize, [f64; 2]) {
+    pub fn locate(&self, wi: Vec3) -> (usize, [f64; 2]) {
         let (theta_h, b) = self.domain.coordinates(wi);
         let s = (theta_h / self.domain.theta_max()).sqrt();
         let index = |x: f64, cells: usize| {
@@ -157,7 +157,7 @@ fn near_mirror(sampler: &dyn DirectionSampler, wo: Vec3, grid: &Grid) -> Vec<(us
             let (wi, _) = grid.domain.direction(theta, azimuth);
             let pdf = f64::from(sampler.pdf(wo, wi));
             if is_upper(wi) && pdf > 0.0 && pdf.is_finite() {
-                let (cell, at) = grid.place(wi);
+                let (cell, at) = grid.locate(wi);
                 found.push((cell, Witness { at, pdf }));
             }
         }
@@ -199,8 +199,7 @@ impl CellIntegral<'_> {
             let deviation2 = (value / draws as f64).max(1.0 / (draws as f64).powi(2));
             let goal = GOAL * GOAL * deviation2;
             if variance <= goal || self.evaluations >= BUDGET {
-                let error = variance.sqrt();
-                return Mass { value, error };
+                return self.afresh(&strata);
             }
             // What all strata may keep adds up to less than the goal, so that one of them at least is cut.
             let allowed = 0.5 * goal / strata.len() as f64;
@@ -213,6 +212,21 @@ impl CellIntegral<'_> {
                 }
             }
             strata = finer;
+        }
+    }
+
+    /// The integral by new points in strata that others led to. What decided where to stop is no longer fair: strata that were left
+    /// whole are those whose points agreed, if only by chance. Of both variances the larger counts.
+    fn afresh(&mut self, strata: &[Stratum]) -> Mass {
+        let (mut value, mut variance) = (0.0, 0.0);
+        for old in strata {
+            let new = self.stratum(old.low, old.parts);
+            value += new.value;
+            variance += new.variance.max(old.variance);
+        }
+        Mass {
+            value,
+            error: variance.sqrt(),
         }
     }
 
