@@ -12,7 +12,7 @@
 //! and the φ of every edge has a closed form. Between two edges f is constant or smooth, so that two points integrate it. What
 //! is left is a continuous function of θh, which is integrated adaptively in each bin.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
@@ -44,6 +44,10 @@ pub(crate) struct BinQuadrature {
     wo: DVec3,
     shape: BinShape,
     pieces: Vec<Piece>,
+    /// cos θd at the edges of its bins.
+    theta_d_edges: Vec<f64>,
+    /// Sine and cosine of φd at the edges of its bins in half a turn.
+    phi_d_edges: Vec<(f64, f64)>,
 }
 
 /// A range of one piece's unit interval, its integral and how far that may be off.
@@ -75,7 +79,10 @@ impl BinQuadrature {
             .windows(2)
             .map(|pair| piece(pair[0], pair[1], cut, end))
             .collect();
+        let degrees = |edge: usize| (edge as f64 + shape.offset).to_radians();
         Some(Self {
+            theta_d_edges: (0..THETA_D_BINS).map(|edge| degrees(edge).cos()).collect(),
+            phi_d_edges: (0..180).map(|edge| degrees(edge).sin_cos()).collect(),
             domain,
             wo: wo.as_dvec3().normalize(),
             shape,
@@ -201,15 +208,11 @@ impl BinQuadrature {
         let (sin_h, cos_h) = theta_h.sin_cos();
         let (sin_o, cos_o) = (self.wo.x, self.wo.z);
         // cos φ = (cos θd − cos θo cos θh)/(sin θo sin θh); NaN where there is no such φ.
-        for bin in 0..THETA_D_BINS {
-            let theta_d = (bin as f64 + self.shape.offset) / THETA_D_BINS as f64 * FRAC_PI_2;
-            push(((theta_d.cos() - cos_o * cos_h) / (sin_o * sin_h)).acos());
+        for cos_d in &self.theta_d_edges {
+            push(((cos_d - cos_o * cos_h) / (sin_o * sin_h)).acos());
         }
         // sin θo cos ψ sin φ + sin θo cos θh sin ψ cos φ = cos θo sin θh sin ψ at φd = ψ and at φd = ψ + π.
-        for degree in 0..180 {
-            let (sin, cos) = (f64::from(degree) + self.shape.offset)
-                .to_radians()
-                .sin_cos();
+        for &(sin, cos) in &self.phi_d_edges {
             let (p, q) = (sin_o * cos_h * sin, sin_o * cos);
             let (middle, reach) = (q.atan2(p), (cos_o * sin_h * sin / p.hypot(q)).acos());
             for phi in [middle - reach, middle + reach] {
@@ -224,7 +227,7 @@ impl BinQuadrature {
 mod tests {
     use super::*;
     use crate::geometry::{HalfDiff, spherical};
-    use std::f64::consts::FRAC_1_PI;
+    use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
 
     const FLOOR: BinShape = BinShape {
         offset: 0.0,
