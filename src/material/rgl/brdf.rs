@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 
-use super::coordinates::{FoldedView, LANES, lane_angles, lane_points, polar_angles, square_point};
+use super::coordinates::{
+    FoldedView, LANES, angles_to_points, lane_angles, polar_angles, square_point,
+};
 use super::file::BsdfFile;
 use super::warp::{SliceBlend, SliceGrid, SquareWarp};
 use crate::batch::Wo;
@@ -36,10 +38,17 @@ pub struct RglBrdf {
 pub(super) struct View {
     /// `wo` among the azimuths that the file tabulates.
     pub folded: FoldedView,
-    /// The tabulated slices about `wo`.
-    pub blend: SliceBlend,
     /// The azimuth that those of half vectors are counted from, radians.
     pub origin: f64,
+    /// Where its tables are.
+    pub tables: ViewTables,
+}
+
+/// What the values along a `wo` are made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ViewTables {
+    /// The tabulated slices about `wo`.
+    pub blend: SliceBlend,
     /// 1/(4 sigma(u_wo)); 1 where the file's values need no factor.
     scale: f64,
 }
@@ -75,12 +84,17 @@ impl RglBrdf {
     #[inline]
     pub(super) fn view(&self, wo: Vec3) -> Option<View> {
         let folded = FoldedView::new(unit_upper(wo)?, self.symmetry);
-        Some(self.view_at(folded, polar_angles(folded.wo.to_array())))
+        let angles = polar_angles(folded.wo.to_array());
+        Some(View {
+            folded,
+            origin: self.azimuth_origin(angles[1]),
+            tables: self.view_tables(angles),
+        })
     }
 
-    /// The view along a folded direction of known angles.
+    /// The tables for a folded `wo` of such angles.
     #[inline(always)]
-    fn view_at(&self, folded: FoldedView, [theta, phi]: [f64; 2]) -> View {
+    fn view_tables(&self, [theta, phi]: [f64; 2]) -> ViewTables {
         let scale = match &self.area {
             Some([_, sigma]) => {
                 let [sigma] = sigma.interpolate(square_point([theta, phi]), &SliceBlend::ONLY);
@@ -88,10 +102,8 @@ impl RglBrdf {
             }
             None => 1.0,
         };
-        View {
-            folded,
+        ViewTables {
             blend: SliceBlend::between(phi, theta, &self.phi_i, &self.theta_i),
-            origin: self.azimuth_origin(phi),
             scale,
         }
     }
@@ -106,20 +118,43 @@ impl RglBrdf {
         }
     }
 
-    /// f_r·cosθᵢ where the half vector lies at `u_m` on its square.
+    /// s: the point of the square that the file's warp takes to `u_m`.
     #[inline(always)]
-    fn value_cos(&self, view: &View, u_m: [f64; 2]) -> Rgb {
-        // s: the point of the square that the file's warp takes to u_m.
-        let (s, _) = self.warp.invert(u_m, &view.blend);
+    fn unwarped(&self, tables: &ViewTables, u_m: [f64; 2]) -> [f64; 2] {
+        self.warp.invert(u_m, &tables.blend).0
+    }
+
+    /// f_r·cosθᵢ where the half vector lies at `u_m` on its square, which the warp takes `s` to.
+    #[inline(always)]
+    fn value_cos(&self, tables: &ViewTables, u_m: [f64; 2], s: [f64; 2]) -> Rgb {
         // The factor ndf(u_m)/(4 sigma(u_wo)).
         let scale = match &self.area {
-            Some([ndf, _]) => ndf.interpolate(u_m, &SliceBlend::ONLY)[0] * view.scale,
+            Some([ndf, _]) => ndf.interpolate(u_m, &SliceBlend::ONLY)[0] * tables.scale,
             None => 1.0,
         };
         // f_r·cosθᵢ = colour(s)·scale; interpolation of measured spectra may fall below 0.
-        let colour = self.colour.interpolate(s, &view.blend);
+        let colour = self.colour.interpolate(s, &tables.blend);
         let rgb = Rgb::from_array(colour.map(|value| (value * scale).max(0.0) as f32));
         if rgb.is_finite() { rgb } else { Rgb::ZERO }
+    }
+
+    /// Values of a block of lanes whose half vectors lie at `points`, by the tables of each lane. Tables are larger than the
+    /// nearest caches: short loops, one for each table, wait for many lanes' values at once.
+    #[inline(always)]
+    fn look_up<'a>(
+        &self,
+        tables: impl Fn(usize) -> &'a ViewTables,
+        points: &Columns<f64, 2, LANES>,
+        out: &mut [Rgb],
+    ) {
+        let count = out.len().min(LANES);
+        let mut unwarped = Columns::<f64, 2, LANES>::splat([0.0; 2]);
+        for lane in 0..count {
+            unwarped.set(lane, self.unwarped(tables(lane), points.get(lane)));
+        }
+        for (lane, out) in out.iter_mut().enumerate().take(count) {
+            *out = self.value_cos(tables(lane), points.get(lane), unwarped.get(lane));
+        }
     }
 
     /// A block of at most [`LANES`] lanes about one `wo`.
@@ -130,12 +165,14 @@ impl RglBrdf {
             halves.set(lane, view.folded.half_vector(units.get(lane)).to_array());
         }
         let origins = Columns::splat([view.origin]);
-        let points = lane_points(&lane_angles(&halves, wi.len()), &origins, wi.len());
+        let mut points = Columns::splat([0.0; 2]);
+        lane_angles(&halves, wi.len(), &mut points);
+        angles_to_points(&mut points, &origins, wi.len());
+        self.look_up(|_| &view.tables, &points, out);
         for (lane, out) in out.iter_mut().enumerate() {
-            *out = match units.is_upper(lane) {
-                true => self.value_cos(view, points.get(lane)),
-                false => Rgb::ZERO,
-            };
+            if !units.is_upper(lane) {
+                *out = Rgb::ZERO;
+            }
         }
     }
 
@@ -145,29 +182,42 @@ impl RglBrdf {
             UnitDirections::<LANES>::load(wo),
             UnitDirections::<LANES>::load(wi),
         );
-        // Folded wo and half vectors, lane by lane, then their angles in columns.
-        let mut folded = [FoldedView::new(Vec3::Z, self.symmetry); LANES];
+        // Folded wo and half vectors, then their angles in columns.
         let (mut given, mut halves) = (Columns::splat([0.0; 3]), Columns::splat([0.0; 3]));
-        for (lane, folded) in folded.iter_mut().enumerate() {
-            *folded = FoldedView::new(views.get(lane), self.symmetry);
+        for lane in 0..LANES {
+            let folded = FoldedView::new(views.get(lane), self.symmetry);
             given.set(lane, folded.wo.to_array());
             halves.set(lane, folded.half_vector(units.get(lane)).to_array());
         }
-        let given = lane_angles(&given, wi.len());
+        let mut angles = Columns::splat([0.0; 2]);
+        lane_angles(&given, wi.len(), &mut angles);
         let mut origins = Columns::splat([0.0]);
         for lane in 0..LANES {
-            origins.set(lane, [self.azimuth_origin(given.get(lane)[1])]);
+            origins.set(lane, [self.azimuth_origin(angles.get(lane)[1])]);
         }
-        let points = lane_points(&lane_angles(&halves, wi.len()), &origins, wi.len());
+        let mut points = Columns::splat([0.0; 2]);
+        lane_angles(&halves, wi.len(), &mut points);
+        angles_to_points(&mut points, &origins, wi.len());
+        // The tables about each wo.
+        let mut tables = [ViewTables::NONE; LANES];
+        for (lane, tables) in tables.iter_mut().enumerate().take(wi.len()) {
+            *tables = self.view_tables(angles.get(lane));
+        }
+        self.look_up(|lane| &tables[lane], &points, out);
         for (lane, out) in out.iter_mut().enumerate() {
-            *out = if views.is_upper(lane) && units.is_upper(lane) {
-                let view = self.view_at(folded[lane], given.get(lane));
-                self.value_cos(&view, points.get(lane))
-            } else {
-                Rgb::ZERO
-            };
+            if !views.is_upper(lane) || !units.is_upper(lane) {
+                *out = Rgb::ZERO;
+            }
         }
     }
+}
+
+impl ViewTables {
+    /// The first slice as it is.
+    const NONE: Self = Self {
+        blend: SliceBlend::ONLY,
+        scale: 1.0,
+    };
 }
 
 /// f_r of f_r·cosθᵢ. At grazing `wi` the quotient may leave the range of f32.
@@ -187,7 +237,8 @@ impl Brdf for RglBrdf {
             return Rgb::ZERO;
         };
         let [theta_m, phi_m] = polar_angles(view.folded.half_vector(wi).to_array());
-        self.value_cos(&view, square_point([theta_m, phi_m - view.origin]))
+        let u_m = square_point([theta_m, phi_m - view.origin]);
+        self.value_cos(&view.tables, u_m, self.unwarped(&view.tables, u_m))
     }
 
     #[track_caller]

@@ -56,30 +56,27 @@ pub(super) fn square_point([theta, phi]: [f64; 2]) -> [f64; 2] {
     [(theta * FRAC_2_PI).sqrt(), turns - whole]
 }
 
-/// [`polar_angles`] of the first `count` lanes.
+/// Writes [`polar_angles`] of the first `count` lanes.
 #[inline(always)]
 pub(super) fn lane_angles(
     directions: &Columns<f64, 3, LANES>,
     count: usize,
-) -> Columns<f64, 2, LANES> {
-    let mut angles = Columns::splat([0.0; 2]);
+    angles: &mut Columns<f64, 2, LANES>,
+) {
     for lane in 0..count.min(LANES) {
         angles.set(lane, polar_angles(directions.get(lane)));
     }
-    angles
 }
 
-/// [`square_point`] of the first `count` lanes, azimuths counted from those of `origins`.
+/// Turns the angles of the first `count` lanes into [`square_point`], azimuths counted from those of `origins`.
 #[inline(always)]
-pub(super) fn lane_points(
-    angles: &Columns<f64, 2, LANES>,
+pub(super) fn angles_to_points(
+    angles: &mut Columns<f64, 2, LANES>,
     origins: &Columns<f64, 1, LANES>,
     count: usize,
-) -> Columns<f64, 2, LANES> {
-    let mut points = Columns::splat([0.0; 2]);
+) {
     for lane in 0..count.min(LANES) {
         let ([theta, phi], [origin]) = (angles.get(lane), origins.get(lane));
-        points.set(lane, square_point([theta, phi - origin]));
+        angles.set(lane, square_point([theta, phi - origin]));
     }
-    points
 }

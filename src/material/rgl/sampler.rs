@@ -20,8 +20,8 @@ impl RglBrdf {
 
     fn map_square_about(&self, view: &View, u: DVec2) -> Option<Vec3> {
         // s follows the luminance; u_m is what the file's warp makes of s.
-        let s = self.luminance.sample(u.to_array(), &view.blend);
-        let u_m = self.warp.sample(s, &view.blend);
+        let s = self.luminance.sample(u.to_array(), &view.tables.blend);
+        let u_m = self.warp.sample(s, &view.tables.blend);
         // The half vector: θm = u_m.x²·π/2, φm = (2 u_m.y − 1)·π.
         let m = spherical(
             u_m[0] * u_m[0] * FRAC_PI_2,
@@ -47,13 +47,13 @@ impl RglBrdf {
         let [theta_m, phi_m] = polar_angles(half.to_array());
         let u_m = square_point([theta_m, phi_m - view.origin]);
         // Both steps of the draw, backwards: s = warp⁻¹(u_m), with the warp's density there.
-        let (s, stretch) = self.warp.invert(u_m, &view.blend);
+        let (s, stretch) = self.warp.invert(u_m, &view.tables.blend);
         // sinθm and wo·m of m = (wo + wi)/|wo + wi|.
         let m = half.normalize();
         let (sin_theta_m, cos_d) = (m.truncate().length(), view.folded.wo.dot(m));
         let jacobian = solid_angle_per_area(u_m[0], sin_theta_m, cos_d);
         // luminance(s)·warp(u_m)/J.
-        (self.luminance.density(s, &view.blend) * stretch / jacobian) as f32
+        (self.luminance.density(s, &view.tables.blend) * stretch / jacobian) as f32
     }
 }
 

@@ -20,6 +20,7 @@ impl SliceBlend {
     };
 
     /// The slices about `phi` and `theta` (radians) on the axes of a file; slices are numbered with theta the faster.
+    #[inline(always)]
     pub fn between(phi: f64, theta: f64, phi_i: &[f32], theta_i: &[f32]) -> Self {
         let ((p, v), (t, w)) = (neighbours(phi, phi_i), neighbours(theta, theta_i));
         let mut blend = Self {
@@ -45,18 +46,18 @@ impl SliceBlend {
 }
 
 /// The tabulated value at or below `x` on a rising axis that is not empty, and the weight of the next; clamped at both ends.
+#[inline(always)]
 fn neighbours(x: f64, axis: &[f32]) -> (usize, f64) {
-    let low = axis
-        .partition_point(|&a| f64::from(a) <= x)
-        .saturating_sub(1)
-        .min(axis.len().saturating_sub(2));
-    match axis.get(low..low + 2) {
-        Some(&[a, b]) => {
-            let (a, b) = (f64::from(a), f64::from(b));
-            (low, ((x - a) / (b - a)).clamp(0.0, 1.0))
-        }
-        _ => (0, 0.0),
+    let [_, inner @ .., _] = axis else {
+        return (0, 0.0);
+    };
+    // Axes are short, so all nodes are compared: no branch depends on x.
+    let mut low = 0;
+    for &node in inner {
+        low += usize::from(f64::from(node) <= x);
     }
+    let (a, b) = (f64::from(axis[low]), f64::from(axis[low + 1]));
+    (low, ((x - a) / (b - a)).clamp(0.0, 1.0))
 }
 
 /// A cell of a grid and a point inside it, x and y in [0, 1].
