@@ -122,23 +122,29 @@ impl<const C: usize> SliceGrid<C> {
     /// Values on the left and right of a cell, at the height of its point.
     #[inline(always)]
     fn sides(&self, cell: &GridCell, blend: &SliceBlend) -> [[f64; C]; 2] {
-        // Means over the slices at the corners: left and right of the lower row, then of the upper.
-        let mut corners = [[0.0; C]; 4];
+        // Means over the slices on the lower and the upper row, left and right of the cell.
+        let [mut low, mut high] = [[[0.0; C]; 2]; 2];
         for &(slice, weight) in blend.parts() {
             let first = (slice * self.height + cell.row) * self.width + cell.column;
             let nodes = &self.nodes[first..first + self.width + 2];
-            for (corner, k) in corners.iter_mut().zip([0, 1, self.width, self.width + 1]) {
-                for (sum, value) in corner.iter_mut().zip(nodes[k]) {
-                    *sum += weight * f64::from(value);
+            let rows = [
+                [nodes[0], nodes[1]],
+                [nodes[self.width], nodes[self.width + 1]],
+            ];
+            for side in 0..2 {
+                for c in 0..C {
+                    low[side][c] += weight * f64::from(rows[0][side][c]);
+                    high[side][c] += weight * f64::from(rows[1][side][c]);
                 }
             }
         }
         // Linear from row to row.
-        let side = |k: usize| -> [f64; C] {
-            let (low, high) = (corners[k], corners[k + 2]);
-            std::array::from_fn(|c| low[c] + (high[c] - low[c]) * cell.y)
-        };
-        [side(0), side(1)]
+        for side in 0..2 {
+            for c in 0..C {
+                low[side][c] += (high[side][c] - low[side][c]) * cell.y;
+            }
+        }
+        low
     }
 
     /// Bytes of the values.
