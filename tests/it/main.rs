@@ -16,6 +16,7 @@ mod half_vector;
 mod image;
 mod layering;
 mod lookup;
+mod measured_values;
 mod mitsuba;
 mod names;
 mod page;
