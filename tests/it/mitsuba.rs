@@ -193,16 +193,19 @@ fn measured_files_are_read_as_mitsuba_reads_them() {
         std::fs::copy(&path, folder.path().join("rgb")).unwrap();
         let answer = ask_mitsuba(folder.path(), "values", "rgb", &numbers);
         let rgl = RglBrdf::new(BsdfFile::open(&path).unwrap());
-        let mut beyond = 0;
+        let (mut beyond, mut worst) = (0, 0f32);
         for (&[wo, wi], found) in pairs.iter().zip(answer.chunks(4)) {
-            let (expected, colour) = (rgl.eval_cos(wo, wi), Vec3::from_slice(found));
-            let off = (colour - expected).abs().max_element();
-            beyond += usize::from(off > 1e-5 * expected.max_element().max(1e-4));
+            // Mitsuba leaves channels below 0 as they are; here they are 0.
+            let colour = Vec3::from_slice(found).max(Vec3::ZERO);
+            let expected = rgl.eval_cos(wo, wi);
+            let off = (colour - expected).abs().max_element() / expected.max_element().max(1e-4);
+            beyond += usize::from(off > 1e-5);
+            worst = worst.max(off);
         }
-        // Mitsuba's angles are f32: a steep cell magnifies their rounding.
+        // Mitsuba's angles are f32: a steep cell magnifies their rounding. Half of the pairs agree to 10⁻⁶.
         assert!(
-            beyond <= pairs.len() / 20,
-            "{}: {beyond} pairs differ",
+            beyond <= pairs.len() / 50 && worst < 1e-3,
+            "{}: {beyond} pairs differ, by up to {worst}",
             path.display()
         );
     }
