@@ -1,5 +1,6 @@
 //! Evaluation by each lookup rule, for pairs anywhere, pairs near the mirror direction and pairs drawn for the material: one at
-//! a time, each waiting for the one before, many at once, and the bins alone.
+//! a time, each waiting for the one before, many at once, and the bins alone. Then evaluation of a `.bsdf` file that is made of
+//! the same material, and draws and densities by the sampler that it holds.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -17,6 +18,7 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{cosine_hemisphere, reflect_about, spherical};
 use merlkit::material::merl::{BinIndex, LookupRule, MerlBrdf};
 use merlkit::material::merl::{MerlTable, decode_embedded};
+use merlkit::material::rgl::{BsdfSize, RglBrdf, tabulate};
 use merlkit::points::PointSet;
 use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
 
@@ -182,5 +184,71 @@ fn benches(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(lookup_benches, benches);
+/// A file of 3 MB made of nickel: many more polar angles than the eight of the RGL database, and tables of like size for each.
+fn measured_file() -> RglBrdf {
+    let table = Arc::new(decode_embedded("nickel").unwrap());
+    let nickel = MerlBrdf::new(table, LookupRule::Linear);
+    let size = BsdfSize::ALL.into_iter().find(|s| s.name == "3MB").unwrap();
+    RglBrdf::new(tabulate(
+        |wo, wi| nickel.eval(wo, wi),
+        size,
+        "nickel".into(),
+    ))
+}
+
+fn measured(c: &mut Criterion) {
+    let rgl = measured_file();
+    let mut group = c.benchmark_group("measured");
+    group.throughput(Throughput::Elements(PAIRS));
+    for pairs in [Pairs::anywhere(), Pairs::near_the_mirror()] {
+        evaluation(&mut group, &rgl, &pairs);
+        own_sampler(&mut group, &rgl, &pairs);
+    }
+    group.finish();
+}
+
+fn evaluation(group: &mut BenchmarkGroup<WallTime>, rgl: &RglBrdf, pairs: &Pairs) {
+    let mut out = vec![Rgb::ZERO; pairs.wi.len()];
+    rgl.eval_batch(Wo::Each(&pairs.wo), &pairs.wi, &mut out);
+    assert!(
+        pairs
+            .iter()
+            .zip(&out)
+            .all(|((wo, wi), &f)| f == rgl.eval(wo, wi))
+    );
+    let id = |how: &str| BenchmarkId::new(how, pairs.place);
+    group.bench_function(id("eval one"), |b| {
+        b.iter(|| {
+            let pairs = black_box(pairs);
+            pairs.iter().map(|(wo, wi)| rgl.eval(wo, wi)).sum::<Rgb>()
+        })
+    });
+    group.bench_function(id("eval pairs"), |b| {
+        b.iter(|| rgl.eval_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut out))
+    });
+    let wo = pairs.wo[7];
+    group.bench_function(id("eval many wi"), |b| {
+        b.iter(|| rgl.eval_batch(Wo::One(black_box(wo)), &pairs.wi, &mut out))
+    });
+}
+
+fn own_sampler(group: &mut BenchmarkGroup<WallTime>, rgl: &RglBrdf, pairs: &Pairs) {
+    let id = |how: &str| BenchmarkId::new(how, pairs.place);
+    let points: Vec<Vec2> = (0..PAIRS)
+        .map(|i| PointSet::Random.point(3, i, 0))
+        .collect();
+    let (mut drawn, mut pdfs) = (vec![None; points.len()], vec![0.0; points.len()]);
+    let wo = pairs.wo[7];
+    rgl.sample_batch(Wo::One(wo), &points, &mut drawn);
+    // Some draws end below the horizon.
+    assert!(drawn.iter().flatten().count() > points.len() / 2);
+    group.bench_function(id("sample many"), |b| {
+        b.iter(|| rgl.sample_batch(Wo::One(black_box(wo)), &points, &mut drawn))
+    });
+    group.bench_function(id("pdf pairs"), |b| {
+        b.iter(|| rgl.pdf_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut pdfs))
+    });
+}
+
+criterion_group!(lookup_benches, benches, measured);
 criterion_main!(lookup_benches);

@@ -15,7 +15,7 @@ use merlkit::geometry::Symmetry;
 use merlkit::material::analytic::Lambert;
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
-use merlkit::material::rgl::RglBrdf;
+use merlkit::material::rgl::{BsdfSize, RglBrdf, tabulate};
 use merlkit::points::{PointSet, Stream};
 use merlkit::sampler::{
     ByAzimuth, Cosine, FactoredSettings, HalfVectorSettings, HalfVectorTable, LobeKind,
@@ -201,6 +201,13 @@ fn anisotropic_file(symmetry: Symmetry) -> RglBrdf {
     RglBrdf::new(bsdf_of(&Brushed::STRONG, symmetry, Resolution::COARSE))
 }
 
+fn isotropic_file(brdf: &dyn Brdf) -> RglBrdf {
+    let file = tabulate(|wo, wi| brdf.eval(wo, wi), BsdfSize::ALL[0], "test".into());
+    let rgl = RglBrdf::new(file);
+    assert!(rgl.is_isotropic());
+    rgl
+}
+
 #[test]
 fn every_isotropic_sampler_gives_the_bits_of_single_calls() {
     let table = decode_embedded("nickel").unwrap();
@@ -246,13 +253,17 @@ fn every_brdf_gives_the_bits_of_single_calls() {
     let table = Arc::new(decode_embedded("nickel").unwrap());
     let measured = LookupRule::ALL.map(|rule| MerlBrdf::new(table.clone(), rule));
     let file = anisotropic_file(Symmetry::Quarter);
+    let isotropic = isotropic_file(&measured[0]);
     let lambert = Lambert {
         reflectance: Vec3::splat(0.5),
     };
     let (wo, wi) = difficult_pairs();
     let channels = |v: Vec3| v.to_array().map(f32::to_bits);
     let measured = measured.iter().map(|m| m as &dyn Brdf);
-    for (i, brdf) in measured.chain([&file as &dyn Brdf, &lambert]).enumerate() {
+    for (i, brdf) in measured
+        .chain([&file as &dyn Brdf, &isotropic, &lambert])
+        .enumerate()
+    {
         let values = assert_lanes(
             &format!("f of BRDF {i}"),
             (&wo, &wi),

@@ -3,6 +3,7 @@
 //! Runs with a `python3` that has mitsuba, or with one in a new virtual environment if `MERLKIT_MITSUBA=1` allows to fetch it;
 //! skipped, saying so, otherwise.
 
+use crate::resampling::measured_files;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -14,7 +15,7 @@ use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::files::Overwrite;
-use merlkit::geometry::{cosine_hemisphere, spherical};
+use merlkit::geometry::{cosine_hemisphere, reflect_about, spherical};
 use merlkit::light::{Directional, EnvironmentSource, LightSpec};
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
@@ -95,37 +96,33 @@ impl Exported {
         RglBrdf::new(BsdfFile::open(&self.folder.path().join(variant)).unwrap())
     }
 
-    /// What Mitsuba answers.
     fn ask(&self, kind: &str, variant: &str, numbers: &[f32]) -> Vec<f32> {
-        let path = |name: &str| self.folder.path().join(name);
-        let bytes: Vec<u8> = numbers.iter().flat_map(|v| v.to_le_bytes()).collect();
-        std::fs::write(path("in"), bytes).unwrap();
-        let output = Command::new(PYTHON.as_ref().unwrap())
-            .args([
-                "-B",
-                ASK,
-                kind,
-                &format!("scalar_{variant}"),
-                variant,
-                "in",
-                "out",
-            ])
-            .current_dir(self.folder.path())
-            .output()
-            .unwrap();
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
-        let answer = std::fs::read(path("out")).unwrap();
-        answer
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|b| f32::from_le_bytes(*b))
-            .collect()
+        ask_mitsuba(self.folder.path(), kind, variant, numbers)
     }
+}
+
+/// What Mitsuba answers about the file of that variant in a folder.
+fn ask_mitsuba(folder: &Path, kind: &str, variant: &str, numbers: &[f32]) -> Vec<f32> {
+    let bytes: Vec<u8> = numbers.iter().flat_map(|v| v.to_le_bytes()).collect();
+    std::fs::write(folder.join("in"), bytes).unwrap();
+    let mode = format!("scalar_{variant}");
+    let output = Command::new(PYTHON.as_ref().unwrap())
+        .args(["-B", ASK, kind, &mode, variant, "in", "out"])
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let answer = std::fs::read(folder.join("out")).unwrap();
+    answer
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|b| f32::from_le_bytes(*b))
+        .collect()
 }
 
 const VARIANTS: [&str; 2] = ["rgb", "spectral"];
@@ -162,6 +159,55 @@ fn values_and_densities_are_ours() {
                 "{material}, {variant}: {beyond} pairs differ"
             );
         }
+    }
+}
+
+/// Pairs of `wo`, drawn by the cosine, with `wi` by the cosine and in the highlight by turns.
+fn cosine_and_highlight_pairs(count: u64) -> Vec<[Vec3; 2]> {
+    let mut pairs = Vec::new();
+    for i in 0..count {
+        let [a, b] = [0, 1].map(|set| PointSet::Random.point(5, i, set).as_dvec2());
+        let wo = cosine_hemisphere(a);
+        // A half vector within 17° of the normal, most of them nearer.
+        let m = spherical(0.3 * b.x * b.x, std::f64::consts::TAU * b.y);
+        let mirrored = reflect_about(wo, m);
+        let wi = if i % 2 == 1 && mirrored.z > 0.0 {
+            mirrored
+        } else {
+            cosine_hemisphere(b)
+        };
+        pairs.push([wo.as_vec3(), wi.as_vec3()]);
+    }
+    pairs
+}
+
+#[test]
+fn measured_files_are_read_as_mitsuba_reads_them() {
+    if !has_mitsuba() {
+        return;
+    }
+    let pairs = cosine_and_highlight_pairs(10_000);
+    let numbers: Vec<f32> = pairs.iter().flatten().flat_map(|w| w.to_array()).collect();
+    for path in measured_files() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::copy(&path, folder.path().join("rgb")).unwrap();
+        let answer = ask_mitsuba(folder.path(), "values", "rgb", &numbers);
+        let rgl = RglBrdf::new(BsdfFile::open(&path).unwrap());
+        let (mut beyond, mut worst) = (0, 0f32);
+        for (&[wo, wi], found) in pairs.iter().zip(answer.chunks(4)) {
+            // Mitsuba leaves channels below 0 as they are; here they are 0.
+            let colour = Vec3::from_slice(found).max(Vec3::ZERO);
+            let expected = rgl.eval_cos(wo, wi);
+            let off = (colour - expected).abs().max_element() / expected.max_element().max(1e-4);
+            beyond += usize::from(off > 1e-5);
+            worst = worst.max(off);
+        }
+        // Mitsuba's angles are f32: a steep cell magnifies their rounding. Half of the pairs agree to 10⁻⁶.
+        assert!(
+            beyond <= pairs.len() / 50 && worst < 1e-3,
+            "{}: {beyond} pairs differ, by up to {worst}",
+            path.display()
+        );
     }
 }
 

@@ -1,14 +1,17 @@
 //! The reflectance that a `.bsdf` file holds (Dupuy & Jakob 2018), evaluated as Mitsuba 3 evaluates it.
 
-use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
+use glam::Vec3;
 
-use glam::{DVec3, Vec3};
-
+use super::coordinates::{
+    FoldedView, LANES, angles_to_points, lane_angles, polar_angles, square_point,
+};
 use super::file::BsdfFile;
 use super::warp::{SliceBlend, SliceGrid, SquareWarp};
+use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
-use crate::geometry::{Symmetry, to_spherical, unit_upper};
+use crate::geometry::{Symmetry, unit_upper};
+use crate::lanes::{Columns, UnitDirections};
 
 /// A `.bsdf` file ready to be evaluated and, as a [`crate::direction_sampler::DirectionSampler`], to be sampled by the density
 /// that it holds. `wo`, the given direction, is what the file calls incident.
@@ -20,50 +23,47 @@ use crate::geometry::{Symmetry, to_spherical, unit_upper};
 /// have, are 0.
 #[derive(Debug)]
 pub struct RglBrdf {
-    pub(super) theta_i: Vec<f32>,
-    pub(super) phi_i: Vec<f32>,
+    theta_i: Vec<f32>,
+    phi_i: Vec<f32>,
     /// `ndf` and `sigma`; absent where the file's values need no factor.
-    area: Option<[SliceGrid; 2]>,
+    area: Option<[SliceGrid<1>; 2]>,
     pub(super) warp: SquareWarp,
     pub(super) luminance: SquareWarp,
-    colour: SliceGrid,
+    colour: SliceGrid<3>,
     symmetry: Symmetry,
 }
 
-/// A pair of directions in the coordinates of the file's tables.
-pub(super) struct FilePoint {
-    /// The tabulated slices about `wo`.
-    pub blend: SliceBlend,
-    /// `wo` on the square of `sigma`.
-    u_wo: [f64; 2],
-    /// The half vector on its square.
-    pub u_m: [f64; 2],
-    /// Polar angle of the half vector, radians.
-    pub theta_m: f64,
-    /// Cosine of the angle between `wo` and the half vector.
-    pub cos_d: f64,
+/// What a file has to say of a `wo`, whatever `wi`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View {
+    /// `wo` among the azimuths that the file tabulates.
+    pub folded: FoldedView,
+    /// The azimuth that those of half vectors are counted from, radians.
+    pub origin: f64,
+    /// Where its tables are.
+    pub tables: ViewTables,
 }
 
-/// `wo` among the azimuths that the file tabulates.
-pub(super) struct FoldedView {
-    /// The folded direction, unit length.
-    pub wo: DVec3,
-    /// Signs of x and y that fold `wo`; the same signs take every other direction along, and back.
-    pub signs: DVec3,
+/// What the values along a `wo` are made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ViewTables {
+    /// The tabulated slices about `wo`.
+    pub blend: SliceBlend,
+    /// 1/(4 sigma(u_wo)); 1 where the file's values need no factor.
+    scale: f64,
 }
 
 impl RglBrdf {
     /// Normalises the tables of a file.
     pub fn new(file: BsdfFile) -> Self {
-        let symmetry = file.symmetry();
         Self {
+            symmetry: file.symmetry(),
             area: file
                 .jacobian
-                .then(|| [SliceGrid::new(file.ndf, 1), SliceGrid::new(file.sigma, 1)]),
-            warp: SquareWarp::new(file.vndf),
-            luminance: SquareWarp::new(file.luminance),
-            colour: SliceGrid::new(file.colour.to_rgb(), 3),
-            symmetry,
+                .then(|| [SliceGrid::new(&file.ndf), SliceGrid::new(&file.sigma)]),
+            warp: SquareWarp::new(&file.vndf),
+            luminance: SquareWarp::new(&file.luminance),
+            colour: SliceGrid::new(&file.colour.to_rgb()),
             theta_i: file.theta_i,
             phi_i: file.phi_i,
         }
@@ -80,75 +80,190 @@ impl RglBrdf {
         self.warp.bytes() + self.luminance.bytes() + self.colour.bytes() + area
     }
 
-    /// The coordinates of a pair; `None` unless both directions are above the horizon.
-    pub(super) fn file_point(&self, wo: Vec3, wi: Vec3) -> Option<FilePoint> {
-        let (wo, wi) = (unit_upper(wo)?, unit_upper(wi)?.as_dvec3());
-        // Fold wo into the tabulated azimuths, and take wi along: the material's symmetry leaves f_r as it is.
-        let view = self.fold(wo);
-        // m = (wo + wi)/|wo + wi|.
-        let m = (view.wo + wi * view.signs).normalize();
-        let ((theta, phi), (theta_m, phi_m)) = (to_spherical(view.wo), to_spherical(m));
-        // u_m = (√(2θm/π), φm/2π + ½); an isotropic file counts φm from wo.
-        let u_m = [
-            polar_coordinate(theta_m),
-            turn_fraction(phi_m - self.azimuth_origin(phi)),
-        ];
-        Some(FilePoint {
-            blend: SliceBlend::between(phi, theta, &self.phi_i, &self.theta_i),
-            u_wo: [polar_coordinate(theta), turn_fraction(phi)],
-            u_m,
-            theta_m,
-            cos_d: view.wo.dot(m),
+    /// Everything that depends on `wo` alone; `None` unless it is above the horizon.
+    #[inline]
+    pub(super) fn view(&self, wo: Vec3) -> Option<View> {
+        let folded = FoldedView::new(unit_upper(wo)?, self.symmetry);
+        let angles = polar_angles(folded.wo.to_array());
+        Some(View {
+            folded,
+            origin: self.azimuth_origin(angles[1]),
+            tables: self.view_tables(angles),
         })
     }
 
-    /// The azimuth that those of half vectors are counted from, radians, for `wo` at azimuth `phi`.
-    pub(super) fn azimuth_origin(&self, phi: f64) -> f64 {
-        if self.is_isotropic() { phi } else { 0.0 }
+    /// The tables for a folded `wo` of such angles.
+    #[inline(always)]
+    fn view_tables(&self, [theta, phi]: [f64; 2]) -> ViewTables {
+        let scale = match &self.area {
+            Some([_, sigma]) => {
+                let [sigma] = sigma.interpolate(square_point([theta, phi]), &SliceBlend::ONLY);
+                1.0 / (4.0 * sigma)
+            }
+            None => 1.0,
+        };
+        ViewTables {
+            blend: SliceBlend::between(phi, theta, &self.phi_i, &self.theta_i),
+            scale,
+        }
     }
 
-    /// Folds a unit `wo` into the azimuths that are tabulated.
-    pub(super) fn fold(&self, wo: Vec3) -> FoldedView {
-        let signs = self.symmetry.signs(wo).as_dvec3();
-        FoldedView {
-            wo: wo.as_dvec3() * signs,
-            signs,
+    /// The azimuth that those of half vectors are counted from, radians, for `wo` at azimuth `phi`: an isotropic file counts
+    /// from `wo`.
+    #[inline(always)]
+    fn azimuth_origin(&self, phi: f64) -> f64 {
+        match self.symmetry {
+            Symmetry::Isotropic => phi,
+            _ => 0.0,
+        }
+    }
+
+    /// s: the point of the square that the file's warp takes to `u_m`.
+    #[inline(always)]
+    fn unwarped(&self, tables: &ViewTables, u_m: [f64; 2]) -> [f64; 2] {
+        self.warp.invert(u_m, &tables.blend).0
+    }
+
+    /// f_r·cosθᵢ where the half vector lies at `u_m` on its square, which the warp takes `s` to.
+    #[inline(always)]
+    fn value_cos(&self, tables: &ViewTables, u_m: [f64; 2], s: [f64; 2]) -> Rgb {
+        // The factor ndf(u_m)/(4 sigma(u_wo)).
+        let scale = match &self.area {
+            Some([ndf, _]) => ndf.interpolate(u_m, &SliceBlend::ONLY)[0] * tables.scale,
+            None => 1.0,
+        };
+        // f_r·cosθᵢ = colour(s)·scale; interpolation of measured spectra may fall below 0.
+        let colour = self.colour.interpolate(s, &tables.blend);
+        let rgb = Rgb::from_array(colour.map(|value| (value * scale).max(0.0) as f32));
+        if rgb.is_finite() { rgb } else { Rgb::ZERO }
+    }
+
+    /// Values of a block of lanes whose half vectors lie at `points`, by the tables of each lane. Tables are larger than the
+    /// nearest caches: short loops, one for each table, wait for many lanes' values at once.
+    #[inline(always)]
+    fn look_up<'a>(
+        &self,
+        tables: impl Fn(usize) -> &'a ViewTables,
+        points: &Columns<f64, 2, LANES>,
+        out: &mut [Rgb],
+    ) {
+        let count = out.len().min(LANES);
+        let mut unwarped = Columns::<f64, 2, LANES>::splat([0.0; 2]);
+        for lane in 0..count {
+            unwarped.set(lane, self.unwarped(tables(lane), points.get(lane)));
+        }
+        for (lane, out) in out.iter_mut().enumerate().take(count) {
+            *out = self.value_cos(tables(lane), points.get(lane), unwarped.get(lane));
+        }
+    }
+
+    /// A block of at most [`LANES`] lanes about one `wo`.
+    fn block_about(&self, view: &View, wi: &[Vec3], out: &mut [Rgb]) {
+        let units = UnitDirections::<LANES>::load(wi);
+        let mut halves = Columns::splat([0.0; 3]);
+        for lane in 0..LANES {
+            halves.set(lane, view.folded.half_vector(units.get(lane)).to_array());
+        }
+        let origins = Columns::splat([view.origin]);
+        let mut points = Columns::splat([0.0; 2]);
+        lane_angles(&halves, wi.len(), &mut points);
+        angles_to_points(&mut points, &origins, wi.len());
+        self.look_up(|_| &view.tables, &points, out);
+        for (lane, out) in out.iter_mut().enumerate() {
+            if !units.is_upper(lane) {
+                *out = Rgb::ZERO;
+            }
+        }
+    }
+
+    /// A block of at most [`LANES`] lanes, each with a `wo` of its own.
+    fn block_of_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
+        let (views, units) = (
+            UnitDirections::<LANES>::load(wo),
+            UnitDirections::<LANES>::load(wi),
+        );
+        // Folded wo and half vectors, then their angles in columns.
+        let (mut given, mut halves) = (Columns::splat([0.0; 3]), Columns::splat([0.0; 3]));
+        for lane in 0..LANES {
+            let folded = FoldedView::new(views.get(lane), self.symmetry);
+            given.set(lane, folded.wo.to_array());
+            halves.set(lane, folded.half_vector(units.get(lane)).to_array());
+        }
+        let mut angles = Columns::splat([0.0; 2]);
+        lane_angles(&given, wi.len(), &mut angles);
+        let mut origins = Columns::splat([0.0]);
+        for lane in 0..LANES {
+            origins.set(lane, [self.azimuth_origin(angles.get(lane)[1])]);
+        }
+        let mut points = Columns::splat([0.0; 2]);
+        lane_angles(&halves, wi.len(), &mut points);
+        angles_to_points(&mut points, &origins, wi.len());
+        // The tables about each wo.
+        let mut tables = [ViewTables::NONE; LANES];
+        for (lane, tables) in tables.iter_mut().enumerate().take(wi.len()) {
+            *tables = self.view_tables(angles.get(lane));
+        }
+        self.look_up(|lane| &tables[lane], &points, out);
+        for (lane, out) in out.iter_mut().enumerate() {
+            if !views.is_upper(lane) || !units.is_upper(lane) {
+                *out = Rgb::ZERO;
+            }
         }
     }
 }
 
+impl ViewTables {
+    /// The first slice as it is.
+    const NONE: Self = Self {
+        blend: SliceBlend::ONLY,
+        scale: 1.0,
+    };
+}
+
+/// f_r of f_r·cosθᵢ. At grazing `wi` the quotient may leave the range of f32.
+#[inline(always)]
+fn without_cosine(value: Rgb, wi: Vec3) -> Rgb {
+    let f = unit_upper(wi).map_or(Rgb::ZERO, |unit| value / unit.z);
+    if f.is_finite() { f } else { Rgb::ZERO }
+}
+
 impl Brdf for RglBrdf {
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        let Some(unit) = unit_upper(wi) else {
-            return Rgb::ZERO;
-        };
-        // The file holds f_r·cosθᵢ. At grazing wi the quotient may leave the range of f32.
-        let f = self.eval_cos(wo, unit) / unit.z;
-        if f.is_finite() { f } else { Rgb::ZERO }
+        without_cosine(self.eval_cos(wo, wi), wi)
     }
 
     fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        let Some(point) = self.file_point(wo, wi) else {
+        let (Some(view), Some(wi)) = (self.view(wo), unit_upper(wi)) else {
             return Rgb::ZERO;
         };
-        // s: the point of the square that the file's warp takes to u_m.
-        let (s, _) = self.warp.invert(point.u_m, &point.blend);
-        // The factor ndf(u_m)/(4 sigma(u_wo)).
-        let scale = match &self.area {
-            Some([ndf, sigma]) => {
-                let ndf = ndf.interpolate(point.u_m, 0, &SliceBlend::ONLY);
-                let sigma = sigma.interpolate(point.u_wo, 0, &SliceBlend::ONLY);
-                ndf / (4.0 * sigma)
-            }
-            None => 1.0,
-        };
-        // f_r·cosθᵢ = colour(s)·scale; interpolation of measured spectra may fall below 0.
-        let mut rgb = Rgb::ZERO;
-        for channel in 0..3 {
-            let value = self.colour.interpolate(s, channel, &point.blend);
-            rgb[channel] = (value * scale).max(0.0) as f32;
+        let [theta_m, phi_m] = polar_angles(view.folded.half_vector(wi).to_array());
+        let u_m = square_point([theta_m, phi_m - view.origin]);
+        self.value_cos(&view.tables, u_m, self.unwarped(&view.tables, u_m))
+    }
+
+    #[track_caller]
+    fn eval_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
+        self.eval_cos_batch(wo, wi, out);
+        for (out, &wi) in out.iter_mut().zip(wi) {
+            *out = without_cosine(*out, wi);
         }
-        if rgb.is_finite() { rgb } else { Rgb::ZERO }
+    }
+
+    #[track_caller]
+    fn eval_cos_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
+        wo.assert_lanes(wi.len(), out.len());
+        let blocks = wi.chunks(LANES).zip(out.chunks_mut(LANES));
+        match wo {
+            Wo::One(wo) => match self.view(wo) {
+                Some(view) => blocks.for_each(|(wi, out)| self.block_about(&view, wi, out)),
+                None => out.fill(Rgb::ZERO),
+            },
+            Wo::Each(wo) => {
+                for (wo, (wi, out)) in wo.chunks(LANES).zip(blocks) {
+                    self.block_of_pairs(wo, wi, out);
+                }
+            }
+        }
     }
 
     fn is_isotropic(&self) -> bool {
@@ -158,15 +273,4 @@ impl Brdf for RglBrdf {
     fn symmetry(&self) -> Symmetry {
         self.symmetry
     }
-}
-
-/// √(2θ/π): where a polar angle lies along a square's x.
-fn polar_coordinate(theta: f64) -> f64 {
-    (theta / FRAC_PI_2).sqrt()
-}
-
-/// φ/2π + ½ modulo 1: where an azimuth lies along a square's y.
-fn turn_fraction(phi: f64) -> f64 {
-    let y = 0.5 * FRAC_1_PI * phi + 0.5;
-    y - y.floor()
 }

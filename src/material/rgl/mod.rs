@@ -4,6 +4,7 @@
 //! It is evaluated and sampled as it is, isotropic or not.
 
 mod brdf;
+mod coordinates;
 mod file;
 mod sampler;
 mod spectrum;

@@ -5,52 +5,59 @@
 
 use super::tensors::Tensor;
 
-/// The (at most four) tabulated slices about a pair of angles, and their weights.
+/// The tabulated slices about a pair of angles, at most four, and their weights; slices of no weight are left out.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SliceBlend([(usize, f64); 4]);
+pub(super) struct SliceBlend {
+    parts: [(usize, f64); 4],
+    count: usize,
+}
 
 impl SliceBlend {
     /// For grids that depend on nothing.
-    pub const ONLY: Self = Self([(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]);
+    pub const ONLY: Self = Self {
+        parts: [(0, 1.0); 4],
+        count: 1,
+    };
 
     /// The slices about `phi` and `theta` (radians) on the axes of a file; slices are numbered with theta the faster.
+    #[inline(always)]
     pub fn between(phi: f64, theta: f64, phi_i: &[f32], theta_i: &[f32]) -> Self {
         let ((p, v), (t, w)) = (neighbours(phi, phi_i), neighbours(theta, theta_i));
-        let at =
-            |p: usize, t: usize| p.min(phi_i.len() - 1) * theta_i.len() + t.min(theta_i.len() - 1);
-        Self([
-            (at(p, t), (1.0 - v) * (1.0 - w)),
-            (at(p, t + 1), (1.0 - v) * w),
-            (at(p + 1, t), v * (1.0 - w)),
-            (at(p + 1, t + 1), v * w),
-        ])
-    }
-
-    #[inline]
-    fn mean(&self, value: impl Fn(usize) -> f32) -> f64 {
-        let mut sum = 0.0;
-        for &(slice, weight) in &self.0 {
-            if weight > 0.0 {
-                sum += weight * f64::from(value(slice));
+        let mut blend = Self {
+            parts: [(0, 0.0); 4],
+            count: 0,
+        };
+        for (p, v) in [(p, 1.0 - v), (p + 1, v)] {
+            for (t, w) in [(t, 1.0 - w), (t + 1, w)] {
+                // A neighbour past the end of an axis has no weight.
+                if v * w > 0.0 {
+                    blend.parts[blend.count] = (p * theta_i.len() + t, v * w);
+                    blend.count += 1;
+                }
             }
         }
-        sum
+        blend
+    }
+
+    #[inline(always)]
+    fn parts(&self) -> &[(usize, f64)] {
+        &self.parts[..self.count]
     }
 }
 
 /// The tabulated value at or below `x` on a rising axis that is not empty, and the weight of the next; clamped at both ends.
+#[inline(always)]
 fn neighbours(x: f64, axis: &[f32]) -> (usize, f64) {
-    let low = axis
-        .partition_point(|&a| f64::from(a) <= x)
-        .saturating_sub(1)
-        .min(axis.len().saturating_sub(2));
-    match axis.get(low..low + 2) {
-        Some(&[a, b]) => {
-            let (a, b) = (f64::from(a), f64::from(b));
-            (low, ((x - a) / (b - a)).clamp(0.0, 1.0))
-        }
-        _ => (0, 0.0),
+    let [_, inner @ .., _] = axis else {
+        return (0, 0.0);
+    };
+    // Axes are short, so all nodes are compared: no branch depends on x.
+    let mut low = 0;
+    for &node in inner {
+        low += usize::from(f64::from(node) <= x);
     }
+    let (a, b) = (f64::from(axis[low]), f64::from(axis[low + 1]));
+    (low, ((x - a) / (b - a)).clamp(0.0, 1.0))
 }
 
 /// A cell of a grid and a point inside it, x and y in [0, 1].
@@ -64,6 +71,7 @@ struct GridCell {
 
 impl GridCell {
     /// The cell that holds a point; points outside the square go to its edge.
+    #[inline(always)]
     fn containing(point: [f64; 2], width: usize, height: usize) -> Self {
         let along = |v: f64, n: usize| {
             let scaled = v.clamp(0.0, 1.0) * (n - 1) as f64;
@@ -75,57 +83,73 @@ impl GridCell {
     }
 }
 
-/// `shape` is `[…, h, w]`, every `[h, w]` one slice of `channels` in a row.
+/// Values of `C` channels at the nodes of a square, in each slice. Those of one node lie together, since a look-up wants all.
 #[derive(Debug)]
-pub(super) struct SliceGrid {
-    values: Vec<f32>,
+pub(super) struct SliceGrid<const C: usize> {
+    /// `[slice, h, w]`.
+    nodes: Vec<[f32; C]>,
     width: usize,
     height: usize,
-    channels: usize,
 }
 
-impl SliceGrid {
-    /// A tensor whose last two axes, of at least 2 each, are the square; the one before is `channels` long, if not 1.
-    pub fn new(tensor: Tensor, channels: usize) -> Self {
+impl<const C: usize> SliceGrid<C> {
+    /// A tensor whose last two axes, of at least 2 each, are the square; the one before is `C` long, if not 1.
+    pub fn new(tensor: &Tensor) -> Self {
         let axes = tensor.shape.len();
+        let (width, height) = (tensor.shape[axes - 1], tensor.shape[axes - 2]);
+        let plane = width * height;
+        let mut nodes = Vec::with_capacity(tensor.values.len() / C);
+        for slice in tensor.values.chunks_exact(C * plane) {
+            for node in 0..plane {
+                nodes.push(std::array::from_fn(|channel| slice[channel * plane + node]));
+            }
+        }
         Self {
-            width: tensor.shape[axes - 1],
-            height: tensor.shape[axes - 2],
-            channels,
-            values: tensor.values,
+            nodes,
+            width,
+            height,
         }
     }
 
-    /// Value of a channel at a point.
-    pub fn interpolate(&self, point: [f64; 2], channel: usize, blend: &SliceBlend) -> f64 {
+    /// Values of all channels at a point.
+    #[inline(always)]
+    pub fn interpolate(&self, point: [f64; 2], blend: &SliceBlend) -> [f64; C] {
         let cell = GridCell::containing(point, self.width, self.height);
-        let [left, right] = self.corners(&cell, channel, blend);
-        left + (right - left) * cell.x
+        let [left, right] = self.sides(&cell, blend);
+        std::array::from_fn(|c| left[c] + (right[c] - left[c]) * cell.x)
     }
 
-    /// Values on the left and right of a cell.
-    fn corners(&self, cell: &GridCell, channel: usize, blend: &SliceBlend) -> [f64; 2] {
-        let first = cell.row * self.width + cell.column;
-        let side = |k: usize| {
-            let at = |k: usize| {
-                blend.mean(|slice| {
-                    let start = (slice * self.channels + channel) * self.width * self.height;
-                    self.values[start + k]
-                })
-            };
-            let (low, high) = (at(first + k), at(first + k + self.width));
-            low + (high - low) * cell.y
-        };
-        [side(0), side(1)]
+    /// Values on the left and right of a cell, at the height of its point.
+    #[inline(always)]
+    fn sides(&self, cell: &GridCell, blend: &SliceBlend) -> [[f64; C]; 2] {
+        // Means over the slices on the lower and the upper row, left and right of the cell.
+        let [mut low, mut high] = [[[0.0; C]; 2]; 2];
+        for &(slice, weight) in blend.parts() {
+            let first = (slice * self.height + cell.row) * self.width + cell.column;
+            let nodes = &self.nodes[first..first + self.width + 2];
+            let rows = [
+                [nodes[0], nodes[1]],
+                [nodes[self.width], nodes[self.width + 1]],
+            ];
+            for side in 0..2 {
+                for c in 0..C {
+                    low[side][c] += weight * f64::from(rows[0][side][c]);
+                    high[side][c] += weight * f64::from(rows[1][side][c]);
+                }
+            }
+        }
+        // Linear from row to row.
+        for side in 0..2 {
+            for c in 0..C {
+                low[side][c] += (high[side][c] - low[side][c]) * cell.y;
+            }
+        }
+        low
     }
 
     /// Bytes of the values.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.values[..])
-    }
-
-    fn slices(&self) -> impl Iterator<Item = &[f32]> {
-        self.values.chunks_exact(self.width * self.height)
+        size_of_val(&self.nodes[..])
     }
 }
 
@@ -133,152 +157,143 @@ impl SliceGrid {
 /// density along the row, both piecewise linear.
 #[derive(Debug)]
 pub(super) struct SquareWarp {
-    density: SliceGrid,
-    /// Integral over x up to each column, of each row: `[slice, h, w − 1]`.
-    along: Vec<f32>,
-    /// Integral over y up to each row: `[slice, h − 1]`.
-    rows: Vec<f32>,
+    /// The density, and its integral over x up to the node.
+    nodes: SliceGrid<2>,
+    /// Integral over y up to the row, and over x along it: `[slice, h]`.
+    rows: Vec<[f32; 2]>,
 }
 
 impl SquareWarp {
     /// From values ≥ 0, each slice above 0 somewhere; slices are normalised.
-    pub fn new(tensor: Tensor) -> Self {
-        let mut density = SliceGrid::new(tensor, 1);
-        let (w, h) = (density.width, density.height);
+    pub fn new(tensor: &Tensor) -> Self {
+        let axes = tensor.shape.len();
+        let (w, h) = (tensor.shape[axes - 1], tensor.shape[axes - 2]);
         let (step_x, step_y) = (0.5 / (w - 1) as f64, 0.5 / (h - 1) as f64);
-        let (mut along, mut rows, mut scales) = (Vec::new(), Vec::new(), Vec::new());
-        for slice in density.slices() {
+        let (mut nodes, mut rows) = (Vec::with_capacity(tensor.values.len()), Vec::new());
+        for slice in tensor.values.chunks_exact(w * h) {
             let sums: Vec<Vec<f64>> = slice
                 .chunks_exact(w)
                 .map(|row| running(row, step_x))
                 .collect();
-            let totals: Vec<f32> = sums.iter().map(|s| s[w - 2] as f32).collect();
+            let totals: Vec<f32> = sums.iter().map(|s| s[w - 1] as f32).collect();
             let marginal = running(&totals, step_y);
-            let scale = 1.0 / marginal[h - 2];
-            along.extend(sums.iter().flatten().map(|&v| (v * scale) as f32));
-            rows.extend(marginal.iter().map(|&v| (v * scale) as f32));
-            scales.push(scale);
+            let scale = 1.0 / marginal[h - 1];
+            for (&value, &sum) in slice.iter().zip(sums.iter().flatten()) {
+                nodes.push([f64::from(value), sum].map(|v| (v * scale) as f32));
+            }
+            for (row, &sum) in marginal.iter().enumerate() {
+                rows.push([sum, sums[row][w - 1]].map(|v| (v * scale) as f32));
+            }
         }
-        for (slice, scale) in density.values.chunks_exact_mut(w * h).zip(scales) {
-            slice
-                .iter_mut()
-                .for_each(|v| *v = (f64::from(*v) * scale) as f32);
-        }
-        Self {
-            density,
-            along,
-            rows,
-        }
+        let nodes = SliceGrid {
+            nodes,
+            width: w,
+            height: h,
+        };
+        Self { nodes, rows }
     }
 
     /// Density at a point of the square.
     pub fn density(&self, point: [f64; 2], blend: &SliceBlend) -> f64 {
-        self.density.interpolate(point, 0, blend)
+        self.nodes.interpolate(point, blend)[0]
     }
 
     /// The point of the square that is mapped to `point`, and the density there. 0 on both axes where nothing is drawn.
+    #[inline(always)]
     pub fn invert(&self, point: [f64; 2], blend: &SliceBlend) -> ([f64; 2], f64) {
-        let (w, h) = (self.density.width, self.density.height);
+        let (w, h) = (self.nodes.width, self.nodes.height);
         let cell = GridCell::containing(point, w, h);
         // u_x = ∫₀ˣ p(t, y) dt / ∫₀¹ p(t, y) dt: whole columns, and the trapezoid inside the cell.
-        let [left, right] = self.density.corners(&cell, 0, blend);
+        let [[left, columns], [right, _]] = self.nodes.sides(&cell, blend);
         let inside = 0.5 * (left + left + (right - left) * cell.x) * cell.x / (w - 1) as f64;
-        let x = self.row_sum(&cell, cell.column, blend) + inside;
-        let whole = self.row_sum(&cell, w - 1, blend);
+        let x = columns + inside;
         // u_y = ∫₀ʸ of the marginal: whole rows, and the trapezoid inside the cell.
-        let [low, high] = self.row_totals(cell.row, blend);
+        let [[rows, low], [_, high]] = self.rows_about(cell.row, blend);
+        let whole = low + (high - low) * cell.y;
         let inside = 0.5 * (low + low + (high - low) * cell.y) * cell.y / (h - 1) as f64;
-        let y = self.rows_to(cell.row, blend) + inside;
+        let y = rows + inside;
         let pdf = left + (right - left) * cell.x;
         ([if whole > 0.0 { x / whole } else { 0.0 }, y], pdf)
     }
 
     /// The point that `u` is mapped to.
     pub fn sample(&self, u: [f64; 2], blend: &SliceBlend) -> [f64; 2] {
-        let (w, h) = (self.density.width, self.density.height);
+        let (w, h) = (self.nodes.width, self.nodes.height);
         // The row in which the marginal's integral reaches u_y, and where in it.
         let row = search(h - 1, |k| self.rows_to(k + 1, blend) <= u[1]);
-        let [low, high] = self.row_totals(row, blend);
-        let y = invert_linear_cdf(
-            (u[1] - self.rows_to(row, blend)) * (h - 1) as f64,
-            low,
-            high,
-        );
-        let mut cell = GridCell {
-            column: 0,
+        let [[rows, low], [_, high]] = self.rows_about(row, blend);
+        let y = invert_linear_cdf((u[1] - rows) * (h - 1) as f64, low, high);
+        // The column in which the integral along that row reaches its part u_x, and where in it.
+        let target = u[0] * (low + (high - low) * y);
+        let column = search(w - 1, |k| self.row_sum(row, y, k + 1, blend) <= target);
+        let cell = GridCell {
+            column,
             row,
             x: 0.0,
             y,
         };
-        // The column in which the integral along that row reaches its part u_x, and where in it.
-        let target = u[0] * self.row_sum(&cell, w - 1, blend);
-        cell.column = search(w - 1, |k| self.row_sum(&cell, k + 1, blend) <= target);
-        let [left, right] = self.density.corners(&cell, 0, blend);
-        let rest = target - self.row_sum(&cell, cell.column, blend);
-        let x = invert_linear_cdf(rest * (w - 1) as f64, left, right);
+        let [[left, columns], [right, _]] = self.nodes.sides(&cell, blend);
+        let x = invert_linear_cdf((target - columns) * (w - 1) as f64, left, right);
         [
-            (cell.column as f64 + x) / (w - 1) as f64,
+            (column as f64 + x) / (w - 1) as f64,
             (row as f64 + y) / (h - 1) as f64,
         ]
     }
 
     /// Bytes of the tables.
     pub fn bytes(&self) -> usize {
-        self.density.bytes() + size_of_val(&self.along[..]) + size_of_val(&self.rows[..])
+        self.nodes.bytes() + size_of_val(&self.rows[..])
     }
 
-    /// Integral over x up to a column, along the row that a cell's y means.
-    fn row_sum(&self, cell: &GridCell, column: usize, blend: &SliceBlend) -> f64 {
-        if column == 0 {
-            return 0.0;
+    /// Integral over x up to a column, at a height `y` between a row and the next.
+    fn row_sum(&self, row: usize, y: f64, column: usize, blend: &SliceBlend) -> f64 {
+        let (w, h) = (self.nodes.width, self.nodes.height);
+        let [mut low, mut high] = [0.0; 2];
+        for &(slice, weight) in blend.parts() {
+            let node = (slice * h + row) * w + column;
+            low += weight * f64::from(self.nodes.nodes[node][1]);
+            high += weight * f64::from(self.nodes.nodes[node + w][1]);
         }
-        let (w, h) = (self.density.width, self.density.height);
-        let at =
-            |row: usize| blend.mean(|slice| self.along[(slice * h + row) * (w - 1) + column - 1]);
-        let (low, high) = (at(cell.row), at(cell.row + 1));
-        low + (high - low) * cell.y
+        low + (high - low) * y
     }
 
-    /// Integrals over x along a row and the next.
-    fn row_totals(&self, row: usize, blend: &SliceBlend) -> [f64; 2] {
-        let last = self.density.width - 1;
-        [0.0, 1.0].map(|y| {
-            self.row_sum(
-                &GridCell {
-                    column: 0,
-                    row,
-                    x: 0.0,
-                    y,
-                },
-                last,
-                blend,
-            )
-        })
+    /// Of a row and the next: the integral over y up to it, and over x along it.
+    #[inline(always)]
+    fn rows_about(&self, row: usize, blend: &SliceBlend) -> [[f64; 2]; 2] {
+        let mut means = [[0.0; 2]; 2];
+        for &(slice, weight) in blend.parts() {
+            let first = slice * self.nodes.height + row;
+            for (mean, row) in means.iter_mut().zip(&self.rows[first..first + 2]) {
+                mean[0] += weight * f64::from(row[0]);
+                mean[1] += weight * f64::from(row[1]);
+            }
+        }
+        means
     }
 
     /// Integral over y up to a row.
     fn rows_to(&self, row: usize, blend: &SliceBlend) -> f64 {
-        let h = self.density.height;
-        if row == 0 {
-            0.0
-        } else {
-            blend.mean(|slice| self.rows[slice * (h - 1) + row - 1])
+        let mut mean = 0.0;
+        for &(slice, weight) in blend.parts() {
+            mean += weight * f64::from(self.rows[slice * self.nodes.height + row][0]);
         }
+        mean
     }
 }
 
-/// Integral of the linear interpolant up to each value but the first; `half_step` is half the distance between values.
+/// Integral of the linear interpolant up to each value, 0 for the first; `half_step` is half the distance between values.
 fn running(values: &[f32], half_step: f64) -> Vec<f64> {
-    let mut sum = 0.0;
-    let trapezoids = values
-        .windows(2)
-        .map(|v| half_step * (f64::from(v[0]) + f64::from(v[1])));
-    trapezoids
-        .map(|t| {
-            sum += t;
-            sum
-        })
-        .collect()
+    let mut sums = Vec::with_capacity(values.len());
+    let (mut sum, mut before) = (0.0, None);
+    for &value in values {
+        let value = f64::from(value);
+        if let Some(before) = before {
+            sum += half_step * (before + value);
+        }
+        before = Some(value);
+        sums.push(sum);
+    }
+    sums
 }
 
 /// The number of values for which `is_below` holds, at most `count − 1`; it holds for the first ones.
