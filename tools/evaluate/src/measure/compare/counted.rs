@@ -35,7 +35,7 @@ fn value_ns(material: &Loaded) -> f64 {
     match material.rule() {
         Some(LookupRule::Floor) => 40.0,
         Some(LookupRule::Linear | LookupRule::Centred) => 90.0,
-        None if material.own_sampler().is_some() => 600.0,
+        None if material.own_sampler().is_some() => 200.0,
         None => 10.0,
     }
 }
@@ -81,7 +81,7 @@ impl SamplerCost {
             }
             "adaptive-disc" => Self::disc(spec),
             "factored" => Self::new(800.0, 5e7, 0.0),
-            "file" => Self::new(1600.0, 0.0, 0.0),
+            "file" => Self::new(850.0, 0.0, 0.0),
             _ => Self::UNKNOWN,
         }
     }
