@@ -73,6 +73,22 @@ fn points_and_places_of_paths_make_different_pictures_of_the_same() {
 }
 
 #[test]
+fn many_paths_are_spread_as_sobol_points_by_default() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |options: &str| {
+        let command = format!("render nickel --size 8x8 --force {options}");
+        let arguments: Vec<&str> = command.split(' ').collect();
+        succeeds(run_in(folder.path(), &arguments, ""));
+        std::fs::read(folder.path().join("render.exr")).unwrap()
+    };
+    for (paths, points) in [("255", "lattice"), ("256", "sobol")] {
+        let default = picture(&format!("--spp {paths}"));
+        let named = picture(&format!("--spp {paths} --points {points}"));
+        assert!(default == named, "{paths}");
+    }
+}
+
+#[test]
 fn options_of_other_strategies_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for (options, expected) in [

@@ -62,7 +62,7 @@ impl Level {
             for axis in 0..3 {
                 // The centre of a fine bin is a quarter of a coarse bin away from the coarse centre: weights ¾ and ¼.
                 let own = fine[axis] / 2;
-                let neighbour = if fine[axis] % 2 == 0 {
+                let neighbour = if fine[axis].is_multiple_of(2) {
                     own.saturating_sub(1)
                 } else {
                     (own + 1).min(self.size[axis] - 1)
