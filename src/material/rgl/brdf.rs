@@ -255,7 +255,11 @@ impl Brdf for RglBrdf {
         let blocks = wi.chunks(LANES).zip(out.chunks_mut(LANES));
         match wo {
             Wo::One(wo) => match self.view(wo) {
-                Some(view) => blocks.for_each(|(wi, out)| self.block_about(&view, wi, out)),
+                Some(view) => {
+                    for (wi, out) in blocks {
+                        self.block_about(&view, wi, out);
+                    }
+                }
                 None => out.fill(Rgb::ZERO),
             },
             Wo::Each(wo) => {
