@@ -35,18 +35,18 @@ pub struct RglBrdf {
 
 /// What a file has to say of a `wo`, whatever `wi`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct View {
+pub(super) struct GivenView {
     /// `wo` among the azimuths that the file tabulates.
     pub folded: FoldedView,
     /// The azimuth that those of half vectors are counted from, radians.
     pub origin: f64,
     /// Where its tables are.
-    pub tables: ViewTables,
+    pub tables: GivenTables,
 }
 
 /// What the values along a `wo` are made of.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ViewTables {
+pub(super) struct GivenTables {
     /// The tabulated slices about `wo`.
     pub blend: SliceBlend,
     /// 1/(4 sigma(u_wo)); 1 where the file's values need no factor.
@@ -82,10 +82,10 @@ impl RglBrdf {
 
     /// Everything that depends on `wo` alone; `None` unless it is above the horizon.
     #[inline]
-    pub(super) fn view(&self, wo: Vec3) -> Option<View> {
+    pub(super) fn view(&self, wo: Vec3) -> Option<GivenView> {
         let folded = FoldedView::new(unit_upper(wo)?, self.symmetry);
         let angles = polar_angles(folded.wo.to_array());
-        Some(View {
+        Some(GivenView {
             folded,
             origin: self.azimuth_origin(angles[1]),
             tables: self.view_tables(angles),
@@ -94,7 +94,7 @@ impl RglBrdf {
 
     /// The tables for a folded `wo` of such angles.
     #[inline(always)]
-    fn view_tables(&self, [theta, phi]: [f64; 2]) -> ViewTables {
+    fn view_tables(&self, [theta, phi]: [f64; 2]) -> GivenTables {
         let scale = match &self.area {
             Some([_, sigma]) => {
                 let [sigma] = sigma.interpolate(square_point([theta, phi]), &SliceBlend::ONLY);
@@ -102,7 +102,7 @@ impl RglBrdf {
             }
             None => 1.0,
         };
-        ViewTables {
+        GivenTables {
             blend: SliceBlend::between(phi, theta, &self.phi_i, &self.theta_i),
             scale,
         }
@@ -120,13 +120,13 @@ impl RglBrdf {
 
     /// s: the point of the square that the file's warp takes to `u_m`.
     #[inline(always)]
-    fn unwarped(&self, tables: &ViewTables, u_m: [f64; 2]) -> [f64; 2] {
+    fn unwarped(&self, tables: &GivenTables, u_m: [f64; 2]) -> [f64; 2] {
         self.warp.invert(u_m, &tables.blend).0
     }
 
     /// f_r·cosθᵢ where the half vector lies at `u_m` on its square, which the warp takes `s` to.
     #[inline(always)]
-    fn value_cos(&self, tables: &ViewTables, u_m: [f64; 2], s: [f64; 2]) -> Rgb {
+    fn value_cos(&self, tables: &GivenTables, u_m: [f64; 2], s: [f64; 2]) -> Rgb {
         // The factor ndf(u_m)/(4 sigma(u_wo)).
         let scale = match &self.area {
             Some([ndf, _]) => ndf.interpolate(u_m, &SliceBlend::ONLY)[0] * tables.scale,
@@ -143,7 +143,7 @@ impl RglBrdf {
     #[inline(always)]
     fn look_up<'a>(
         &self,
-        tables: impl Fn(usize) -> &'a ViewTables,
+        tables: impl Fn(usize) -> &'a GivenTables,
         points: &Columns<f64, 2, LANES>,
         out: &mut [Rgb],
     ) {
@@ -158,7 +158,7 @@ impl RglBrdf {
     }
 
     /// A block of at most [`LANES`] lanes about one `wo`.
-    fn block_about(&self, view: &View, wi: &[Vec3], out: &mut [Rgb]) {
+    fn block_about(&self, view: &GivenView, wi: &[Vec3], out: &mut [Rgb]) {
         let units = UnitDirections::<LANES>::load(wi);
         let mut halves = Columns::splat([0.0; 3]);
         for lane in 0..LANES {
@@ -199,7 +199,7 @@ impl RglBrdf {
         lane_angles(&halves, wi.len(), &mut points);
         angles_to_points(&mut points, &origins, wi.len());
         // The tables about each wo.
-        let mut tables = [ViewTables::NONE; LANES];
+        let mut tables = [GivenTables::NONE; LANES];
         for (lane, tables) in tables.iter_mut().enumerate().take(wi.len()) {
             *tables = self.view_tables(angles.get(lane));
         }
@@ -212,7 +212,7 @@ impl RglBrdf {
     }
 }
 
-impl ViewTables {
+impl GivenTables {
     /// The first slice as it is.
     const NONE: Self = Self {
         blend: SliceBlend::ONLY,
@@ -255,7 +255,11 @@ impl Brdf for RglBrdf {
         let blocks = wi.chunks(LANES).zip(out.chunks_mut(LANES));
         match wo {
             Wo::One(wo) => match self.view(wo) {
-                Some(view) => blocks.for_each(|(wi, out)| self.block_about(&view, wi, out)),
+                Some(view) => {
+                    for (wi, out) in blocks {
+                        self.block_about(&view, wi, out);
+                    }
+                }
                 None => out.fill(Rgb::ZERO),
             },
             Wo::Each(wo) => {

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DVec2, Vec2, Vec3};
 
 use super::RglBrdf;
-use super::brdf::View;
+use super::brdf::GivenView;
 use super::coordinates::{polar_angles, square_point};
 use crate::batch::Wo;
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
@@ -18,7 +18,7 @@ impl RglBrdf {
         self.map_square_about(&self.view(wo)?, u)
     }
 
-    fn map_square_about(&self, view: &View, u: DVec2) -> Option<Vec3> {
+    fn map_square_about(&self, view: &GivenView, u: DVec2) -> Option<Vec3> {
         // s follows the luminance; u_m is what the file's warp makes of s.
         let s = self.luminance.sample(u.to_array(), &view.tables.blend);
         let u_m = self.warp.sample(s, &view.tables.blend);
@@ -32,14 +32,14 @@ impl RglBrdf {
         unit_upper((reflect_about(folded.wo, m) * folded.signs).as_vec3())
     }
 
-    fn sample_about(&self, view: &View, u: Vec2) -> Option<DirectionSample> {
+    fn sample_about(&self, view: &GivenView, u: Vec2) -> Option<DirectionSample> {
         let wi = self.map_square_about(view, u.as_dvec2())?;
         // Evaluated at `wi` itself, which rounding may have moved.
         let pdf = self.pdf_about(view, wi);
         (pdf > 0.0 && pdf.is_finite()).then_some(DirectionSample { wi, pdf })
     }
 
-    fn pdf_about(&self, view: &View, wi: Vec3) -> f32 {
+    fn pdf_about(&self, view: &GivenView, wi: Vec3) -> f32 {
         let Some(wi) = unit_upper(wi) else {
             return 0.0;
         };

@@ -127,29 +127,30 @@ impl<const C: usize> SliceGrid<C> {
         for &(slice, weight) in blend.parts() {
             let first = (slice * self.height + cell.row) * self.width + cell.column;
             let nodes = &self.nodes[first..first + self.width + 2];
-            let rows = [
-                [nodes[0], nodes[1]],
-                [nodes[self.width], nodes[self.width + 1]],
-            ];
-            for side in 0..2 {
-                for c in 0..C {
-                    low[side][c] += weight * f64::from(rows[0][side][c]);
-                    high[side][c] += weight * f64::from(rows[1][side][c]);
-                }
-            }
+            add_weighted(&mut low, weight, [nodes[0], nodes[1]]);
+            let upper = [nodes[self.width], nodes[self.width + 1]];
+            add_weighted(&mut high, weight, upper);
         }
         // Linear from row to row.
-        for side in 0..2 {
-            for c in 0..C {
-                low[side][c] += (high[side][c] - low[side][c]) * cell.y;
-            }
-        }
-        low
+        let side = |k: usize| -> [f64; C] {
+            std::array::from_fn(|c| low[k][c] + (high[k][c] - low[k][c]) * cell.y)
+        };
+        [side(0), side(1)]
     }
 
     /// Bytes of the values.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..])
+    }
+}
+
+/// Adds a slice's values at two nodes, times its weight.
+#[inline(always)]
+fn add_weighted<const C: usize>(sums: &mut [[f64; C]; 2], weight: f64, nodes: [[f32; C]; 2]) {
+    for (sums, node) in sums.iter_mut().zip(nodes) {
+        for (sum, value) in sums.iter_mut().zip(node) {
+            *sum += weight * f64::from(value);
+        }
     }
 }
 
