@@ -478,7 +478,6 @@ mod tests {
     #[test]
     fn pooling_keeps_totals_and_leaves_no_small_cell() {
         let bins: Vec<Bin> = (0..40).map(|i| bin(i, i as u64, i as f64 * 0.3)).collect();
-        let (bins, unjudged) = judged(bins);
         let pooled = pool(bins);
         assert!(pooled.iter().all(|b| b.expected >= SMALLEST_EXPECTED));
         assert_eq!(pooled.iter().map(|b| b.observed).sum::<u64>(), 780);
