@@ -66,7 +66,7 @@ impl Default for ChiSquareTest {
 pub enum ChiSquareVerdict {
     /// The draws are what the pdf makes likely.
     Pass,
-    /// They are less likely than the threshold.
+    /// They are less likely than the threshold, or one cell alone is.
     Unlikely,
     /// Draws where the pdf is zero.
     Impossible,
@@ -193,11 +193,14 @@ impl ChiSquareTest {
             upper_tail(statistic, degrees_of_freedom),
             sidak(self.significance, self.tests),
         );
+        // A hundredth of the test's significance, shared by all cells: one that is wrong alone is lost in the sum over hundreds.
+        let outlier = threshold / (100.0 * pooled.len().max(1) as f64);
         let unusable = observed.unusable + predicted.unusable as u64;
         let verdict = match () {
             () if unusable > 0 => ChiSquareVerdict::Unusable,
             () if observed.impossible > 0 => ChiSquareVerdict::Impossible,
             () if p_value < threshold => ChiSquareVerdict::Unlikely,
+            () if pooled.iter().any(|bin| bin.is_outlier(outlier)) => ChiSquareVerdict::Unlikely,
             () => ChiSquareVerdict::Pass,
         };
         let worst = if verdict == ChiSquareVerdict::Pass {
@@ -305,6 +308,16 @@ impl Bin {
         let difference = self.observed as f64 - self.expected;
         // A bin that expects nothing stands alone only if no other bin expects anything either.
         difference * difference / (self.expected + self.error2).max(f64::MIN_POSITIVE)
+    }
+
+    /// Whether its count alone is less likely than `significance`, by Bernstein's bound for a sum of independent draws, and beyond
+    /// four standard errors of its integral.
+    fn is_outlier(&self, significance: f64) -> bool {
+        let log = (2.0 / significance).ln();
+        let linear = log / 3.0;
+        let chance = linear + (linear * linear + 2.0 * self.expected * log).sqrt();
+        let difference = (self.observed as f64 - self.expected).abs();
+        difference > chance + 4.0 * self.error2.sqrt()
     }
 
     /// Whether it is a cell and the error of its integral, rather than chance, decides how far the count may be off, and explains that it is.
@@ -440,9 +453,31 @@ mod tests {
     }
 
     #[test]
+    fn one_cell_that_is_wrong_is_an_outlier() {
+        // ln(2/10⁻⁸) = 19.1: 6.4 + √(6.4² + 2·100·19.1) = 68.5 draws may be missing or too many of 100.
+        for (observed, expected) in [
+            (100, false),
+            (168, false),
+            (169, true),
+            (32, false),
+            (31, true),
+        ] {
+            assert_eq!(
+                bin(0, observed, 100.0).is_outlier(1e-8),
+                expected,
+                "{observed}"
+            );
+        }
+        let uncertain = Bin {
+            error2: 100.0,
+            ..bin(0, 200, 100.0)
+        };
+        assert!(!uncertain.is_outlier(1e-8));
+    }
+
+    #[test]
     fn pooling_keeps_totals_and_leaves_no_small_cell() {
         let bins: Vec<Bin> = (0..40).map(|i| bin(i, i as u64, i as f64 * 0.3)).collect();
-        let (bins, _) = judged(bins);
         let pooled = pool(bins);
         assert!(pooled.iter().all(|b| b.expected >= SMALLEST_EXPECTED));
         assert_eq!(pooled.iter().map(|b| b.observed).sum::<u64>(), 780);

@@ -100,6 +100,8 @@ const SIDE: usize = 6;
 const BUDGET: usize = 20_000;
 /// The part of a cell's statistical deviation that its integral may be off by.
 const GOAL: f64 = 0.1;
+/// The part of a cell's statistical deviation that one stratum may hold.
+const MOST_MASS: f64 = 0.5;
 /// A witness is taken for a part of a spike where its density is this many times that of both points.
 const STANDS_OUT: f64 = 4.0;
 /// Half vectors next to the mirror direction that are looked at, at angles that halve each time from 1° down.
@@ -198,14 +200,18 @@ impl CellIntegral<'_> {
             // Cells of less than one expected draw are pooled; they need no more digits than a cell of one.
             let deviation2 = (value / draws as f64).max(1.0 / (draws as f64).powi(2));
             let goal = GOAL * GOAL * deviation2;
-            if variance <= goal || self.evaluations >= BUDGET {
+            // Two points that agree by chance, both within a spike that covers half of a stratum, hide an error of all its mass.
+            let most = MOST_MASS * deviation2.sqrt();
+            let is_fine = strata.iter().all(|s| s.value <= most);
+            if (variance <= goal && is_fine) || self.evaluations >= BUDGET {
                 return self.afresh(&strata);
             }
             // What all strata may keep adds up to less than the goal, so that one of them at least is cut.
             let allowed = 0.5 * goal / strata.len() as f64;
             let mut finer = Vec::with_capacity(2 * strata.len());
             for stratum in strata {
-                if stratum.variance > allowed && self.evaluations < BUDGET {
+                let is_coarse = stratum.variance > allowed || stratum.value > most;
+                if is_coarse && self.evaluations < BUDGET {
                     self.divide(stratum.low, 2, 2.0 * stratum.parts, &mut finer);
                 } else {
                     finer.push(stratum);
