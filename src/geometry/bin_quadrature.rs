@@ -31,6 +31,8 @@ pub(crate) struct BinShape {
 
 /// Longest step of the azimuth, radians: over it two points integrate the change of variables to 10⁻⁷.
 const LONGEST: f64 = PI / 32.0;
+/// Angle of `wo` below which bins of θh are cut where those of θd end: a degree, the width of the latter.
+const NEAR_NORMAL: f64 = PI / 180.0;
 /// Most halvings of a bin of θh.
 const HALVINGS: u32 = 6;
 /// √(1/3): Gauss's two points on [−1, 1].
@@ -71,6 +73,19 @@ impl BinQuadrature {
             let edge = theta_h(bin as f64 + shape.offset);
             if edge < end {
                 edges.push(edge);
+            }
+        }
+        // Next to the normal all azimuths have nearly the same θd, from |θh − θo| to θh + θo: where an edge of its bins comes and
+        // goes, the integral over the azimuth all but jumps.
+        let theta_o = f64::from(wo.x).atan2(f64::from(wo.z));
+        if theta_o < NEAR_NORMAL {
+            for bin in 0..THETA_D_BINS {
+                let edge = (bin as f64 + shape.offset).to_radians();
+                for theta_h in [edge - theta_o, edge + theta_o] {
+                    if theta_h > 0.0 && theta_h < end {
+                        edges.push(theta_h);
+                    }
+                }
             }
         }
         edges.sort_by(f64::total_cmp);
@@ -262,7 +277,7 @@ mod tests {
     /// Bins of all three angles that come and go, against a fine grid over the disc.
     #[test]
     fn values_by_bins_are_integrated_as_on_a_fine_grid_of_the_disc() {
-        for theta in [0.0, 20.3, 60.1, 88.0] {
+        for theta in [0.0, 0.3, 20.3, 60.1, 88.0] {
             let wo = wo(theta);
             let value = |wi: Vec3| {
                 let angles = HalfDiff::from_directions(wo.as_dvec3(), wi.as_dvec3()).unwrap();
