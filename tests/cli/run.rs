@@ -29,11 +29,19 @@ pub fn run(arguments: &[&str], input: &str) -> Output {
     run_in(Path::new("."), arguments, input)
 }
 
-/// Standard output of a command that succeeds and has nothing to complain about.
+/// Notes on measured times, which depend on what else the machine does.
+const TIMING_NOTES: [&str; 2] = [
+    "the machine was busy",
+    "measured times disagree with counted ones",
+];
+
+/// Standard output of a command that succeeds and has nothing to complain about but the clock.
 pub fn succeeds(output: Output) -> String {
     let complaints = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(0), "{complaints}");
-    assert_eq!(complaints, "");
+    let is_timing = |line: &&str| TIMING_NOTES.iter().any(|note| line.contains(note));
+    let others: Vec<&str> = complaints.lines().filter(|line| !is_timing(line)).collect();
+    assert!(others.is_empty(), "{complaints}");
     String::from_utf8(output.stdout).unwrap()
 }
 

@@ -77,8 +77,12 @@ impl ThetaAxis {
         }
     }
 
-    /// The `a` of the edges between MERL's bins of θh, ascending, without both ends.
+    /// The `a` of the edges between MERL's bins of θh, ascending, without both ends. None for equal steps of the angle, which
+    /// are the thesis's and know nothing of bins.
     pub fn merl_edges(&self) -> Vec<f64> {
+        if self.spacing == ThetaSpacing::Uniform {
+            return Vec::new();
+        }
         (1..THETA_H_BINS)
             .map(|bin| self.coordinate(theta_h_edge(bin)))
             .collect()

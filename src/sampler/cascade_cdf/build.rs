@@ -49,7 +49,7 @@ pub(super) fn tables(
 }
 
 /// ∫ `value(w)` dσ(w) over each cell `[theta, phi]` of the directions above the horizon, in midpoints. Where an edge of MERL's
-/// bins of θh lies within a cell, either side has a midpoint of its own: f may jump there by any factor.
+/// bins of θh lies within a cell of an axis that knows them, either side has a midpoint of its own: f may jump there by any factor.
 pub(in crate::sampler) fn masses(
     [rows, columns]: [usize; 2],
     axis: ThetaAxis,
