@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use assert_cmd::cargo::cargo_bin;
+use merlkit::material::merl::Header;
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(cargo_bin!("merlkit"))
@@ -205,7 +206,12 @@ fn files_are_named_described_and_replaced_only_by_force() {
 fn headers_that_could_not_be_included_together_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["a-b.binary", "a_b.binary"] {
-        std::fs::write(folder.path().join(name), "").unwrap();
+        // A table of zeros, of which the disk holds the header alone.
+        let path = folder.path().join(name);
+        let header = Header { phi_d_bins: 180 };
+        std::fs::write(&path, header.to_bytes()).unwrap();
+        let file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
+        file.set_len(header.file_bytes()).unwrap();
     }
     let said = fails(
         folder.path(),
@@ -215,11 +221,14 @@ fn headers_that_could_not_be_included_together_are_refused() {
         said.contains("a-b and a_b would have functions of the same names"),
         "{said}"
     );
-    // Archives don't mind; these fail for being empty.
+    assert_eq!(names(folder.path()), ["a-b.binary", "a_b.binary"]);
+    // Files that can't be read are named, all of them.
+    std::fs::write(folder.path().join("a_b.binary"), "").unwrap();
+    std::fs::write(folder.path().join("a-b.binary"), "").unwrap();
     let said = fails(
         folder.path(),
         &["a-b.binary", "a_b.binary", "--format", "npz", "-o", "."],
     );
-    assert!(said.contains("12-byte header"), "{said}");
+    assert_eq!(said.matches("12-byte header").count(), 2, "{said}");
     assert_eq!(names(folder.path()), ["a-b.binary", "a_b.binary"]);
 }

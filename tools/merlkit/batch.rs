@@ -47,7 +47,7 @@ impl Unreadable {
 ///
 /// # Errors
 /// That of [`Material::resolve`] for a word that names nothing; [`Error::Io`] for a folder that can't be listed,
-/// [`Error::Argument`] for one without materials.
+/// [`Error::Argument`] for one without materials; the last material's own if none can be read.
 pub fn resolve(arguments: &[String]) -> Result<(Vec<Material>, Unreadable), Error> {
     let (mut materials, mut unreadable) = (Vec::new(), Unreadable::default());
     for argument in expand_folders(arguments)? {
@@ -56,6 +56,15 @@ pub fn resolve(arguments: &[String]) -> Result<(Vec<Material>, Unreadable), Erro
             Ok(_) => materials.push(material),
             Err(reason) => unreadable.push(reason),
         }
+    }
+    if materials.is_empty()
+        && let Some(last) = unreadable.0.pop()
+    {
+        // There is nothing to go on with.
+        for reason in &unreadable.0 {
+            output::message(&format!("merlkit: {reason}"));
+        }
+        return Err(last);
     }
     Ok((materials, unreadable))
 }
