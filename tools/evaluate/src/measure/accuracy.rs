@@ -38,7 +38,7 @@ pub fn limit_directions(symmetry: Symmetry) -> Vec<[f64; 2]> {
 /// How the weight of one draw spreads, by quadrature. A failed draw is a weight of 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct WeightSpread {
-    /// Standard deviation over mean, the variance being ∫ (w − E[w])² pdf + lost·E[w]², with `E[w]` = ∫ f cosθ where pdf > 0
+    /// Standard deviation over mean, the variance being `∫ (w − E[w])² pdf + lost·E[w]²`, with `E[w]` = ∫ f cosθ where pdf > 0
     /// and lost the probability of a failed draw, 1 − ∫ pdf if that is above 0. 0 for a black material. The quadrature resolves about 2·10⁻³.
     pub relstd: f64,
     /// `E[w]`: the directional albedo as far as the sampler reaches it.
