@@ -14,4 +14,4 @@ mod signature;
 pub use map::Mapped;
 pub use regular::RegularFile;
 pub use replace::{Overwrite, abandon_unfinished, check_writable, write_new};
-pub(crate) use signature::{ForeignKind, recognise_foreign};
+pub(crate) use signature::{FileClass, SIGNATURE_BYTES, recognise_kind};

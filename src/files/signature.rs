@@ -1,63 +1,89 @@
 //! What a file is, by its first bytes: for messages about files that are something else than what was expected.
 
-/// A kind of file that holds no material, and what to do with one.
+/// First bytes that are enough to recognise every kind below.
+pub(crate) const SIGNATURE_BYTES: usize = 64;
+
+/// What a kind of file is for, from which each reader knows what to do about one that it doesn't read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct ForeignKind {
-    /// What it is: "a zip archive".
-    pub what: &'static str,
-    /// What the user can do.
-    pub fix: &'static str,
+pub(crate) enum FileClass {
+    /// A picture that environments are read from.
+    Environment,
+    /// A picture of eight bits a channel, which holds no light above 1.
+    DisplayPicture,
+    /// A picture that may hold radiance, and is not read.
+    RadiancePicture,
+    /// Unpacked by this command.
+    Archive(&'static str),
+    /// It came in place of the file that was wanted.
+    Placeholder,
+    /// An array of numpy.
+    Array,
+    /// Numbers in a container that is not read.
+    Container,
+    /// Fourier coefficients of a BSDF (pbrt-v3).
+    FourierBsdf,
+    /// A sampler file: a length of eight bytes, then JSON.
+    SamplerFile,
+    /// Text of another kind.
+    Text,
+    /// Nothing that a reader here could want.
+    Useless,
 }
 
-const UNPACK: &str = "unpack it, and name what it holds";
-const IMPORT: &str = "`merlkit import` makes a MERL binary of it";
-const PICTURE: &str = "name a material here; pictures are environments, for --light";
+/// A kind of file: its name, as "a zip archive", and its class.
+pub(crate) type FileKind = (&'static str, FileClass);
 
-/// Beginnings of files, what they mean, and the remedy.
+/// Where a mark begins, the mark, and what it means.
 #[rustfmt::skip]
-const SIGNATURES: &[(&[u8], &str, &str)] = &[
-    (b"PK\x03\x04", "a zip archive (or an .npz file of numpy)", "unpack it, and name what it holds; `merlkit import` makes a MERL binary of an .npz file"),
-    (b"\x1f\x8b", "a gzip-compressed file", UNPACK),
-    (b"BZh", "a bzip2-compressed file", UNPACK),
-    (b"\xfd7zXZ\0", "an xz-compressed file", UNPACK),
-    (b"\x28\xb5\x2f\xfd", "a zstd-compressed file", UNPACK),
-    (b"7z\xbc\xaf\x27\x1c", "a 7-zip archive", UNPACK),
-    (b"Rar!", "a RAR archive", UNPACK),
-    (b"version https://git-lfs", "a pointer of Git LFS in place of the file", "fetch the file itself: git lfs pull"),
-    (b"\x93NUMPY", "a numpy array", IMPORT),
-    (b"\x89HDF", "an HDF5 file", "write its values as a MERL binary: docs/import.md has the layout"),
-    (b"MATLAB", "a MATLAB file", "write its values as a MERL binary: docs/import.md has the layout"),
-    (b"SCATFUN", "a SCATFUN file of a pbrt-v3 Fourier BSDF", "use the material's measurements: Fourier coefficients are not read"),
-    (b"\x76\x2f\x31\x01", "an OpenEXR picture", PICTURE),
-    (b"#?RADIANCE", "a Radiance picture", PICTURE),
-    (b"#?RGBE", "a Radiance picture", PICTURE),
-    (b"\x89PNG", "a PNG picture", PICTURE),
-    (b"\xff\xd8\xff", "a JPEG picture", PICTURE),
-    (b"GIF8", "a GIF picture", PICTURE),
-    (b"PF\n", "a PFM picture", PICTURE),
-    (b"%PDF", "a PDF document", "name a material"),
-    (b"\x7fELF", "a program", "name a material"),
-    (b"<", "a page of HTML or XML", "fetch the file itself: the download gave a page in its place"),
+const SIGNATURES: &[(usize, &[u8], FileKind)] = &[
+    (0, b"\x76\x2f\x31\x01", ("an OpenEXR picture", FileClass::Environment)),
+    (0, b"#?", ("a Radiance picture", FileClass::Environment)),
+    (0, b"PF\n", ("a PFM picture", FileClass::Environment)),
+    (0, b"Pf\n", ("a PFM picture", FileClass::Environment)),
+    (0, b"\x89PNG\r\n\x1a\n", ("a PNG picture", FileClass::Environment)),
+    (0, b"\xff\xd8\xff", ("a JPEG picture", FileClass::DisplayPicture)),
+    (0, b"GIF8", ("a GIF picture", FileClass::DisplayPicture)),
+    (0, b"BM", ("a BMP picture", FileClass::DisplayPicture)),
+    (8, b"WEBP", ("a WebP picture", FileClass::DisplayPicture)),
+    (4, b"ftypavif", ("an AVIF picture", FileClass::DisplayPicture)),
+    (4, b"ftyphei", ("a HEIF picture", FileClass::DisplayPicture)),
+    (0, b"P2\n", ("a PGM picture", FileClass::DisplayPicture)),
+    (0, b"P3\n", ("a PPM picture", FileClass::DisplayPicture)),
+    (0, b"P5\n", ("a PGM picture", FileClass::DisplayPicture)),
+    (0, b"P6\n", ("a PPM picture", FileClass::DisplayPicture)),
+    (0, b"II*\0", ("a TIFF picture", FileClass::RadiancePicture)),
+    (0, b"MM\0*", ("a TIFF picture", FileClass::RadiancePicture)),
+    (0, b"\xff\x0a", ("a JPEG XL picture", FileClass::RadiancePicture)),
+    (4, b"JXL \r\n", ("a JPEG XL picture", FileClass::RadiancePicture)),
+    (0, b"8BPS", ("a Photoshop document", FileClass::RadiancePicture)),
+    (0, b"DDS ", ("a DDS texture", FileClass::RadiancePicture)),
+    (0, b"\xabKTX ", ("a KTX texture", FileClass::RadiancePicture)),
+    (0, b"PK\x03\x04", ("a zip archive", FileClass::Archive("unzip"))),
+    (0, b"\x1f\x8b", ("a gzip file", FileClass::Archive("gunzip"))),
+    (0, b"BZh", ("a bzip2 file", FileClass::Archive("bunzip2"))),
+    (0, b"\xfd7zXZ", ("an xz file", FileClass::Archive("unxz"))),
+    (0, b"\x28\xb5\x2f\xfd", ("a zstd file", FileClass::Archive("unzstd"))),
+    (0, b"7z\xbc\xaf\x27\x1c", ("a 7-zip archive", FileClass::Archive("7z x"))),
+    (0, b"Rar!", ("a RAR archive", FileClass::Archive("unrar x"))),
+    (0, b"<", ("a web page or XML text", FileClass::Placeholder)),
+    (0, b"version https://git-lfs", ("a pointer of Git LFS", FileClass::Placeholder)),
+    (0, b"\x93NUMPY", ("a numpy array", FileClass::Array)),
+    (0, b"\x89HDF", ("an HDF5 file", FileClass::Container)),
+    (0, b"MATLAB", ("a MATLAB file", FileClass::Container)),
+    (0, b"SCATFUN", ("a SCATFUN file of a pbrt-v3 Fourier BSDF", FileClass::FourierBsdf)),
+    (0, b"%PDF", ("a PDF document", FileClass::Useless)),
+    (0, b"\x7fELF", ("a program", FileClass::Useless)),
+    (8, b"{", ("a sampler file", FileClass::SamplerFile)),
 ];
 
-/// The kind of a file that begins with `start`; `None` if it is none of the known ones.
-pub(crate) fn recognise_foreign(start: &[u8]) -> Option<ForeignKind> {
-    for &(signature, what, fix) in SIGNATURES {
-        if start.starts_with(signature) {
-            return Some(ForeignKind { what, fix });
+/// The kind of a file that begins with `start`, all of it or [`SIGNATURE_BYTES`]; `None` if it is none of the known ones.
+pub(crate) fn recognise_kind(start: &[u8]) -> Option<FileKind> {
+    for &(offset, mark, kind) in SIGNATURES {
+        if start.get(offset..).is_some_and(|at| at.starts_with(mark)) {
+            return Some(kind);
         }
     }
-    // A length of eight bytes, then JSON.
-    if start.get(8) == Some(&b'{') {
-        return Some(ForeignKind {
-            what: "a sampler file in place of a material",
-            fix: "name the material; `merlkit info FILE` says which, and `sample` draws from the file",
-        });
-    }
-    is_text(start).then_some(ForeignKind {
-        what: "a text file",
-        fix: "name a MERL binary or a .bsdf file; `merlkit import` makes a MERL binary of a list of measurements",
-    })
+    is_text(start).then_some(("a text file", FileClass::Text))
 }
 
 /// Printable ASCII throughout, at least twelve bytes of it.

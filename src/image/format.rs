@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::files::{FileClass, recognise_kind};
 use crate::{Error, Result};
 
 /// A format that pictures are read from.
@@ -13,62 +14,7 @@ pub(crate) enum PictureFormat {
     Png,
 }
 
-/// First bytes that are enough to recognise every format below.
-pub(super) const HEAD: usize = 64;
-
-/// What mends a file that is no picture of ours.
-enum Remedy {
-    /// Eight bits a channel, no light above 1: PNG holds all of it.
-    ToPng,
-    /// The format may hold radiance, which only OpenEXR keeps.
-    ToExr,
-    /// A command that unpacks it.
-    Unpack(&'static str),
-    /// It stands in for the file that was wanted.
-    Fetch,
-}
-
-/// A format that is not read: where its mark begins, the mark, its name, and what to do.
-type Stranger = (usize, &'static [u8], &'static str, Remedy);
-
-const STRANGERS: [Stranger; 24] = [
-    (0, b"\xff\xd8\xff", "a JPEG picture", Remedy::ToPng),
-    (0, b"GIF8", "a GIF picture", Remedy::ToPng),
-    (0, b"BM", "a BMP picture", Remedy::ToPng),
-    (8, b"WEBP", "a WebP picture", Remedy::ToPng),
-    (4, b"ftypavif", "an AVIF picture", Remedy::ToPng),
-    (4, b"ftyphei", "a HEIF picture", Remedy::ToPng),
-    (0, b"P2\n", "a PGM picture", Remedy::ToPng),
-    (0, b"P3\n", "a PPM picture", Remedy::ToPng),
-    (0, b"P5\n", "a PGM picture", Remedy::ToPng),
-    (0, b"P6\n", "a PPM picture", Remedy::ToPng),
-    (0, b"II*\0", "a TIFF picture", Remedy::ToExr),
-    (0, b"MM\0*", "a TIFF picture", Remedy::ToExr),
-    (0, b"\xff\x0a", "a JPEG XL picture", Remedy::ToExr),
-    (4, b"JXL \r\n", "a JPEG XL picture", Remedy::ToExr),
-    (0, b"8BPS", "a Photoshop document", Remedy::ToExr),
-    (0, b"DDS ", "a DDS texture", Remedy::ToExr),
-    (0, b"\xabKTX ", "a KTX texture", Remedy::ToExr),
-    (0, b"PK\x03\x04", "a zip archive", Remedy::Unpack("unzip")),
-    (0, b"\x1f\x8b", "a gzip file", Remedy::Unpack("gunzip")),
-    (
-        0,
-        b"\x28\xb5\x2f\xfd",
-        "a zstd file",
-        Remedy::Unpack("unzstd"),
-    ),
-    (0, b"\xfd7zXZ", "an xz file", Remedy::Unpack("unxz")),
-    (0, b"<", "a web page or XML text", Remedy::Fetch),
-    (
-        0,
-        b"version https://git-lfs",
-        "a pointer of Git LFS",
-        Remedy::Fetch,
-    ),
-    (0, b"%PDF", "a PDF document", Remedy::Fetch),
-];
-
-/// The format of a file that begins with `head`, all of it or [`HEAD`] bytes; `path` is for messages.
+/// The format of a file that begins with `head`, all of it or [`SIGNATURE_BYTES`]; `path` is for messages.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for other formats that are known, by their names; [`Error::Invalid`] for others.
@@ -86,31 +32,37 @@ pub(super) fn recognise(head: &[u8], path: &Path) -> Result<PictureFormat> {
     if head.starts_with(b"\x89PNG\r\n\x1a\n") {
         return Ok(PictureFormat::Png);
     }
-    for (offset, mark, name, remedy) in &STRANGERS {
-        if head.get(*offset..).is_some_and(|at| at.starts_with(mark)) {
-            return Err(Error::Unsupported {
-                path: path.to_owned(),
-                what: (*name).into(),
-                fix: describe(remedy, path),
-            });
-        }
+    match recognise_kind(head) {
+        Some((name, class)) if class != FileClass::Text => Err(Error::Unsupported {
+            path: path.to_owned(),
+            what: name.into(),
+            fix: find_remedy(class, path),
+        }),
+        _ => Err(unknown(head, path)),
     }
-    Err(unknown(head, path))
 }
 
-fn describe(remedy: &Remedy, path: &Path) -> String {
+/// What to do with a file that is no picture of ours.
+fn find_remedy(class: FileClass, path: &Path) -> String {
     let from = path.display();
-    match remedy {
-        Remedy::ToPng => format!(
+    match class {
+        FileClass::DisplayPicture => format!(
             "convert it: magick {from} {} (neither holds light above 1; an .exr or .hdr of the same place does)",
             path.with_extension("png").display()
         ),
-        Remedy::ToExr => format!(
+        FileClass::RadiancePicture => format!(
             "convert it: oiiotool {from} -o {}",
             path.with_extension("exr").display()
         ),
-        Remedy::Unpack(command) => format!("unpack it: {command} {from}"),
-        Remedy::Fetch => "fetch the picture itself: this came in its place".into(),
+        FileClass::Archive(command) => format!("unpack it: {command} {from}"),
+        FileClass::Placeholder => "fetch the picture itself: this came in its place".into(),
+        FileClass::SamplerFile
+        | FileClass::Array
+        | FileClass::Container
+        | FileClass::FourierBsdf
+        | FileClass::Text
+        | FileClass::Useless
+        | FileClass::Environment => "name an OpenEXR, Radiance, PFM or PNG picture".into(),
     }
 }
 

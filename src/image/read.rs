@@ -4,12 +4,13 @@ use std::io::{Read, Seek};
 use std::path::Path;
 
 use super::exr::{decode_exr, decode_exr_file};
-use super::format::{HEAD, PictureFormat, recognise};
+use super::format::{PictureFormat, recognise};
 use super::pfm::decode_pfm;
 use super::png_input::decode_png;
 use super::radiance::decode_radiance;
 use super::{Image, MAX_PIXELS};
-use crate::files::RegularFile;
+use crate::files::{RegularFile, SIGNATURE_BYTES};
+
 use crate::{Error, Result};
 
 /// The largest file that is read whole: three values of 32 bits a pixel, and a header.
@@ -39,7 +40,7 @@ pub fn read_image(path: &Path) -> Result<Image> {
 /// # Errors
 /// As [`read_image`].
 pub fn decode_image(bytes: &[u8], path: &Path) -> Result<Image> {
-    let format = recognise(&bytes[..bytes.len().min(HEAD)], path)?;
+    let format = recognise(&bytes[..bytes.len().min(SIGNATURE_BYTES)], path)?;
     Ok(decode_picture(format, bytes, path)?.image)
 }
 
@@ -48,7 +49,7 @@ pub(crate) fn read_picture(path: &Path) -> Result<PictureFile> {
     let mut file = RegularFile::open(path)?;
     let mut head = Vec::new();
     file.by_ref()
-        .take(HEAD as u64)
+        .take(SIGNATURE_BYTES as u64)
         .read_to_end(&mut head)
         .map_err(|e| Error::io(path, "read", e))?;
     let format = recognise(&head, path)?;

@@ -58,10 +58,7 @@ fn a_batch_goes_on_past_bad_files() {
             lines[0].contains("left out what is no material: Readme.txt"),
             "{complaints}"
         );
-        for (line, says) in lines[1..4]
-            .iter()
-            .zip(["cut off", "empty", "a page of HTML"])
-        {
+        for (line, says) in lines[1..4].iter().zip(["cut off", "empty", "a web page"]) {
             assert!(
                 line.starts_with("merlkit: merl/") && line.contains(says),
                 "{complaints}"

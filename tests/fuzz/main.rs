@@ -6,14 +6,10 @@
 
 #[path = "../support/exercise.rs"]
 mod exercise;
+mod pictures;
+mod sampler_files;
 #[path = "../support/watch.rs"]
 mod watch;
-
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-use std::collections::HashMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
 
 use merlkit::color::Rgb;
 use merlkit::files::Overwrite;
@@ -28,6 +24,11 @@ use merlkit::sampler::{
 use rayon::prelude::*;
 use safetensors::{Dtype, SafeTensors};
 use sha2::{Digest, Sha256};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
 use watch::Watch;
 
 /// Counts what the current thread holds, and its peak.
@@ -95,11 +96,9 @@ fn bound(input: usize, factor: usize) -> usize {
 
 /// A sampler file takes its bytes, its header parsed and its tables unpacked.
 const SAMPLER_FACTOR: usize = 64;
+
 /// A byte of a picture may stand for 256 pixels of 12 bytes, held packed, unpacked and as colours.
 const EXR_FACTOR: usize = 4 * 12 * 256;
-/// A byte of a Radiance picture may stand for 1024 pixels of 12 bytes, held in rows, joined and as they grow; one of a PNG for
-/// 1032 bytes of 8 pixels, unpacked to 4 bytes each.
-const PICTURE_FACTOR: usize = 4 * 12 * 1032;
 
 fn inputs() -> u64 {
     let asked = std::env::var("MERLKIT_FUZZ")
@@ -259,214 +258,6 @@ fn merl_headers_and_planes() {
     drive("merl", 8, 1, make, exercise::merl);
 }
 
-/// A sampler file taken apart, to be put together with a checksum that fits.
-#[derive(Clone)]
-struct Parts {
-    tensors: Vec<(String, Dtype, Vec<u8>)>,
-    record: serde_json::Value,
-}
-
-impl Parts {
-    fn of(spec: SamplerSpec) -> Self {
-        let material = Material::resolve("red-plastic").unwrap();
-        let sampler = spec.build(&exercise::material()).unwrap();
-        let bytes = encode(&sampler, &material).unwrap();
-        let (_, header) = SafeTensors::read_metadata(&bytes).unwrap();
-        let file = SafeTensors::deserialize(&bytes).unwrap();
-        let mut tensors: Vec<_> = file
-            .iter()
-            .map(|(name, v)| (name.to_owned(), v.dtype(), v.data().to_vec()))
-            .collect();
-        tensors.sort_by(|a, b| a.0.cmp(&b.0));
-        let record = serde_json::from_str(&header.metadata().as_ref().unwrap()["merlkit"]).unwrap();
-        Self { tensors, record }
-    }
-
-    fn write(mut self) -> Vec<u8> {
-        let (mut hash, mut data, mut entries) = (Sha256::new(), Vec::new(), Vec::new());
-        for (name, dtype, bytes) in &self.tensors {
-            hash.update(format!("{name}:{dtype:?}:{}:", bytes.len()));
-            hash.update(bytes);
-            let (start, length) = (data.len(), bytes.len() * 8 / dtype.bitsize());
-            data.extend_from_slice(bytes);
-            entries.push(format!(
-                "\"{name}\":{{\"dtype\":\"{dtype:?}\",\"shape\":[{length}],\"data_offsets\":[{start},{}]}}",
-                data.len()
-            ));
-        }
-        let hex: String = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
-        self.record["payload_sha256"] = hex.into();
-        let metadata =
-            serde_json::to_string(&HashMap::from([("merlkit", self.record.to_string())])).unwrap();
-        let json = format!("{{\"__metadata__\":{metadata},{}}}", entries.join(","));
-        [
-            &(json.len() as u64).to_le_bytes()[..],
-            json.as_bytes(),
-            &data,
-        ]
-        .concat()
-    }
-
-    /// One change to a value, a length, a name or a setting.
-    fn change(&mut self, random: &mut Stream) {
-        let which = below(random, self.tensors.len());
-        match below(random, 12) {
-            0 => drop(self.tensors.remove(which)),
-            1 => self.change_setting(random),
-            2 => {
-                let (_, dtype, bytes) = &mut self.tensors[which];
-                let keep =
-                    below(random, bytes.len() * 8 / dtype.bitsize() + 1) * dtype.bitsize() / 8;
-                bytes.truncate(keep);
-            }
-            3 => {
-                let (_, _, bytes) = &mut self.tensors[which];
-                bytes.extend_from_within(..);
-            }
-            _ => self.change_value(which, random),
-        }
-    }
-
-    fn change_value(&mut self, which: usize, random: &mut Stream) {
-        let (_, dtype, bytes) = &mut self.tensors[which];
-        let width = dtype.bitsize() / 8;
-        let count = (bytes.len() / width).max(1);
-        let at = width * below(random, count);
-        let old = bytes[at.min(bytes.len())..]
-            .iter()
-            .take(width)
-            .rev()
-            .fold(0, |v, &b| v << 8 | u64::from(b));
-        let new = match below(random, 5) {
-            0 => NASTY[below(random, NASTY.len())],
-            1 => old.wrapping_add(1),
-            2 => old.wrapping_sub(1),
-            3 => old ^ 1 << below(random, 8 * width),
-            _ => random.next_u64(),
-        };
-        overwrite(bytes, at, width, new);
-    }
-
-    fn change_setting(&mut self, random: &mut Stream) {
-        let settings = self.record["settings"].as_object_mut().unwrap();
-        let keys: Vec<String> = settings.keys().cloned().collect();
-        let value = &mut settings[&keys[below(random, keys.len())]];
-        *value = match below(random, 8) {
-            0 => 0.into(),
-            1 => (-1).into(),
-            2 => u64::MAX.into(),
-            3 => 1e300.into(),
-            4 => serde_json::Value::Null,
-            5 => below(random, 300).into(),
-            6 => random.next_f64().into(),
-            _ => (value.as_u64().unwrap_or(3) + 1).into(),
-        };
-    }
-}
-
-fn drive_sampler(name: &str, spec: SamplerSpec) {
-    // They share the reader of the file, and each has a reader of its tensors.
-    let share = 7;
-    let (good, material) = (Parts::of(spec), exercise::material());
-    let whole = good.clone().write();
-    assert!(
-        exercise::sampler(&whole, &material),
-        "{name}: what was not mutated is accepted"
-    );
-    let make = |random: &mut Stream| {
-        if below(random, 4) == 0 {
-            let mut bytes = whole.clone();
-            scramble(&mut bytes, random);
-            return bytes;
-        }
-        let mut parts = good.clone();
-        for _ in 0..1 + below(random, 2) {
-            if !parts.tensors.is_empty() {
-                parts.change(random);
-            }
-        }
-        parts.write()
-    };
-    drive(name, SAMPLER_FACTOR, share, make, |input| {
-        exercise::sampler(input, &material)
-    });
-}
-
-fn small_disc(leaves: LeafChoice) -> SamplerSpec {
-    let settings = AdaptiveDiscSettings {
-        tables: 2,
-        depth: 2,
-        leaves,
-        ..Default::default()
-    };
-    SamplerSpec::new(settings)
-}
-
-#[test]
-fn sampler_files_of_trees() {
-    drive_sampler("sampler-trees", small_disc(LeafChoice::Envelope));
-}
-
-#[test]
-fn sampler_files_of_warps() {
-    drive_sampler("sampler-warps", small_disc(LeafChoice::Warp));
-}
-
-#[test]
-fn sampler_files_of_curves() {
-    let small = CascadeCdfSettings {
-        tables: 2,
-        theta_h: 6,
-        phi_h: 4,
-        ..Default::default()
-    };
-    drive_sampler("sampler-curves", SamplerSpec::new(small));
-    let whole = CascadeCdfSettings {
-        tolerance: None,
-        ..small
-    };
-    drive_sampler("sampler-curves-whole", SamplerSpec::new(whole));
-}
-
-#[test]
-fn sampler_files_of_half_vectors() {
-    let small = HalfVectorSettings {
-        tables: 2,
-        rows: 4,
-        segments: 2,
-        ..HalfVectorSettings::PRESETS[0].1
-    };
-    drive_sampler("sampler-half-vector", SamplerSpec::new(small));
-}
-
-#[test]
-fn sampler_files_of_lobes_and_factors() {
-    let parameters = Some(LobeParameters {
-        along: 0.2,
-        across: 0.2,
-        diffuse: 0.1,
-    });
-    let lobe = LobeSettings {
-        parameters,
-        ..LobeSettings::fitted(LobeKind::Ward)
-    };
-    drive_sampler("sampler-lobe", SamplerSpec::new(lobe));
-    let factors = Some(Factors {
-        outer: 2,
-        inner: 1,
-        theta: 4,
-        phi: 3,
-        half: true,
-        floor: 0.01,
-    });
-    let settings = FactoredSettings {
-        tables: 2,
-        factors,
-        ..Default::default()
-    };
-    drive_sampler("sampler-factors", SamplerSpec::new(settings));
-}
-
 /// What `merlkit eval` reads.
 #[test]
 fn lines_of_directions() {
@@ -492,89 +283,6 @@ fn lines_of_directions() {
         bytes
     };
     drive("pairs", 8, 1, make, exercise::pairs);
-}
-
-/// Our own file and one of each compression that the reader knows.
-fn pictures() -> Vec<Vec<u8>> {
-    use exr::prelude::{Blocks, WritableImage};
-    use exr::prelude::{
-        Compression, Encoding, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2,
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.exr");
-    write_exr(
-        &path,
-        &Image::from_fn(3, 2, |x, y| Rgb::splat((x + y) as f32)).unwrap(),
-        Overwrite::Refuse,
-    )
-    .unwrap();
-    let mut all = vec![std::fs::read(&path).unwrap()];
-    for (compression, blocks) in [
-        (Compression::Uncompressed, Blocks::ScanLines),
-        (Compression::RLE, Blocks::Tiles(Vec2(2, 2))),
-        (Compression::ZIP16, Blocks::ScanLines),
-        (Compression::PIZ, Blocks::ScanLines),
-        (Compression::PXR24, Blocks::ScanLines),
-        (Compression::B44, Blocks::ScanLines),
-    ] {
-        let encoding = Encoding {
-            compression,
-            blocks,
-            line_order: LineOrder::Increasing,
-        };
-        let channels = SpecificChannels::rgb(|Vec2(x, y)| (x as f32, y as f32, 0.5f32));
-        let layer = Layer::new((4, 3), LayerAttributes::named("l"), encoding, channels);
-        let mut bytes = std::io::Cursor::new(Vec::new());
-        exr::prelude::Image::from_layer(layer)
-            .write()
-            .non_parallel()
-            .to_buffered(&mut bytes)
-            .unwrap();
-        all.push(bytes.into_inner());
-    }
-    all
-}
-
-#[test]
-fn pictures_as_openexr() {
-    let seeds = pictures();
-    assert!(seeds.iter().all(|s| exercise::picture(s)));
-    let make = |random: &mut Stream| {
-        let mut bytes = seeds[below(random, seeds.len())].clone();
-        if below(random, 2) == 0 {
-            scramble(&mut bytes, random);
-        } else {
-            // A number of the header: sizes, types, offsets.
-            let at = below(random, bytes.len().min(420));
-            overwrite(&mut bytes, at, 4, NASTY[below(random, NASTY.len())]);
-        }
-        bytes
-    };
-    drive("exr", EXR_FACTOR, 1, make, exercise::picture);
-}
-
-#[test]
-fn pictures_of_other_formats() {
-    let radiance = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n-Y 2 +X 8\n";
-    let new_row = [
-        2, 2, 0, 8, 130, 7, 6, 1, 2, 3, 4, 5, 6, 136, 9, 136, 10, 136, 129,
-    ];
-    let old_row = [1, 2, 3, 129, 1, 1, 1, 7];
-    let pfm = b"PF\n2 1\n-1.0\n";
-    let pixels: Vec<u8> = (0..6).flat_map(|i| (i as f32).to_le_bytes()).collect();
-    let png = merlkit::image::encode_png(5, 3, &[99; 45]).unwrap();
-    let seeds = [
-        [&radiance[..], &new_row, &old_row].concat(),
-        [&pfm[..], &pixels].concat(),
-        png,
-    ];
-    assert!(seeds.iter().all(|s| exercise::picture(s)));
-    let make = |random: &mut Stream| {
-        let mut bytes = seeds[below(random, seeds.len())].clone();
-        scramble(&mut bytes, random);
-        bytes
-    };
-    drive("picture", PICTURE_FACTOR, 1, make, exercise::picture);
 }
 
 /// The watchdog sees an input that takes too long, and only that.

@@ -1,6 +1,6 @@
 //! `.bsdf` files: written and read, hostile ones, and what they make of a material.
 
-use crate::resampling::measured_files;
+use crate::measured_data::measured_files;
 use crate::support;
 use std::path::Path;
 use std::sync::Arc;

@@ -23,16 +23,16 @@ fn files_of_other_kinds_are_named() {
         (
             b"PK\x03\x04 and so on, many bytes",
             "a zip archive",
-            "unpack",
+            "unzip",
         ),
         (
             b"\x1f\x8b\x08\0\0\0\0\0\0\0\0\0\0\0",
-            "gzip-compressed",
+            "a gzip file",
             "unpack",
         ),
         (
             b"<!DOCTYPE html><html><head>",
-            "a page of HTML",
+            "a web page",
             "fetch the file itself",
         ),
         (

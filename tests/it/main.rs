@@ -17,6 +17,7 @@ mod half_vector;
 mod image;
 mod layering;
 mod lookup;
+mod measured_data;
 mod measured_values;
 mod measurements;
 mod mitsuba;

@@ -1,6 +1,6 @@
 //! Values of measured `.bsdf` files, as an evaluation of every corner by itself gave them, which agreed with Mitsuba 3 to 10⁻⁷.
 
-use crate::resampling::measured_files;
+use crate::measured_data::measured_files;
 use glam::Vec3;
 use merlkit::Wo;
 use merlkit::brdf::Brdf;

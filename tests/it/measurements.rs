@@ -1,9 +1,9 @@
 //! Lists of measurements and arrays of numpy as MERL tables; gaps and their filling.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::ROOT;
+use crate::measured_data::data_folder;
 use glam::Vec3;
 use merlkit::Loaded;
 use merlkit::brdf::Brdf;
@@ -99,12 +99,15 @@ fn pairs_in_one_bin_are_averaged_and_the_rest_is_a_gap() {
     assert_eq!(list.count(), 2);
     let notes = list.notes().join("; ");
     assert!(
-        notes.contains("1 measurements with a direction at or below")
+        notes.contains("left out with a direction at or below the horizon: 1")
             && notes.contains("without a finite"),
         "{notes}"
     );
     let (table, notes) = list.to_table();
-    assert!(notes[0].starts_with("2 measurements in 1 of"), "{notes:?}");
+    assert!(
+        notes[0].starts_with("measurements: 2, in 1 of"),
+        "{notes:?}"
+    );
     assert!((value(&list, [10.0, 0.0, 40.2, 180.0]).x - 0.3).abs() < 1e-6);
     assert!(table.count_gaps() > 1_000_000);
     let brdf = MerlBrdf::new(Arc::new(table), LookupRule::Floor);
@@ -290,12 +293,10 @@ fn nothing_can_be_filled_from_nothing() {
 /// Real scattered measurements, where they are.
 #[test]
 fn cornells_measurements_are_read() {
-    let path = Path::new(ROOT).join("../shared/data/other/cornell_garnet_red.brdf");
-    if !path.exists() {
-        println!("skipped: no {}", path.display());
+    let Some(folder) = data_folder("other") else {
         return;
-    }
-    let list = Measurements::read(&path, None).unwrap();
+    };
+    let list = Measurements::read(&folder.join("cornell_garnet_red.brdf"), None).unwrap();
     assert_eq!(list.count(), 1439);
     let filled = fill_gaps(&list.to_table().0);
     assert_eq!(filled.count_gaps(), 0);

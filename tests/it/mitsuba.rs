@@ -3,7 +3,7 @@
 //! Runs with a `python3` that has mitsuba, or with one in a new virtual environment if `MERLKIT_MITSUBA=1` allows to fetch it;
 //! skipped, saying so, otherwise.
 
-use crate::resampling::measured_files;
+use crate::measured_data::measured_files;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,8 +1,8 @@
 //! MERL tables made of other reflectances: no gaps, no explosions at the horizon, energy kept, causes of errors told apart.
 
-use crate::ROOT;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+use crate::measured_data::measured_files;
 
 use glam::Vec3;
 use merlkit::brdf::Brdf;
@@ -41,20 +41,6 @@ fn imported(brdf: &dyn Brdf, rule: LookupRule) -> MerlBrdf {
 
 fn albedo(brdf: &dyn Brdf, degrees: f64) -> f32 {
     directional_albedo(brdf, degrees.to_radians()).x
-}
-
-/// The folder of measured files of the RGL database: the one that MERLKIT_RGL names, or the one next to the repository.
-pub fn measured_files() -> Vec<PathBuf> {
-    let neighbour = Path::new(ROOT).join("../shared/data/rgl");
-    let folder = std::env::var_os("MERLKIT_RGL").map_or(neighbour, Into::into);
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: no files in {}", folder.display());
-        return Vec::new();
-    };
-    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|e| e == "bsdf"));
-    paths.sort();
-    paths
 }
 
 #[test]

@@ -73,7 +73,7 @@ impl Measurements {
         ] {
             if count > 0 {
                 out.notes
-                    .push(format!("{count} measurements {what} are left out"));
+                    .push(format!("measurements left out {what}: {count}"));
             }
         }
         out
@@ -128,13 +128,13 @@ impl Measurements {
             _ => [-1.0; 3],
         });
         let mut notes = vec![format!(
-            "{} measurements in {measured} of {} cells",
+            "measurements: {}, in {measured} of {} cells",
             self.pairs.len(),
             HEADER.cells()
         )];
         if raised > 0 {
             notes.push(format!(
-                "{raised} cells had a negative mean, which counts as 0"
+                "cells whose mean is negative, which counts as 0: {raised}"
             ));
         }
         (table, notes)

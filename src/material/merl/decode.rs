@@ -6,7 +6,7 @@ use std::path::Path;
 use super::table::{FILLED_MARK, TableBuilder};
 use super::{Header, MerlTable, SCALE};
 use crate::Result;
-use crate::files::{Mapped, RegularFile};
+use crate::files::{Mapped, RegularFile, SIGNATURE_BYTES};
 
 /// Cells that are read at a time: three planes of them stay in a processor's cache, and calls are few.
 const CHUNK: usize = 16_384;
@@ -73,8 +73,8 @@ pub(super) fn check_file(path: &Path) -> Result<()> {
 
 fn read_header(file: &mut RegularFile) -> Result<Header> {
     // More than the header: a file of another kind is told by what it begins with.
-    let mut head = [0; 64];
-    let there = &mut head[..file.len().min(64) as usize];
+    let mut head = [0; SIGNATURE_BYTES];
+    let there = &mut head[..file.len().min(SIGNATURE_BYTES as u64) as usize];
     file.read_at(0, there)?;
     Header::parse(there, file.len(), file.path())
 }

@@ -3,7 +3,7 @@
 use byteorder::{ByteOrder, LittleEndian};
 use std::path::Path;
 
-use crate::files::{ForeignKind, recognise_foreign};
+use crate::files::{FileClass, recognise_kind};
 use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 use crate::{Error, Result};
 
@@ -43,11 +43,11 @@ impl Header {
             [90, 90, 180] => Self { phi_d_bins: 180 },
             [90, 90, 360] => Self { phi_d_bins: 360 },
             [a, b, c] => {
-                if let Some(kind) = recognise_other(bytes, dims) {
+                if let Some((what, fix)) = recognise_other(bytes, dims) {
                     return Err(Error::Unsupported {
                         path: path.to_owned(),
-                        what: kind.what.into(),
-                        fix: kind.fix.into(),
+                        what: what.into(),
+                        fix,
                     });
                 }
                 return Err(Error::invalid(
@@ -110,13 +110,44 @@ impl Header {
     }
 }
 
-/// The kind of a file whose dimensions are not MERL's.
-fn recognise_other(start: &[u8], dims: [i32; 3]) -> Option<ForeignKind> {
-    match dims.map(i32::swap_bytes) {
-        [90, 90, 180 | 360] => Some(ForeignKind {
-            what: "a MERL table in big-endian byte order",
-            fix: "reverse the bytes of its three 32-bit dimensions and of each 64-bit value",
-        }),
-        _ => recognise_foreign(start),
+/// What a file is whose dimensions are not MERL's, and what to do with it; `None` if it is of no known kind.
+fn recognise_other(start: &[u8], dims: [i32; 3]) -> Option<(&'static str, String)> {
+    if let [90, 90, 180 | 360] = dims.map(i32::swap_bytes) {
+        let fix = "reverse the bytes of its three 32-bit dimensions and of each 64-bit value";
+        return Some(("a MERL table in big-endian byte order", fix.into()));
     }
+    let (what, class) = recognise_kind(start)?;
+    let fix = match class {
+        FileClass::Environment => {
+            "name a material here; pictures are environments, for --light".into()
+        }
+        FileClass::DisplayPicture | FileClass::RadiancePicture | FileClass::Useless => {
+            "name a material".into()
+        }
+        FileClass::Archive("unzip") => {
+            "unzip it, and name what it holds; `merlkit import` makes a MERL binary of an .npz file"
+                .into()
+        }
+        FileClass::Archive(command) => format!("unpack it with {command}, and name what it holds"),
+        FileClass::Placeholder => {
+            "fetch the file itself: this came in its place (git lfs pull, where it is a pointer)"
+                .into()
+        }
+        FileClass::Array => "`merlkit import` makes a MERL binary of it".into(),
+        FileClass::Container => {
+            "write its values as a MERL binary: docs/import.md has the layout".into()
+        }
+        FileClass::FourierBsdf => {
+            "use the material's measurements: Fourier coefficients are not read".into()
+        }
+        FileClass::SamplerFile => {
+            "name the material; `merlkit info FILE` says which, and `sample` draws from the file"
+                .into()
+        }
+        FileClass::Text => {
+            "name a MERL binary or a .bsdf file; `merlkit import` makes a MERL binary of a list of measurements"
+                .into()
+        }
+    };
+    Some((what, fix))
 }

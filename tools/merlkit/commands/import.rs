@@ -10,7 +10,7 @@ use merlkit::material::measurements::{
     AngleUnit, MeasurementKind, Measurements, fill_gaps, read_array,
 };
 use merlkit::material::merl::{BinPoint, tabulate_brdf, write};
-use merlkit::material::{LookupRule, Material, MerlBrdf, MerlTable};
+use merlkit::material::{Loaded, LookupRule, Material, MerlBrdf, MerlTable};
 use merlkit_evaluate::measure::resampling_errors;
 use merlkit_evaluate::report::resampling_sheet;
 
@@ -81,8 +81,8 @@ pub fn run(args: &Args) -> Outcome {
     };
     write(&table, &args.output, overwrite)?;
     // What every command will say of the table.
-    let written = Material::resolve(&args.output.to_string_lossy())?;
-    args::load(&written, args.lookup)?;
+    let loaded = Loaded::from_table(Arc::new(MerlBrdf::new(table, args.lookup)));
+    output::print_notes(&args.output.display().to_string(), loaded.notes());
     Ok(ExitCode::SUCCESS)
 }
 
