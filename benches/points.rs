@@ -24,6 +24,9 @@ const MATERIALS: [&str; 5] = [
 /// Pixels a side.
 const SIDE: usize = 128;
 const SAMPLES: [u64; 3] = [16, 40, 64];
+/// Pixels a side of pictures of many paths.
+const SMALL_SIDE: usize = 32;
+const MANY_SAMPLES: [u64; 6] = [64, 128, 256, 512, 1024, 4096];
 /// Pictures of each, of which the error is the spread.
 const SEEDS: u64 = 8;
 
@@ -63,7 +66,7 @@ struct Picture {
 }
 
 impl Picture {
-    fn of(material: &str) -> Self {
+    fn new(material: &str) -> Self {
         let lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
         let spec = SceneSpec {
             lights,
@@ -82,15 +85,15 @@ impl Picture {
         Self { scene }
     }
 
-    fn film(&self, spread: Spread, samples: u64, seed: u64) -> Film {
+    fn film(&self, spread: Spread, side: usize, samples: u64, seed: u64) -> Film {
         let budget = if spread.adaptive {
             Budget::Adaptive(samples)
         } else {
             Budget::Even(samples)
         };
         let settings = RenderSettings {
-            width: SIDE,
-            height: SIDE,
+            width: side,
+            height: side,
             seed,
             points: spread.points,
             budget,
@@ -100,18 +103,18 @@ impl Picture {
     }
 
     /// relMSE over all pixels from the spread of seeds, and seconds a picture.
-    fn measure(&self, spread: Spread, samples: u64) -> (f64, f64) {
+    fn measure(&self, spread: Spread, side: usize, samples: u64) -> (f64, f64) {
         let start = Instant::now();
         let films: Vec<Film> = (0..SEEDS)
-            .map(|seed| self.film(spread, samples, seed))
+            .map(|seed| self.film(spread, side, samples, seed))
             .collect();
         let seconds = start.elapsed().as_secs_f64() / SEEDS as f64;
         let n = SEEDS as f64;
-        let moments: Vec<(f64, f64)> = (0..SIDE * SIDE)
+        let moments: Vec<(f64, f64)> = (0..side * side)
             .map(|i| {
                 let values: Vec<f64> = films
                     .iter()
-                    .map(|f| f.mean(i % SIDE, i / SIDE).element_sum() / 3.0)
+                    .map(|f| f.mean(i % side, i / side).element_sum() / 3.0)
                     .collect();
                 let mean = values.iter().sum::<f64>() / n;
                 (
@@ -132,17 +135,26 @@ fn main() {
     println!(
         "{SIDE} × {SIDE} pixels, linear lookup, relMSE over all pixels from the spread of {SEEDS} seeds, seconds a picture"
     );
-    for material in MATERIALS {
-        let picture = Picture::of(material);
+    let pictures = MATERIALS.map(Picture::new);
+    for (material, picture) in MATERIALS.iter().zip(&pictures) {
         for samples in SAMPLES {
-            let of = |spread: &Spread| {
-                let (error, seconds) = picture.measure(*spread, samples);
-                format!("{} {error:.2e} ({seconds:.3} s)", spread.name)
-            };
-            println!(
-                "{material}, {samples} paths: {}",
-                SPREADS.iter().map(of).collect::<Vec<_>>().join(", ")
-            );
+            print_errors(material, picture, &SPREADS, SIDE, samples);
         }
     }
+    println!("{SMALL_SIDE} × {SMALL_SIDE} pixels: from how many paths on Sobol points are ahead");
+    for (material, picture) in MATERIALS.iter().zip(&pictures) {
+        for samples in MANY_SAMPLES {
+            // Sobol points and lattices.
+            print_errors(material, picture, &SPREADS[1..3], SMALL_SIDE, samples);
+        }
+    }
+}
+
+fn print_errors(material: &str, picture: &Picture, spreads: &[Spread], side: usize, samples: u64) {
+    let mut columns = Vec::new();
+    for spread in spreads {
+        let (error, seconds) = picture.measure(*spread, side, samples);
+        columns.push(format!("{} {error:.2e} ({seconds:.3} s)", spread.name));
+    }
+    println!("{material}, {samples} paths: {}", columns.join(", "));
 }

@@ -81,7 +81,7 @@ fn many_paths_are_spread_as_sobol_points_by_default() {
         succeeds(run_in(folder.path(), &arguments, ""));
         std::fs::read(folder.path().join("render.exr")).unwrap()
     };
-    for (paths, points) in [("255", "lattice"), ("256", "sobol")] {
+    for (paths, points) in [("511", "lattice"), ("512", "sobol")] {
         let default = picture(&format!("--spp {paths}"));
         let named = picture(&format!("--spp {paths} --points {points}"));
         assert!(default == named, "{paths}");

@@ -43,7 +43,7 @@ pub struct Args {
     #[arg(long, conflicts_with = "target_error")]
     adaptive: bool,
     /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as a lattice
-    /// [default: lattice below 256 paths a pixel; sobol from there on, and with --target-error]
+    /// [default: lattice below 512 paths a pixel; sobol from there on, and with --target-error]
     #[arg(long, value_name = "SET", value_parser = args::named(&POINTS))]
     points: Option<PointSet>,
     /// Keep sampling each tile of 16 × 16 pixels until its estimated relative error is at most E: 0.05 or 5%
@@ -202,9 +202,8 @@ fn stops(argument: &str) -> Result<f32, String> {
         .ok_or_else(|| "expected a finite number of stops".into())
 }
 
-/// Paths a pixel from which Sobol points leave less error than lattices: at 64 lattices are ahead, at 1024 Sobol points by a
-/// factor of 3 to 4 in squared error, at 4096 by 5 to 34 (docs/light-and-brdf.md).
-const SOBOL_FROM: u64 = 256;
+/// Paths a pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
+const SOBOL_FROM: u64 = 512;
 
 fn settings(args: &Args) -> Result<RenderSettings, Error> {
     let default_size = ((320 * args.materials.len()).max(480), 360);
