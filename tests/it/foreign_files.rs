@@ -80,7 +80,7 @@ fn files_of_other_kinds_are_named() {
         (
             b"\xff\xd8\xff\xe0\0\x10JFIF\0\x01\x01",
             "a JPEG picture",
-            "--light",
+            "name a material",
         ),
     ];
     for (bytes, what, fix) in cases {
