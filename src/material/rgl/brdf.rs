@@ -23,8 +23,8 @@ use crate::lanes::{Columns, UnitDirections};
 /// have, are 0.
 #[derive(Debug)]
 pub struct RglBrdf {
-    theta_i: Vec<f32>,
-    phi_i: Vec<f32>,
+    theta_i: Vec<f64>,
+    phi_i: Vec<f64>,
     /// `ndf` and `sigma`; absent where the file's values need no factor.
     area: Option<[SliceGrid<1>; 2]>,
     pub(super) warp: SquareWarp,
@@ -64,8 +64,8 @@ impl RglBrdf {
             warp: SquareWarp::new(&file.vndf),
             luminance: SquareWarp::new(&file.luminance),
             colour: SliceGrid::new(&file.colour.to_rgb()),
-            theta_i: file.theta_i,
-            phi_i: file.phi_i,
+            theta_i: file.theta_i.into_iter().map(f64::from).collect(),
+            phi_i: file.phi_i.into_iter().map(f64::from).collect(),
         }
     }
 

@@ -21,7 +21,7 @@ impl SliceBlend {
 
     /// The slices about `phi` and `theta` (radians) on the axes of a file; slices are numbered with theta the faster.
     #[inline(always)]
-    pub fn between(phi: f64, theta: f64, phi_i: &[f32], theta_i: &[f32]) -> Self {
+    pub fn between(phi: f64, theta: f64, phi_i: &[f64], theta_i: &[f64]) -> Self {
         let ((p, v), (t, w)) = (neighbours(phi, phi_i), neighbours(theta, theta_i));
         let mut blend = Self {
             parts: [(0, 0.0); 4],
@@ -47,16 +47,16 @@ impl SliceBlend {
 
 /// The tabulated value at or below `x` on a rising axis that is not empty, and the weight of the next; clamped at both ends.
 #[inline(always)]
-fn neighbours(x: f64, axis: &[f32]) -> (usize, f64) {
+fn neighbours(x: f64, axis: &[f64]) -> (usize, f64) {
     let [_, inner @ .., _] = axis else {
         return (0, 0.0);
     };
     // Axes are short, so all nodes are compared: no branch depends on x.
     let mut low = 0;
     for &node in inner {
-        low += usize::from(f64::from(node) <= x);
+        low += usize::from(node <= x);
     }
-    let (a, b) = (f64::from(axis[low]), f64::from(axis[low + 1]));
+    let (a, b) = (axis[low], axis[low + 1]);
     (low, ((x - a) / (b - a)).clamp(0.0, 1.0))
 }
 
@@ -123,19 +123,40 @@ impl<const C: usize> SliceGrid<C> {
     #[inline(always)]
     fn sides(&self, cell: &GridCell, blend: &SliceBlend) -> [[f64; C]; 2] {
         // Means over the slices on the lower and the upper row, left and right of the cell.
-        let [mut low, mut high] = [[[0.0; C]; 2]; 2];
-        for &(slice, weight) in blend.parts() {
-            let first = (slice * self.height + cell.row) * self.width + cell.column;
-            let nodes = &self.nodes[first..first + self.width + 2];
-            add_weighted(&mut low, weight, [nodes[0], nodes[1]]);
-            let upper = [nodes[self.width], nodes[self.width + 1]];
-            add_weighted(&mut high, weight, upper);
+        let mut rows = [[[0.0; C]; 2]; 2];
+        match blend.parts() {
+            // Two slices are the commonest case by far: without a loop, their values are waited for together.
+            &[first, second] => {
+                self.add_slice(&mut rows, cell, first);
+                self.add_slice(&mut rows, cell, second);
+            }
+            parts => {
+                for &part in parts {
+                    self.add_slice(&mut rows, cell, part);
+                }
+            }
         }
+        let [low, high] = rows;
         // Linear from row to row.
         let side = |k: usize| -> [f64; C] {
             std::array::from_fn(|c| low[k][c] + (high[k][c] - low[k][c]) * cell.y)
         };
         [side(0), side(1)]
+    }
+
+    /// Adds a slice's values at the corners of a cell, times its weight: lower and upper row, left and right.
+    #[inline(always)]
+    fn add_slice(
+        &self,
+        rows: &mut [[[f64; C]; 2]; 2],
+        cell: &GridCell,
+        (slice, weight): (usize, f64),
+    ) {
+        let first = (slice * self.height + cell.row) * self.width + cell.column;
+        let nodes = &self.nodes[first..first + self.width + 2];
+        add_weighted(&mut rows[0], weight, [nodes[0], nodes[1]]);
+        let upper = [nodes[self.width], nodes[self.width + 1]];
+        add_weighted(&mut rows[1], weight, upper);
     }
 
     /// Bytes of the values.
