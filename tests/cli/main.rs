@@ -18,6 +18,7 @@ mod render;
 mod reports;
 mod run;
 mod samplers;
+mod shell;
 mod unlucky;
 mod usage;
 mod writing;

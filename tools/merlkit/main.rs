@@ -15,7 +15,7 @@ mod sky;
 mod table;
 mod version;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use std::process::ExitCode;
 
 use commands::Command;
@@ -68,5 +68,5 @@ fn run(cli: Cli) -> Outcome {
                 )
             })?;
     }
-    cli.command.run()
+    cli.command.run(Cli::command())
 }

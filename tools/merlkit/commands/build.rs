@@ -23,6 +23,9 @@ use crate::{args, output};
 /// A sampler file is safetensors: the sampler's tables, and metadata with version, material, settings, lookup rule and the
 /// SHA-256 of the material. `merlkit sample` and the library load it without building again.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  merlkit build nickel --sampler half-vector:64KB -o nickel.table"
+)]
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,

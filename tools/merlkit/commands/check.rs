@@ -28,6 +28,9 @@ use crate::{args, table};
 /// the albedo estimated without bias, and a uniform furnace. Exit status 1 if a check fails; with the default
 /// significance a run over right samplers fails by chance once in a hundred. Ctrl-C writes the JSON of what is finished.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  merlkit check nickel --sampler half-vector:64KB --sampler lobe:ggx"
+)]
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,

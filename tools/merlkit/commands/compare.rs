@@ -35,6 +35,7 @@ use crate::{args, table};
 /// compare.json (everything), compare.csv (one line a figure) and compare.html (a page to read, without a network).
 /// What is finished is kept in DIR/compare.partial.jsonl until all is; Ctrl-C and --resume go on from there.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  merlkit compare nickel teflon --quick -o comparison")]
 pub struct Args {
     /// Paths to MERL binaries or .bsdf files, names of embedded materials, or formulas [default: eight embedded ones; with --quick nickel,
     /// red-plastic and teflon]

@@ -17,6 +17,7 @@ use crate::{args, output};
 
 /// Write materials as MERL binaries, 35 MB each
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  merlkit decode nickel chrome -o brdfs")]
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,

@@ -28,6 +28,7 @@ use crate::table;
 /// Writes nickel, red-plastic and blue-metallic-paint as MERL binaries, loads them back, builds each sampler, prints memory,
 /// time and accuracy, and renders the three spheres once with each sampler, at equal samples, as EXR and PNG.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  merlkit demo -o out")]
 pub struct Args {
     /// Folder for the files; made if missing
     #[arg(short, long, value_name = "DIR", default_value = "out")]

@@ -20,6 +20,9 @@ use crate::output;
 /// f_r,f_g,f_b for each under a heading. Directions are unit vectors that leave the surface, z along the normal, wo to the
 /// viewer and wi to the light. A pair with a direction below the horizon has the value 0. Blank lines are skipped.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  merlkit eval nickel --wo 30,0 --wi 30,180\n  merlkit eval nickel --lookup linear < pairs.txt"
+)]
 pub struct Args {
     /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula as lambert:reflectance=0.5
     #[arg(value_name = "MATERIAL")]

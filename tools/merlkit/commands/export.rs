@@ -29,6 +29,7 @@ use crate::{args, output, sampler_args, table};
 /// of f_r in NAME.f32. npz: the same table and values as arrays for numpy, NAME.npz. The spread of weights is printed, the
 /// least and the largest over the angles of wo.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  merlkit export nickel --format bsdf -o exported")]
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,

@@ -28,6 +28,9 @@ use crate::{args, output, table};
 ///
 /// Array: .npy or .npz of f_r in sr⁻¹, [90, 90, 180, 3] or [3, 90, 90, 180]; negative and NaN values are gaps.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  merlkit import felt.bsdf -o felt.binary\n  merlkit import measured.csv -o measured.binary --fill"
+)]
 pub struct Args {
     /// Path to a .bsdf file, a list, an array or, with --fill, a MERL binary; or a formula
     #[arg(value_name = "FILE")]

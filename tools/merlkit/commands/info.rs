@@ -21,6 +21,9 @@ use crate::{args, table};
 ///
 /// Of a sampler file: which sampler, with which settings, of which material.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  merlkit info nickel chrome.binary\n  merlkit info brdfs --json facts.json"
+)]
 pub struct Args {
     /// Paths to MERL binaries, .bsdf files, sampler files or folders of them, names of embedded materials, or formulas
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]

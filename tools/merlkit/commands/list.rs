@@ -11,6 +11,7 @@ use crate::output::Destination;
 
 /// Print the names of the embedded materials, one a line
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  merlkit list")]
 pub struct Args {
     /// Write the names as JSON to FILE, or to standard output without one, instead of as text
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]

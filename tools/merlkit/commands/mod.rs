@@ -3,6 +3,7 @@
 mod build;
 mod check;
 mod compare;
+mod completions;
 mod decode;
 mod demo;
 mod eval;
@@ -10,6 +11,7 @@ mod export;
 mod import;
 mod info;
 mod list;
+mod man;
 mod plot;
 mod render;
 mod report;
@@ -38,11 +40,13 @@ pub enum Command {
     Compare(compare::Args),
     Tune(tune::Args),
     Render(Box<render::Args>),
+    Completions(completions::Args),
+    Man(man::Args),
 }
 
 impl Command {
-    /// Runs the command.
-    pub fn run(self) -> Outcome {
+    /// Runs the command; `cli` is the definition of all commands, of which completions and manual pages are made.
+    pub fn run(self, cli: clap::Command) -> Outcome {
         match self {
             Self::Demo(args) => demo::run(&args),
             Self::List(args) => list::run(&args),
@@ -60,6 +64,8 @@ impl Command {
             Self::Compare(args) => compare::run(&args),
             Self::Tune(args) => tune::run(&args),
             Self::Render(args) => render::run(&args),
+            Self::Completions(args) => completions::run(&args, cli),
+            Self::Man(args) => man::run(&args, cli),
         }
     }
 }

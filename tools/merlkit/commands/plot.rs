@@ -66,6 +66,9 @@ impl Kind {
 /// PNG of twice the size, in builds with the feature png-plots; others convert with a viewer or rsvg-convert. Angles are degrees; f_r and densities are sr⁻¹, f_r as the mean of red, green and blue. In the
 /// plane of incidence wo stands on the left, its mirror direction on the right.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  merlkit plot nickel --kind lobe --theta 30 --sampler half-vector"
+)]
 pub struct Args {
     /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL")]

@@ -25,6 +25,9 @@ use crate::{args, table};
 /// draws; of an anisotropic .bsdf, at four azimuths each. Every figure but the thesis's is measured in this run.
 /// Ctrl-C writes the files with the materials that are finished.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  merlkit report nickel teflon --sampler cosine --sampler half-vector:2KB"
+)]
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,

@@ -26,6 +26,7 @@ use crate::{args, output};
 /// sr⁻¹, and f_r in sr⁻¹ without the cosine. A draw that failed is a line of zeros and counts as a sample of weight 0. With
 /// --fit, the thesis's point cloud instead: the material, the viewer in degrees, and (x,y,z) f a line.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  merlkit sample nickel --theta 30 --count 1000 > draws.csv")]
 pub struct Args {
     /// Path to a MERL binary, a .bsdf file or a sampler file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]

@@ -17,6 +17,9 @@ use crate::table;
 /// A sampler is written NAME or NAME:SETTING,SETTING…: first a preset, if any, then words and KEY=VALUE, in any order.
 /// What is not given is as in the preset, or as by default.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  merlkit samplers                  # all of them\n  merlkit samplers adaptive-disc    # its settings, their domains and defaults"
+)]
 pub struct Args {
     /// The sampler whose settings are listed [default: list all samplers]
     #[arg(value_name = "NAME")]

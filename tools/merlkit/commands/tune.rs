@@ -26,6 +26,7 @@ use crate::{args, table};
 /// with the estimate's part of the precomputation, so that every run gives the same answer; within 25 % they tie, and fewer
 /// samples, then fewer bytes decide. Exit status 1 if nothing reaches E within the limits.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  merlkit tune nickel --target-error 1%")]
 pub struct Args {
     /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL")]
