@@ -68,6 +68,7 @@ impl<'a> Rendering<'a> {
     ///
     /// A call traces at least one round of [`Budget::Even`] and [`Budget::Adaptive`]. After a stop all pixels of the first have
     /// equally many paths; those of the second have equal parts of their number; each tile of [`Budget::ToError`] is where it was.
+    /// The first paths of [`PointSet::Lattice`] lie in the left of each pixel; those of other points all over it.
     pub fn advance(
         &mut self,
         should_stop: &(dyn Fn() -> bool + Sync),
