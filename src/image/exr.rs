@@ -6,6 +6,7 @@ use std::path::Path;
 use ::exr::error::Error as ExrError;
 use ::exr::image::Image as ExrImage;
 use ::exr::meta::BlockDescription;
+use ::exr::meta::attribute::Text;
 use ::exr::meta::header::Header;
 use ::exr::prelude::{
     ReadChannels, ReadLayers, ReadSpecificChannel, SpecificChannels, Vec2, WritableImage,
@@ -26,9 +27,12 @@ pub fn write_exr(path: &Path, image: &Image, overwrite: Overwrite) -> Result<()>
             let c = image.pixel(x, y);
             (c.x, c.y, c.z)
         });
+        let mut file = ExrImage::from_channels((image.width, image.height), channels);
+        // UTF-8, as readers of today take it; the bytes of a string are not limited.
+        let text = |comment: &str| Text::from_slice_unchecked(comment.as_bytes());
+        file.layer_data.attributes.comments = image.comment.as_deref().map(text);
         // Parallel compression writes its blocks in the order in which they finish.
-        ExrImage::from_channels((image.width, image.height), channels)
-            .write()
+        file.write()
             .non_parallel()
             .to_buffered(out)
             .map_err(|e| write_error(path, e))

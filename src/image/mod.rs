@@ -29,6 +29,7 @@ pub struct Image {
     width: usize,
     height: usize,
     pixels: Vec<Rgb>,
+    comment: Option<String>,
 }
 
 impl Image {
@@ -53,7 +54,17 @@ impl Image {
             width,
             height,
             pixels,
+            comment: None,
         })
+    }
+
+    /// The same picture, of which the headers of [`write_exr`] (`comments`) and [`write_png`] (`Comment`) will say `comment`. Readers
+    /// leave it out.
+    pub fn with_comment(self, comment: impl Into<String>) -> Self {
+        Self {
+            comment: Some(comment.into()),
+            ..self
+        }
     }
 
     /// A picture whose pixel in column `x` and row `y` is `value(x, y)`.

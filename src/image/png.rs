@@ -31,7 +31,9 @@ pub fn tone_map(x: f32) -> f32 {
 pub fn write_png(path: &Path, image: &Image, exposure: f32, overwrite: Overwrite) -> Result<()> {
     let bytes = encode_srgb(image, exposure);
     write_new(path, overwrite, |out| {
-        write_rgb8(out, image.width(), image.height(), &bytes).map_err(|e| write_error(path, e))
+        let comment = image.comment.as_deref();
+        write_rgb8(out, image.width(), image.height(), &bytes, comment)
+            .map_err(|e| write_error(path, e))
     })
 }
 
@@ -41,7 +43,7 @@ pub fn write_png(path: &Path, image: &Image, exposure: f32, overwrite: Overwrite
 /// [`Error::Argument`] if a side is 0 or `bytes` are not three a pixel.
 pub fn encode_png(width: usize, height: usize, bytes: &[u8]) -> Result<Vec<u8>> {
     let mut out = Vec::new();
-    write_rgb8(&mut out, width, height, bytes).map_err(|e| {
+    write_rgb8(&mut out, width, height, bytes, None).map_err(|e| {
         Error::argument(
             format!(
                 "a PNG of {width} × {height} from {} bytes: {e}",
@@ -58,6 +60,7 @@ fn write_rgb8(
     width: usize,
     height: usize,
     bytes: &[u8],
+    comment: Option<&str>,
 ) -> std::result::Result<(), ::png::EncodingError> {
     // A side that has no room in 32 bits has none in the file, and is refused as 0 is.
     let side = |n: usize| u32::try_from(n).unwrap_or(0);
@@ -65,6 +68,9 @@ fn write_rgb8(
     encoder.set_color(::png::ColorType::Rgb);
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+    if let Some(comment) = comment {
+        encoder.add_itxt_chunk("Comment".into(), comment.into())?;
+    }
     let mut writer = encoder.write_header()?;
     writer.write_image_data(bytes)?;
     writer.finish()

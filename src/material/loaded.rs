@@ -19,6 +19,7 @@ pub struct Loaded {
     own_sampler: Option<Arc<dyn DirectionSampler>>,
     bytes: usize,
     reading: &'static str,
+    file_access: Option<String>,
     notes: Vec<String>,
 }
 
@@ -45,6 +46,7 @@ impl Loaded {
             own_sampler: None,
             bytes: 0,
             reading: "values of the BRDF",
+            file_access: None,
             notes: Vec::new(),
         }
     }
@@ -65,6 +67,14 @@ impl Loaded {
     /// The same material, whose values are come by as `reading` says: "values of the file".
     pub fn with_reading(self, reading: &'static str) -> Self {
         Self { reading, ..self }
+    }
+
+    /// The same material, whose file was read as `access` says.
+    pub(super) fn with_file_access(self, access: String) -> Self {
+        Self {
+            file_access: Some(access),
+            ..self
+        }
     }
 
     /// The same material, of which its users should know `notes`, each a sentence without a full stop.
@@ -136,6 +146,12 @@ impl Loaded {
             Some(rule) => format!("{} lookup", rule.name()),
             None => self.reading.into(),
         }
+    }
+
+    /// How its MERL binary was read: "mapped", or "copied" with the reason in brackets; see [`crate::files`]. `None` for other
+    /// kinds of material.
+    pub fn file_access(&self) -> Option<&str> {
+        self.file_access.as_deref()
     }
 
     /// What its users should know: values that are missing and how they are read, or that reading changed. Sentences without a

@@ -101,6 +101,20 @@ impl RunningMoments {
         self.squares / (self.count - 1.0).max(1.0)
     }
 
+    /// Sum of squared deviations from the mean.
+    pub(super) fn squares(&self) -> DVec3 {
+        self.squares
+    }
+
+    /// The moments of `count` samples whose mean and sum of squared deviations are known.
+    pub(super) fn new(count: u64, mean: DVec3, squares: DVec3) -> Self {
+        Self {
+            count: count as f64,
+            mean,
+            squares,
+        }
+    }
+
     pub(super) fn pixel(&self) -> Pixel {
         let error2 = self.squares / (self.count * (self.count - 1.0)).max(1.0);
         Pixel {

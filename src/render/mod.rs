@@ -25,7 +25,7 @@ mod shape;
 mod spec;
 mod tracer;
 
-pub use budget::{Refinement, Rendered, Tile, render};
+pub use budget::{Refinement, Rendered, Rendering, Tile, render};
 pub use camera::Camera;
 pub use film::Film;
 pub use plan::{Decision, Effect, EffectPlan, PlanRequest};

@@ -12,7 +12,7 @@ use crate::distribution::Heuristic;
 /// The scene and the switches of its plan, read once.
 pub(super) struct Tracer<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) settings: &'a RenderSettings,
+    pub(super) settings: RenderSettings,
     axes: CameraAxes,
     /// Whether directions from the BRDF are drawn.
     pub(super) directions: bool,
@@ -30,7 +30,7 @@ pub(super) struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    pub(super) fn new(scene: &'a Scene, settings: &'a RenderSettings) -> Self {
+    pub(super) fn new(scene: &'a Scene, settings: RenderSettings) -> Self {
         let plan = &scene.plan;
         let mis = plan.is_on(Effect::Mis);
         let light_sampling = plan.is_on(Effect::LightSampling);

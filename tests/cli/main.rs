@@ -16,6 +16,7 @@ mod plot;
 mod python;
 mod render;
 mod reports;
+mod resume;
 mod run;
 mod samplers;
 mod shell;

@@ -9,16 +9,15 @@ use assert_cmd::cargo::cargo_bin;
 use merlkit::color::Rgb;
 use merlkit::files::Overwrite;
 use merlkit::image::{Image, decode_exr, read_exr, write_exr};
-use merlkit::material::merl::{load, load_mapped};
+use merlkit::material::merl::load;
 use merlkit::material::{LookupRule, Material};
 use merlkit::sampler::store::SamplerFile;
 
 /// What each reader says of `path`.
-fn refusals(path: &Path) -> [String; 5] {
+fn refusals(path: &Path) -> [String; 4] {
     let text = |e: merlkit::Error| e.to_string();
     [
         load(path).map(drop).map_err(text).unwrap_err(),
-        load_mapped(path).map(drop).map_err(text).unwrap_err(),
         SamplerFile::open(path).map(drop).map_err(text).unwrap_err(),
         read_exr(path).map(drop).map_err(text).unwrap_err(),
         Material::resolve(&path.to_string_lossy())

@@ -35,6 +35,7 @@ mod shrinking;
 mod strategies;
 #[path = "../support/mod.rs"]
 mod support;
+mod unfinished;
 
 /// The folder of the repository.
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");

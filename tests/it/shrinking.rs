@@ -46,7 +46,8 @@ fn while_shrinking(path: &Path, rounds: usize, work: impl Fn() -> Result<(), Err
     failed
 }
 
-/// Holes read as zeros, so that most rounds read a table of zeros or fail; a map would end this process.
+/// Holes read as zeros, so that most rounds read a table of zeros or fail. A file that is held open for writing is not mapped; a
+/// map would end this process.
 #[test]
 fn a_merl_binary_that_shrinks_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
@@ -61,6 +62,42 @@ fn a_merl_binary_that_shrinks_is_an_error() {
     let failed = while_shrinking(&path, 60, || load(&path).map(drop));
     assert!(failed > 0, "the file was never seen short");
     while_shrinking(&path, 20, || material.sha256().map(drop));
+}
+
+/// Opened, cut short and closed again and again: some loads hold a lease, and then the writer waits for them.
+#[test]
+fn a_merl_binary_that_is_rewritten_is_whole_or_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nickel.binary");
+    let nickel = decode_embedded("nickel").unwrap();
+    write(&nickel, &path, Overwrite::Refuse).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let (stop, mapped) = (AtomicBool::new(false), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !stop.load(Ordering::Relaxed) {
+                std::fs::write(&path, &bytes[..bytes.len() / 3]).unwrap();
+                std::fs::write(&path, &bytes).unwrap();
+                std::thread::sleep(std::time::Duration::from_millis(30));
+            }
+        });
+        let material = Material::resolve(&path.to_string_lossy()).unwrap();
+        for _ in 0..40 {
+            match material.load(LookupRule::Floor) {
+                Ok(loaded) if loaded.file_access() == Some("mapped") => {
+                    let table = loaded.table().unwrap().table();
+                    assert!(table.cells() == nickel.cells());
+                    mapped.store(true, Ordering::Relaxed);
+                }
+                Ok(_) | Err(Error::Invalid { .. } | Error::Unsupported { .. }) => {}
+                Err(error) => panic!("{error}"),
+            }
+        }
+        stop.store(true, Ordering::Relaxed);
+    });
+    if !mapped.into_inner() {
+        eprintln!("no load was mapped");
+    }
 }
 
 #[test]

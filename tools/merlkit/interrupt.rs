@@ -1,7 +1,8 @@
 //! Ctrl-C and SIGTERM: what was finished is kept, nothing is left half-written, and the exit status is 130 or 143.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use merlkit::files::abandon_unfinished;
 
@@ -67,5 +68,47 @@ pub fn finish() -> Result<(), Failure> {
 pub fn wait_if_stopping() {
     while STOPPING.load(Ordering::SeqCst) {
         std::thread::park();
+    }
+}
+
+/// Work that stops by itself soon after a signal, and then keeps what it has.
+pub struct StoppableWork {
+    requested: Arc<AtomicBool>,
+    kept: Sender<Result<(), Failure>>,
+}
+
+impl StoppableWork {
+    /// From here on a signal lets [`Self::should_stop`] say so, shows `message`, and waits for [`Self::end`].
+    pub fn begin(message: &'static str) -> Self {
+        let requested = Arc::new(AtomicBool::new(false));
+        let (kept, outcome) = channel();
+        let request = requested.clone();
+        at_end(move || {
+            request.store(true, Ordering::Relaxed);
+            output::message(message);
+            // Work that ended without a word has said by itself how it ended.
+            outcome.recv().unwrap_or(Ok(()))
+        });
+        Self { requested, kept }
+    }
+
+    /// Whether a signal has come. Costs next to nothing.
+    pub fn should_stop(&self) -> bool {
+        self.requested.load(Ordering::Relaxed)
+    }
+
+    /// The work has ended with `outcome`, which comes back unless a signal has come: then the process ends, and says why it
+    /// failed if it did.
+    pub fn end(self, outcome: Result<(), Failure>) -> Result<(), Failure> {
+        // Whoever answers a signal holds the lock until the work has ended.
+        if let Ok(mut ending) = ENDING.try_lock()
+            && ending.take().is_some()
+        {
+            return outcome;
+        }
+        if self.kept.send(outcome).is_ok() {
+            wait_if_stopping();
+        }
+        Ok(())
     }
 }

@@ -10,6 +10,7 @@ mod output;
 mod picture;
 mod progress;
 mod raster;
+mod resumable;
 mod sampler_args;
 mod sky;
 mod table;

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable};
-use merlkit::image::{write_exr, write_png};
+use merlkit::image::{Image, write_exr, write_png};
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
-use merlkit::render::{PlanRequest, Refinement, RenderSettings, Scene, SceneSpec, Surface, render};
+use merlkit::render::{PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render};
 use merlkit::sampler::SamplerSpec;
 
 use crate::args;
@@ -33,24 +33,33 @@ pub struct Picture<'a> {
 }
 
 impl Picture<'_> {
-    /// Loads what the scene's plan calls for, renders, and writes both files. Returns how far the picture came, given a target
-    /// error.
+    /// Loads what the scene's plan calls for, renders, and writes both files.
     ///
     /// # Errors
     /// Those of loading, building, rendering and writing.
-    pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<Option<Refinement>, Error> {
+    pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<(), Error> {
+        let scene = self.load()?;
+        let progress = self.progress();
+        let advance = |pixels| progress.advance_by(pixels);
+        let rendered = render(&scene, &self.settings, &advance)?;
+        drop(progress);
+        files.write(&rendered.film.to_image()?, self.exposure, overwrite)
+    }
+
+    /// Loads what the scene's plan calls for, and says what is to be known of it.
+    ///
+    /// # Errors
+    /// Those of loading and building.
+    pub fn load(&self) -> Result<Scene, Error> {
         let surface = |i, directions| self.surface(i, directions);
         let scene = Scene::build(self.scene, self.effects, surface)?;
         print_notes(scene.light_notes());
-        let progress = Progress::new("rendering", self.settings.width * self.settings.height);
-        let rendered = render(&scene, &self.settings, &|pixels| {
-            progress.advance_by(pixels);
-        })?;
-        drop(progress);
-        let image = rendered.film.to_image()?;
-        write_exr(&files.exr, &image, overwrite)?;
-        write_png(&files.png, &image, self.exposure, overwrite)?;
-        Ok(rendered.refinement)
+        Ok(scene)
+    }
+
+    /// A bar that counts pixels.
+    pub fn progress(&self) -> Progress {
+        Progress::new("rendering", self.settings.width * self.settings.height)
     }
 
     fn surface(&self, material: usize, directions: bool) -> Result<Surface, Error> {
@@ -67,16 +76,18 @@ impl Picture<'_> {
     }
 }
 
-/// The two files of a picture.
+/// The files of a picture.
 pub struct Files {
     /// Linear RGB.
     pub exr: PathBuf,
     /// Tone-mapped sRGB.
     pub png: PathBuf,
+    /// What an unfinished picture needs to go on.
+    pub partial: PathBuf,
 }
 
 impl Files {
-    /// NAME.exr and NAME.png; an extension of either kind in `name` is left out first.
+    /// NAME.exr and NAME.png, and NAME.partial; an extension of either kind in `name` is left out first.
     pub fn named(name: &Path) -> Self {
         let is_picture = name.extension().is_some_and(|e| e == "exr" || e == "png");
         let stem = if is_picture {
@@ -92,7 +103,17 @@ impl Files {
         Self {
             exr: with(".exr"),
             png: with(".png"),
+            partial: with(".partial"),
         }
+    }
+
+    /// Writes both; `exposure` is in stops.
+    ///
+    /// # Errors
+    /// As [`write_exr`] and [`write_png`].
+    pub fn write(&self, image: &Image, exposure: f32, overwrite: Overwrite) -> Result<(), Error> {
+        write_exr(&self.exr, image, overwrite)?;
+        write_png(&self.png, image, exposure, overwrite)
     }
 
     /// Tells of files that can't be written before the work, not after it.

@@ -6,31 +6,49 @@ use std::path::Path;
 use super::table::{FILLED_MARK, TableBuilder};
 use super::{Header, MerlTable, SCALE};
 use crate::Result;
-use crate::files::{Mapped, RegularFile, SIGNATURE_BYTES};
+use crate::files::{Lease, RegularFile, SIGNATURE_BYTES, WhyRead};
 
 /// Cells that are read at a time: three planes of them stay in a processor's cache, and calls are few.
 const CHUNK: usize = 16_384;
 
+/// Cells that are mapped at a time: 6 MB in three planes, so that a file takes no more memory than that.
+const WINDOW: usize = 1 << 18;
+
 /// Reads a MERL binary, checks it and decodes it into a table that no longer needs the file.
 ///
-/// It is read in pieces, into 384 KB of memory, by `read`: a file that is cut short meanwhile is an error.
+/// Where nobody can shorten the file meanwhile it is decoded from memory maps, see [`crate::files`]. Otherwise it is read in
+/// pieces, into 384 KB of memory: a file that is cut short meanwhile is an error. [`crate::material::Loaded::file_access`] says
+/// which.
 ///
 /// # Errors
 /// [`crate::Error::Io`] if it can't be opened, [`crate::Error::Unsupported`] if it is no regular file,
 /// [`crate::Error::Invalid`] if its header or length is not a MERL file's.
 pub fn load(path: &Path) -> Result<MerlTable> {
+    load_with_access(path).map(|(table, _)| table)
+}
+
+/// [`load`], and how: "mapped", or "copied" and why.
+pub(super) fn load_with_access(path: &Path) -> Result<(MerlTable, String)> {
     let mut file = RegularFile::open(path)?;
     let header = read_header(&mut file)?;
+    match decode_mapped(&file, header) {
+        Ok(table) => Ok((table, "mapped".into())),
+        Err(why) => {
+            let table = decode_read(&mut file, header)?;
+            Ok((table, format!("copied ({why})")))
+        }
+    }
+}
+
+/// Decodes by `read`.
+fn decode_read(file: &mut RegularFile, header: Header) -> Result<MerlTable> {
     let (cells, mut buffers) = (header.cells(), [const { Vec::new() }; 3]);
     let mut table = TableBuilder::new(header);
     for start in (0..cells).step_by(CHUNK) {
         let count = CHUNK.min(cells - start);
         for (channel, buffer) in buffers.iter_mut().enumerate() {
             buffer.resize(8 * count, 0);
-            file.read_at(
-                (Header::BYTES + 8 * (channel * cells + start)) as u64,
-                buffer,
-            )?;
+            file.read_at(plane_offset(header, channel, start), buffer)?;
         }
         let [red, green, blue] = &buffers;
         note_filled([red, green, blue], &mut table);
@@ -39,20 +57,30 @@ pub fn load(path: &Path) -> Result<MerlTable> {
     Ok(table.finish())
 }
 
-/// [`load`] through a memory map, for a file that nobody shortens meanwhile: if somebody does, the system ends the process
-/// with SIGBUS.
-///
-/// # Errors
-/// As [`load`].
-pub fn load_mapped(path: &Path) -> Result<MerlTable> {
-    let mapped = Mapped::open(path)?;
-    let header = Header::parse(mapped.bytes(), mapped.bytes().len() as u64, path)?;
-    let (red, rest) = mapped.bytes()[Header::BYTES..].split_at(8 * header.cells());
-    let (green, blue) = rest.split_at(8 * header.cells());
+/// Decodes from memory maps under a lease, or says why the file has to be read.
+fn decode_mapped(file: &RegularFile, header: Header) -> std::result::Result<MerlTable, WhyRead> {
+    let lease = Lease::take(file)?;
+    let cells = header.cells();
     let mut table = TableBuilder::new(header);
-    note_filled([red, green, blue], &mut table);
-    decode_cells([red, green, blue], |rgb| table.push(rgb));
-    Ok(table.finish())
+    for start in (0..cells).step_by(WINDOW) {
+        let count = WINDOW.min(cells - start);
+        let map = |channel| lease.map(plane_offset(header, channel, start), 8 * count);
+        let windows = [map(0)?, map(1)?, map(2)?];
+        let planes = windows.each_ref().map(|window| window.bytes());
+        note_filled(planes, &mut table);
+        decode_cells(planes, |rgb| table.push(rgb));
+    }
+    // Somebody who asked for the file waits still, unless the system's patience has ended: better to look again.
+    if lease.is_held() {
+        Ok(table.finish())
+    } else {
+        Err("another program asked to write it meanwhile")
+    }
+}
+
+/// Where the cells of a colour plane from `cell` on begin.
+fn plane_offset(header: Header, channel: usize, cell: usize) -> u64 {
+    (Header::BYTES + 8 * (channel * header.cells() + cell)) as u64
 }
 
 /// Notes which of the next cells carry the mark of values that were filled in.
@@ -96,5 +124,40 @@ pub fn decode_cells([red, green, blue]: [&[u8]; 3], mut push: impl FnMut([f64; 3
             LittleEndian::read_f64(g) * SCALE[1],
             LittleEndian::read_f64(b) * SCALE[2],
         ]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{decode_embedded, write};
+    use super::*;
+    use crate::files::Overwrite;
+
+    #[test]
+    fn mapped_and_read_tables_are_equal() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("nickel.binary");
+        let nickel = decode_embedded("nickel").unwrap();
+        write(&nickel, &path, Overwrite::Refuse).unwrap();
+        let mut file = RegularFile::open(&path).unwrap();
+        let header = read_header(&mut file).unwrap();
+        let read = decode_read(&mut file, header).unwrap();
+        assert!(read.cells() == nickel.cells());
+        let access = load_with_access(&path).unwrap().1;
+        match decode_mapped(&file, header) {
+            Ok(mapped) => {
+                assert!(mapped.cells() == read.cells() && mapped.census() == read.census());
+                assert_eq!(access, "mapped");
+            }
+            Err(why) => assert_eq!(access, format!("copied ({why})")),
+        }
+        let writer = std::fs::OpenOptions::new()
+            .append(true)
+            .open(&path)
+            .unwrap();
+        let (copied, access) = load_with_access(&path).unwrap();
+        assert!(copied.cells() == nickel.cells());
+        assert!(access.starts_with("copied ("), "{access}");
+        drop(writer);
     }
 }

@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 pub use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 pub use brdf::MerlBrdf;
-use decode::check_file;
-pub use decode::{decode_cells, load, load_mapped};
+use decode::{check_file, load_with_access};
+pub use decode::{decode_cells, load};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
 pub use header::{Header, SCALE};
@@ -51,7 +51,8 @@ impl MaterialFormat for MerlBinary {
     }
 
     fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded> {
-        Ok(with_rule(load(origin.path())?, rule))
+        let (table, access) = load_with_access(origin.path())?;
+        Ok(with_rule(table, rule).with_file_access(access))
     }
 }
 

@@ -7,10 +7,12 @@
 
 use rayon::prelude::*;
 
-use super::even::trace_row;
+use super::rounds::{
+    PixelShare, Watch, count_rounds, part_done, restore_moments, store_moments, trace_round,
+};
+use super::words::{WordReader, WordWriter};
 use crate::points::mix;
 use crate::render::film::{Film, Pixel, RunningMoments};
-use crate::render::scene::Scene;
 use crate::render::settings::RenderSettings;
 use crate::render::tracer::Tracer;
 
@@ -32,47 +34,151 @@ const LEAST: f64 = 2.0;
 /// Sets the first look's numbers apart from all others of a pixel.
 const LOOK: u64 = 0x6c6f_6f6b;
 
-/// Renders `scene` with `paths` paths a pixel on average, ≥ 16. The settings are checked.
-pub(super) fn render_adaptive(
-    scene: &Scene,
-    settings: &RenderSettings,
-    paths: u64,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Film {
-    let RenderSettings { width, height, .. } = *settings;
-    let tracer = Tracer::new(scene, settings);
-    // Step 1: a first look with an eighth of the paths, from numbers of its own.
-    let ahead = (paths / AHEAD).max(FEWEST);
-    let looks = look_ahead(&tracer, width * height, ahead);
-    // Step 2: decide how many of the others each pixel gets.
-    let numbers = distribute(&looks, width, paths - ahead);
-    // Step 3: trace these, and put both estimates of each pixel together.
-    let mut pixels = vec![Pixel::default(); width * height];
-    let rows = pixels.par_chunks_mut(width).enumerate();
-    rows.for_each(|(y, row)| {
-        let mut moments = vec![RunningMoments::default(); row.len()];
-        trace_row(&tracer, y, &mut moments, |x| {
-            (settings.pixel_seed([x, y]), numbers[y * width + x])
-        });
-        for (x, pixel) in row.iter_mut().enumerate() {
-            *pixel = combine(&looks[y * width + x], &moments[x]);
-        }
-        progress(width);
-    });
-    Film::new(width, height, pixels)
+/// A picture with `paths` paths a pixel on average, as far as it has come.
+pub(super) struct AdaptivePicture {
+    width: usize,
+    /// Paths a pixel of the first look, and those that have been traced.
+    ahead: u64,
+    looked: u64,
+    looks: Vec<RunningMoments>,
+    /// The other paths, on average, and how many each pixel gets; none before the first look is complete.
+    rest: u64,
+    numbers: Vec<u64>,
+    /// Rounds in which these are traced, and those that have been.
+    rounds: u64,
+    done: u64,
+    moments: Vec<RunningMoments>,
 }
 
-/// `ahead` paths in each of `count` pixels.
-fn look_ahead(tracer: &Tracer<'_>, count: usize, ahead: u64) -> Vec<RunningMoments> {
-    let settings = tracer.settings;
-    let mut looks = vec![RunningMoments::default(); count];
-    let rows = looks.par_chunks_mut(settings.width).enumerate();
-    rows.for_each(|(y, row)| {
-        trace_row(tracer, y, row, |x| {
-            (mix(settings.pixel_seed([x, y]) ^ mix(LOOK)), ahead)
-        });
-    });
-    looks
+impl AdaptivePicture {
+    /// Nothing is traced. The settings are checked: `paths` is ≥ 16.
+    pub(super) fn new(settings: &RenderSettings, paths: u64) -> Self {
+        let pixels = settings.width * settings.height;
+        let ahead = (paths / AHEAD).max(FEWEST);
+        let rest = paths - ahead;
+        Self {
+            width: settings.width,
+            ahead,
+            looked: 0,
+            looks: vec![RunningMoments::default(); pixels],
+            rest,
+            numbers: Vec::new(),
+            rounds: count_rounds(rest, pixels),
+            done: 0,
+            moments: vec![RunningMoments::default(); pixels],
+        }
+    }
+
+    pub(super) fn is_finished(&self) -> bool {
+        self.done == self.rounds
+    }
+
+    pub(super) fn describe_progress(&self) -> String {
+        let paths = self.looked + part_done(self.rest, self.done, self.rounds);
+        let all = self.ahead + self.rest;
+        format!("about {paths} of {all} paths a pixel")
+    }
+
+    /// Traces round after round, at least one if any is missing, until all are done or the caller wants to stop.
+    pub(super) fn advance(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) {
+        // Step 1: a first look with an eighth of the paths, from numbers of its own.
+        let is_stopped = self.look_ahead(tracer, watch);
+        if is_stopped {
+            return;
+        }
+        // Step 2: decide how many of the others each pixel gets.
+        if self.numbers.is_empty() {
+            self.numbers = distribute(&self.looks, self.width, self.rest);
+        }
+        // Step 3: trace these.
+        self.trace_rest(tracer, watch);
+    }
+
+    /// Whether the caller wanted to stop.
+    fn look_ahead(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) -> bool {
+        let settings = &tracer.settings;
+        let ahead = self.ahead;
+        let round = ahead.div_ceil(count_rounds(ahead, self.looks.len()));
+        while self.looked < ahead {
+            let from = self.looked;
+            let to = (from + round).min(ahead);
+            let share = |pixel| PixelShare {
+                seed: mix(settings.pixel_seed(pixel) ^ mix(LOOK)),
+                from,
+                to,
+                count: ahead,
+            };
+            trace_round(tracer, &mut self.looks, share, || {});
+            self.looked = to;
+            if (watch.should_stop)() {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn trace_rest(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) {
+        let settings = &tracer.settings;
+        let (width, rounds, numbers) = (self.width, self.rounds, &self.numbers);
+        let pixels_done = |round| part_done(width as u64, round, rounds) as usize;
+        (watch.progress)(settings.height * pixels_done(self.done));
+        while self.done < rounds {
+            let round = self.done;
+            let share = |[x, y]: [usize; 2]| {
+                let count = numbers[y * width + x];
+                PixelShare {
+                    seed: settings.pixel_seed([x, y]),
+                    from: part_done(count, round, rounds),
+                    to: part_done(count, round + 1, rounds),
+                    count,
+                }
+            };
+            trace_round(tracer, &mut self.moments, share, || {
+                (watch.progress)(pixels_done(round + 1) - pixels_done(round));
+            });
+            self.done += 1;
+            if (watch.should_stop)() {
+                break;
+            }
+        }
+    }
+
+    /// Puts both estimates of each pixel together.
+    pub(super) fn into_film(self, settings: &RenderSettings) -> Film {
+        let estimates = self.looks.into_iter().zip(&self.moments);
+        let pixels = estimates.map(|(look, rest)| combine(&look, rest));
+        Film::new(settings.width, settings.height, pixels.collect())
+    }
+
+    pub(super) fn store(&self) -> WordWriter {
+        let mut out = WordWriter::with_capacity(2 + 12 * self.looks.len());
+        out.count(self.looked);
+        out.count(self.done);
+        store_moments(&self.looks, &mut out);
+        store_moments(&self.moments, &mut out);
+        out
+    }
+
+    /// Takes over what [`Self::store`] gave; `None` if it is nothing that paths can have left.
+    pub(super) fn restore(&mut self, from: &mut WordReader<'_>) -> Option<()> {
+        let looked = from.count().filter(|looked| *looked <= self.ahead)?;
+        let done = from.count().filter(|done| *done <= self.rounds)?;
+        restore_moments(from, &mut self.looks, |_| looked)?;
+        let mut numbers = Vec::new();
+        if looked == self.ahead {
+            numbers = distribute(&self.looks, self.width, self.rest);
+        } else if done > 0 {
+            return None;
+        }
+        let rounds = self.rounds;
+        restore_moments(from, &mut self.moments, |i| {
+            numbers
+                .get(i)
+                .map_or(0, |&count| part_done(count, done, rounds))
+        })?;
+        (self.looked, self.done, self.numbers) = (looked, done, numbers);
+        Some(())
+    }
 }
 
 /// Mean of two means, each weighing as its squared error is expected to fall with its number of paths.

@@ -1,52 +1,81 @@
 //! Pictures with equally many paths in every pixel.
 
-use rayon::prelude::*;
-
-use crate::render::film::{Film, Pixel, RunningMoments};
-use crate::render::path_numbers::PathId;
-use crate::render::scene::Scene;
+use super::rounds::{
+    PixelShare, Watch, count_rounds, part_done, restore_moments, store_moments, trace_round,
+};
+use super::words::{WordReader, WordWriter};
+use crate::render::film::{Film, RunningMoments};
 use crate::render::settings::RenderSettings;
 use crate::render::tracer::Tracer;
 
-/// Renders `scene` with `paths` paths in every pixel. The settings are checked.
-pub(super) fn render_even(
-    scene: &Scene,
-    settings: &RenderSettings,
+/// A picture with `done` paths in every pixel, of `paths`.
+pub(super) struct EvenPicture {
     paths: u64,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Film {
-    let RenderSettings { width, height, .. } = *settings;
-    let tracer = Tracer::new(scene, settings);
-    let mut pixels = vec![Pixel::default(); width * height];
-    let rows = pixels.par_chunks_mut(width).enumerate();
-    rows.for_each(|(y, row)| {
-        let mut moments = vec![RunningMoments::default(); row.len()];
-        trace_row(&tracer, y, &mut moments, |x| {
-            (settings.pixel_seed([x, y]), paths)
-        });
-        for (pixel, moments) in row.iter_mut().zip(&moments) {
-            *pixel = moments.pixel();
-        }
-        progress(width);
-    });
-    Film::new(width, height, pixels)
+    done: u64,
+    moments: Vec<RunningMoments>,
 }
 
-/// Traces all paths of a row's pixels; `seed_and_count(x)` says from which seed and how many for the pixel in column `x`.
-pub(super) fn trace_row(
-    tracer: &Tracer<'_>,
-    y: usize,
-    row: &mut [RunningMoments],
-    seed_and_count: impl Fn(usize) -> (u64, u64),
-) {
-    let paths = (0..row.len()).flat_map(|x| {
-        let (seed, count) = seed_and_count(x);
-        (0..count).map(move |index| PathId {
-            pixel: [x, y],
-            seed,
-            index,
-            count,
-        })
-    });
-    tracer.trace(paths, |path, radiance| row[path.pixel[0]].add(radiance));
+impl EvenPicture {
+    /// Nothing is traced. The settings are checked.
+    pub(super) fn new(settings: &RenderSettings, paths: u64) -> Self {
+        Self {
+            paths,
+            done: 0,
+            moments: vec![RunningMoments::default(); settings.width * settings.height],
+        }
+    }
+
+    pub(super) fn is_finished(&self) -> bool {
+        self.done == self.paths
+    }
+
+    pub(super) fn describe_progress(&self) -> String {
+        format!("{} of {} paths a pixel", self.done, self.paths)
+    }
+
+    /// Traces round after round, at least one if any is missing, until all are done or the caller wants to stop.
+    pub(super) fn advance(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) {
+        let settings = &tracer.settings;
+        let (paths, width) = (self.paths, settings.width as u64);
+        let round = paths.div_ceil(count_rounds(paths, self.moments.len()));
+        // Rounds that are done stand for as many pixels as they have paths of all.
+        let pixels_done = |paths_done: u64| part_done(width, paths_done, paths) as usize;
+        (watch.progress)(settings.height * pixels_done(self.done));
+        while !self.is_finished() {
+            let from = self.done;
+            let to = from.saturating_add(round).min(paths);
+            let share = |pixel| PixelShare {
+                seed: settings.pixel_seed(pixel),
+                from,
+                to,
+                count: paths,
+            };
+            trace_round(tracer, &mut self.moments, share, || {
+                (watch.progress)(pixels_done(to) - pixels_done(from));
+            });
+            self.done = to;
+            if (watch.should_stop)() {
+                break;
+            }
+        }
+    }
+
+    pub(super) fn into_film(self, settings: &RenderSettings) -> Film {
+        let pixels = self.moments.into_iter().map(|moments| moments.pixel());
+        Film::new(settings.width, settings.height, pixels.collect())
+    }
+
+    pub(super) fn store(&self) -> WordWriter {
+        let mut out = WordWriter::with_capacity(1 + 6 * self.moments.len());
+        out.count(self.done);
+        store_moments(&self.moments, &mut out);
+        out
+    }
+
+    /// Takes over what [`Self::store`] gave; `None` if it is nothing that paths can have left.
+    pub(super) fn restore(&mut self, from: &mut WordReader<'_>) -> Option<()> {
+        self.done = from.count().filter(|done| *done <= self.paths)?;
+        let done = self.done;
+        restore_moments(from, &mut self.moments, |_| done)
+    }
 }

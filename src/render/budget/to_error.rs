@@ -10,16 +10,23 @@
 //! beforehand. Where one half has stopped and the other has not, paths of the first go on being traced, for the decision
 //! only.
 
+//!
+//! Tiles are refined one after another by each thread, each to its end. A picture that is stopped before has tiles that are
+//! finished, tiles in between, and tiles that wait; the last show the fewest paths. A stop comes between two pixels, since what
+//! a pixel has collected is all that its next paths go on from.
+
 use std::mem::take;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
 
-use super::rendered::{Refinement, Rendered, Tile, relative_rmse};
-use crate::points::{PointSet, mix};
+use super::rendered::{Refinement, Rendered, Tile};
+use super::rounds::Watch;
+use super::tiles::{HalfTile, OpenTile, REPLICATES, RefinedTile, Replicates, TileState};
+use super::words::{WordReader, WordWriter};
+use crate::points::mix;
 use crate::render::film::{Film, Pixel};
 use crate::render::path_numbers::PathId;
-use crate::render::scene::Scene;
 use crate::render::settings::RenderSettings;
 use crate::render::tracer::Tracer;
 
@@ -27,87 +34,135 @@ use crate::render::tracer::Tracer;
 const TILE: usize = 16;
 /// A tile that has fewer pixels of objects than this is put together with the next.
 const FEW: usize = 32;
-/// Independent estimates of each pixel.
-const REPLICATES: usize = 8;
-/// Paths a replicate before the first decision; the number doubles before each other one.
-const FIRST: u64 = 2;
 
-/// Renders `scene` with as many paths in each tile as its estimated relative error needs to come down to `error`, at most
-/// `most` a pixel. The settings are checked.
-pub(super) fn render_to_error(
-    scene: &Scene,
-    settings: &RenderSettings,
-    error: f64,
+/// A picture with as many paths in each tile as its estimated relative error needs to come down to a target, as far as it has
+/// come.
+pub(super) struct ErrorPicture {
+    target: f64,
+    /// Most paths a pixel.
     most: u64,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Rendered {
-    // Lattices are for numbers of paths that are known beforehand.
-    let points = if settings.points == PointSet::Lattice {
-        PointSet::Sobol
-    } else {
-        settings.points
-    };
-    let settings = &RenderSettings {
-        points,
-        ..*settings
-    };
-    let refiner = Refiner {
-        tracer: Tracer::new(scene, settings),
-        settings,
-        target: error,
-        most,
-    };
-    // Step 1: pixels that show no object get the fewest paths.
-    let count = settings.width * settings.height;
-    let shown: Vec<bool> = (0..count)
-        .into_par_iter()
-        .map(|i| refiner.shows_object(i))
-        .collect();
-    let pixels = refiner.render_backgrounds(&shown);
-    // Step 2: the others are refined tile by tile.
-    let tiles = group_tiles(&shown, settings);
-    let background = count - tiles.iter().map(Vec::len).sum::<usize>();
-    progress(background);
-    let refined: Vec<RefinedTile> = tiles
-        .par_iter()
-        .map(|tile| {
-            let refined = refiner.refine(tile);
-            progress(tile.len());
-            refined
-        })
-        .collect();
-    put_together(settings, pixels, background as u64, tiles, refined)
+    /// Which pixels show an object; the others are no part of a tile and get the fewest paths.
+    shown: Vec<bool>,
+    /// Those others once they are traced; empty pixels for objects.
+    backgrounds: Option<Vec<Pixel>>,
+    tiles: Vec<Vec<usize>>,
+    states: Vec<TileState>,
 }
 
-/// The picture and its figures, from the pixels without an object and the refined tiles.
-fn put_together(
-    settings: &RenderSettings,
-    mut pixels: Vec<Pixel>,
-    background: u64,
-    tiles: Vec<Vec<usize>>,
-    refined: Vec<RefinedTile>,
-) -> Rendered {
-    let fewest = background * FIRST * REPLICATES as u64;
-    let mut refinement = Refinement {
-        tiles: Vec::with_capacity(tiles.len()),
-        paths: fewest,
-        traced: fewest,
-    };
-    for (tile, refined) in tiles.into_iter().zip(refined) {
-        for (i, pixel) in refined.pixels {
-            pixels[i] = pixel;
+impl ErrorPicture {
+    /// No path is traced. The settings are checked.
+    pub(super) fn new(tracer: &Tracer<'_>, target: f64, most: u64) -> Self {
+        let settings = &tracer.settings;
+        let count = settings.width * settings.height;
+        let mut shown = vec![false; count];
+        shown
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(i, shown)| *shown = shows_object(tracer, i));
+        let tiles = group_tiles(&shown, settings);
+        let mut states = Vec::new();
+        states.resize_with(tiles.len(), || TileState::Waiting);
+        Self {
+            target,
+            most,
+            shown,
+            backgrounds: None,
+            tiles,
+            states,
         }
-        refinement.paths += refined.paths;
-        refinement.traced += refined.traced;
-        refinement.tiles.push(Tile {
-            pixels: tile,
-            error: refined.error,
-            reached: refined.reached,
+    }
+
+    pub(super) fn is_finished(&self) -> bool {
+        self.backgrounds.is_some() && self.count_finished() == self.tiles.len()
+    }
+
+    fn count_finished(&self) -> usize {
+        let is_finished = |state: &&TileState| matches!(state, TileState::Finished(_));
+        self.states.iter().filter(is_finished).count()
+    }
+
+    pub(super) fn describe_progress(&self) -> String {
+        format!("{} of {} tiles", self.count_finished(), self.tiles.len())
+    }
+
+    fn refiner<'a>(&self, tracer: &'a Tracer<'a>) -> Refiner<'a> {
+        Refiner {
+            tracer,
+            target: self.target,
+            most: self.most,
+        }
+    }
+
+    /// Refines the tiles until all are finished or the caller wants to stop.
+    pub(super) fn advance(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) {
+        let refiner = self.refiner(tracer);
+        // Step 1: pixels that show no object get the fewest paths.
+        let shown = &self.shown;
+        self.backgrounds
+            .get_or_insert_with(|| refiner.render_backgrounds(shown));
+        let in_tiles: usize = self.tiles.iter().map(Vec::len).sum();
+        (watch.progress)(self.shown.len() - in_tiles);
+        // Step 2: the others are refined tile by tile.
+        let tiles = self.tiles.par_iter().zip(&mut self.states);
+        tiles.for_each(|(tile, state)| {
+            if refiner.refine(tile, state, watch.should_stop) {
+                (watch.progress)(tile.len());
+            }
         });
     }
-    Rendered {
-        film: Film::new(settings.width, settings.height, pixels),
-        refinement: Some(refinement),
+
+    /// The picture and its figures. Where a picture was stopped, pixels that have no path yet get the fewest.
+    pub(super) fn into_rendered(self, tracer: &Tracer<'_>) -> Rendered {
+        let refiner = self.refiner(tracer);
+        let mut pixels = match self.backgrounds {
+            Some(pixels) => pixels,
+            None => refiner.render_backgrounds(&self.shown),
+        };
+        let refined: Vec<RefinedTile> = self
+            .tiles
+            .par_iter()
+            .zip(self.states)
+            .map(|(tile, state)| refiner.settle(tile, state))
+            .collect();
+        let in_tiles: usize = self.tiles.iter().map(Vec::len).sum();
+        let fewest = (self.shown.len() - in_tiles) as u64 * Replicates::FEWEST_PATHS;
+        let mut refinement = Refinement {
+            tiles: Vec::with_capacity(self.tiles.len()),
+            paths: fewest,
+            traced: fewest,
+        };
+        for (tile, refined) in self.tiles.into_iter().zip(refined) {
+            for (i, pixel) in refined.pixels {
+                pixels[i] = pixel;
+            }
+            refinement.paths = refinement.paths.saturating_add(refined.paths);
+            refinement.traced = refinement.traced.saturating_add(refined.traced);
+            refinement.tiles.push(Tile {
+                pixels: tile,
+                error: refined.error,
+                reached: refined.reached,
+            });
+        }
+        Rendered {
+            film: Film::new(tracer.settings.width, tracer.settings.height, pixels),
+            refinement: Some(refinement),
+        }
+    }
+
+    pub(super) fn store(&self) -> WordWriter {
+        let mut out = WordWriter::default();
+        for state in &self.states {
+            state.store(&mut out);
+        }
+        out
+    }
+
+    /// Takes over what [`Self::store`] gave; `None` if it is nothing that paths can have left.
+    pub(super) fn restore(&mut self, from: &mut WordReader<'_>) -> Option<()> {
+        for (tile, state) in self.tiles.iter().zip(&mut self.states) {
+            *state = TileState::restore(tile, self.most, from)?;
+        }
+        Some(())
     }
 }
 
@@ -140,88 +195,27 @@ fn group_tiles(shown: &[bool], settings: &RenderSettings) -> Vec<Vec<usize>> {
     all
 }
 
+/// Column and row of a pixel.
+fn column_and_row(tracer: &Tracer<'_>, pixel: usize) -> [usize; 2] {
+    [pixel % tracer.settings.width, pixel / tracer.settings.width]
+}
+
+/// Whether one of nine rays through a pixel meets an object.
+fn shows_object(tracer: &Tracer<'_>, pixel: usize) -> bool {
+    (0..9u32).any(|i| {
+        let within = DVec2::new(f64::from(i % 3), f64::from(i / 3)) / 2.0;
+        let ray = tracer.ray(column_and_row(tracer, pixel), within);
+        tracer.scene.hit(&ray, None).is_some()
+    })
+}
+
 struct Refiner<'a> {
-    tracer: Tracer<'a>,
-    settings: &'a RenderSettings,
+    tracer: &'a Tracer<'a>,
     target: f64,
     most: u64,
 }
 
-/// A tile whose two halves have stopped.
-struct RefinedTile {
-    pixels: Vec<(usize, Pixel)>,
-    error: f64,
-    reached: bool,
-    paths: u64,
-    traced: u64,
-}
-
-/// Every other pixel of a tile.
-#[derive(Default)]
-struct HalfTile {
-    pixels: Vec<(usize, Replicates)>,
-    /// What goes into the picture, once it has stopped.
-    kept: Vec<(usize, Pixel)>,
-    paths: u64,
-    reached: bool,
-}
-
-impl HalfTile {
-    /// Every other pixel of `tile`, from the one at position `first` on.
-    fn new(tile: &[usize], first: usize) -> Self {
-        let pixels = tile
-            .iter()
-            .skip(first)
-            .step_by(2)
-            .map(|&i| (i, Replicates::default()));
-        Self {
-            pixels: pixels.collect(),
-            ..Self::default()
-        }
-    }
-
-    fn has_stopped(&self) -> bool {
-        self.kept.len() == self.pixels.len()
-    }
-
-    fn error(&self) -> f64 {
-        relative_rmse(
-            self.pixels
-                .iter()
-                .map(|(_, r)| r.pixel())
-                .map(|p| (p.mean, p.error.powf(2.0))),
-        )
-    }
-
-    fn stop(&mut self, reached: bool) {
-        self.kept = self.pixels.iter().map(|(i, r)| (*i, r.pixel())).collect();
-        self.paths = self.traced();
-        self.reached = reached;
-    }
-
-    fn traced(&self) -> u64 {
-        self.pixels
-            .iter()
-            .map(|(_, r)| r.count * REPLICATES as u64)
-            .sum()
-    }
-}
-
 impl Refiner<'_> {
-    fn column_and_row(&self, pixel: usize) -> [usize; 2] {
-        [pixel % self.settings.width, pixel / self.settings.width]
-    }
-
-    fn shows_object(&self, pixel: usize) -> bool {
-        (0..9u32).any(|i| {
-            let within = DVec2::new(f64::from(i % 3), f64::from(i / 3)) / 2.0;
-            self.tracer
-                .scene
-                .hit(&self.tracer.ray(self.column_and_row(pixel), within), None)
-                .is_some()
-        })
-    }
-
     /// The pixels that show no object; the others are empty.
     fn render_backgrounds(&self, shown: &[bool]) -> Vec<Pixel> {
         let pixel = |i: usize| {
@@ -236,29 +230,54 @@ impl Refiner<'_> {
 
     fn render_background(&self, pixel: usize) -> Pixel {
         let mut replicates = Replicates::default();
-        self.extend(pixel, &mut replicates, FIRST);
+        self.extend(pixel, &mut replicates, Replicates::FEWEST);
         replicates.pixel()
     }
 
-    fn refine(&self, tile: &[usize]) -> RefinedTile {
-        let mut halves = [0, 1].map(|first| HalfTile::new(tile, first));
-        let mut count = FIRST;
-        while halves.iter().any(|h| !h.has_stopped()) {
-            for (pixel, replicates) in halves.iter_mut().flat_map(|h| &mut h.pixels) {
-                self.extend(*pixel, replicates, count);
+    /// Refines a tile until it is finished or `should_stop`; returns whether it is finished.
+    fn refine(
+        &self,
+        tile: &[usize],
+        state: &mut TileState,
+        should_stop: &(dyn Fn() -> bool + Sync),
+    ) -> bool {
+        loop {
+            match state {
+                TileState::Finished(_) => return true,
+                TileState::Waiting if should_stop() => return false,
+                TileState::Waiting => *state = TileState::Open(OpenTile::new(tile)),
+                TileState::Open(open) => {
+                    for (pixel, replicates) in open.halves.iter_mut().flat_map(|h| &mut h.pixels) {
+                        if should_stop() {
+                            return false;
+                        }
+                        self.extend(*pixel, replicates, open.count);
+                    }
+                    let last = open.count > self.most / (2 * REPLICATES as u64);
+                    self.decide(&mut open.halves, last);
+                    if open.halves.iter().all(HalfTile::has_stopped) {
+                        *state = TileState::Finished(open.refined());
+                    } else {
+                        open.count *= 2;
+                    }
+                }
             }
-            let last = count > self.most / (2 * REPLICATES as u64);
-            self.decide(&mut halves, last);
-            count *= 2;
         }
-        let pixels: Vec<(usize, Pixel)> = halves.iter().flat_map(|h| &h.kept).copied().collect();
-        RefinedTile {
-            error: relative_rmse(pixels.iter().map(|(_, p)| (p.mean, p.error.powf(2.0)))),
-            pixels,
-            reached: halves.iter().all(|h| h.reached),
-            paths: halves.iter().map(|h| h.paths).sum(),
-            traced: halves.iter().map(HalfTile::traced).sum(),
+    }
+
+    /// What a tile shows, finished or not: each pixel has at least the fewest paths.
+    fn settle(&self, tile: &[usize], state: TileState) -> RefinedTile {
+        let mut open = match state {
+            TileState::Finished(refined) => return refined,
+            TileState::Open(open) => open,
+            TileState::Waiting => OpenTile::new(tile),
+        };
+        for (pixel, replicates) in open.halves.iter_mut().flat_map(|h| &mut h.pixels) {
+            if replicates.count < Replicates::FEWEST {
+                self.extend(*pixel, replicates, Replicates::FEWEST);
+            }
         }
+        open.refined()
     }
 
     /// Stops each half by the other's error. A tile of one pixel has no other half: that one stops by its own.
@@ -280,8 +299,8 @@ impl Refiner<'_> {
 
     /// Traces paths until each replicate has `count`.
     fn extend(&self, pixel: usize, replicates: &mut Replicates, count: u64) {
-        let pixel = self.column_and_row(pixel);
-        let seed = self.settings.pixel_seed(pixel);
+        let pixel = column_and_row(self.tracer, pixel);
+        let seed = self.tracer.settings.pixel_seed(pixel);
         let (sums, from) = (&mut replicates.sums, replicates.count);
         let paths = (0..REPLICATES as u64).flat_map(|r| {
             let seed = mix(seed ^ mix(1 + r));
@@ -308,30 +327,13 @@ impl Refiner<'_> {
     }
 }
 
-/// Independent sums of a pixel's radiance.
-#[derive(Clone, Copy, Default)]
-struct Replicates {
-    sums: [DVec3; REPLICATES],
-    /// Paths in each.
-    count: u64,
-}
-
-impl Replicates {
-    fn pixel(&self) -> Pixel {
-        let means = self.sums.map(|sum| sum / self.count.max(1) as f64);
-        let n = REPLICATES as f64;
-        let mean = means.iter().sum::<DVec3>() / n;
-        let squares: DVec3 = means.iter().map(|m| (m - mean).powf(2.0)).sum();
-        Pixel {
-            mean,
-            error: (squares / (n * (n - 1.0))).map(f64::sqrt),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
+    use super::super::rendered::relative_rmse;
     use super::*;
+    use crate::points::PointSet;
     use crate::render::settings::Budget;
 
     #[test]
@@ -357,15 +359,6 @@ mod tests {
             assert!(tiles.len() == 1 || tiles.iter().all(|t| t.len() >= FEW));
         }
         assert!(group_tiles(&[false; 70 * 50], &settings).is_empty());
-    }
-
-    #[test]
-    fn replicates_give_the_textbook_error() {
-        let sums = std::array::from_fn(|i| DVec3::splat(2.0 * i as f64));
-        let pixel = Replicates { sums, count: 2 }.pixel();
-        // The numbers 0 to 7: mean 3.5, variance 6.
-        assert_eq!(pixel.mean, DVec3::splat(3.5));
-        assert!((pixel.error.x - (6.0f64 / 8.0).sqrt()).abs() < 1e-15);
     }
 
     #[test]

@@ -161,9 +161,11 @@ fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Error> {
         Origin::Embedded(_) => "embedded".into(),
         Origin::Formula(text) => text.clone(),
     };
+    let loaded = args::load(material, lookup)?;
     Ok(Info {
         material: material.name().into(),
         source,
-        facts: facts(&args::load(material, lookup)?),
+        read: loaded.file_access().map(Into::into),
+        facts: facts(&loaded),
     })
 }

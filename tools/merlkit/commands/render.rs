@@ -19,10 +19,11 @@ use merlkit_evaluate::report::Sheet;
 
 use crate::failure::Outcome;
 use crate::picture::{Files, Picture};
+use crate::resumable::{self, Resumable};
 use crate::sampler_args;
 use crate::{args, output, table};
 
-/// Path-trace a row of spheres, one a material, to NAME.exr (linear RGB) and NAME.png (tone-mapped sRGB)
+/// Path-trace a row of spheres, one a material, to NAME.exr (linear RGB) and NAME.png (sRGB)
 ///
 /// Before anything is loaded, a plan is made of the effects that the scene calls for, and only those are computed; --explain
 /// prints it. The same command gives the same bytes on any number of threads.
@@ -39,14 +40,14 @@ pub struct Args {
     /// Paths a pixel
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
-    /// Spend more paths on noisy pixels and fewer on clean ones, keeping the total about the same. Needs --spp 16 or more
+    /// Spend more paths on noisy pixels, about as many in all. Needs --spp 16 or more
     #[arg(long, conflicts_with = "target_error")]
     adaptive: bool,
     /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as a lattice
     /// [default: lattice below 512 paths a pixel; sobol from there on, and with --target-error]
     #[arg(long, value_name = "SET", value_parser = args::named(&POINTS))]
     points: Option<PointSet>,
-    /// Keep sampling each tile of 16 × 16 pixels until its estimated relative error is at most E: 0.05 or 5%
+    /// Sample tiles of 16 × 16 pixels to an estimated relative error of at most E: 0.05 or 5%
     ///
     /// The error is the root of the mean squared error of the tile's pixels over their mean, pixels without an object left
     /// out; it is estimated from independent replicates.
@@ -88,6 +89,9 @@ pub struct Args {
     /// Compute every effect, called for or not; the picture is the same within noise
     #[arg(long)]
     all_effects: bool,
+    /// Finish the picture that Ctrl-C stopped, to the bytes of one that was never stopped
+    #[arg(long)]
+    resume: bool,
     /// Replace existing pictures [default: refuse]
     #[arg(long)]
     force: bool,
@@ -113,7 +117,7 @@ pub fn run(args: &Args) -> Outcome {
     let start = Instant::now();
     let files = Files::named(&args.output);
     let overwrite = output::overwrite(args.force);
-    files.check(overwrite)?;
+    resumable::check_files(&files, overwrite, args.resume)?;
     let settings = settings(args)?;
     settings.check()?;
     let (scene, materials) = describe(args, &settings)?;
@@ -141,7 +145,13 @@ pub fn run(args: &Args) -> Outcome {
         settings,
         exposure: args.exposure,
     };
-    let refinement = picture.render(&files, overwrite)?;
+    let resumable = Resumable {
+        picture: &picture,
+        files: &files,
+        overwrite,
+        resume: args.resume,
+    };
+    let refinement = resumable.render()?;
     output::stdout(|out| {
         writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
         let (w, h) = (settings.width, settings.height);

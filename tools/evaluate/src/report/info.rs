@@ -13,6 +13,9 @@ pub struct Info {
     pub material: String,
     /// Where the values come from: a path, "embedded", or a formula.
     pub source: String,
+    /// How its file was read, as [`merlkit::material::Loaded::file_access`]; left out for others than MERL binaries.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub read: Option<String>,
     /// What was measured.
     #[serde(flatten)]
     pub facts: Facts,
@@ -23,6 +26,9 @@ impl Info {
     pub fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&[&self.material, &self.source]);
         let mut line = |name: &str, value: String| sheet.push(vec![name.into(), value]);
+        if let Some(read) = &self.read {
+            line("read", read.clone());
+        }
         match &self.facts.table {
             Some(table) => table_lines(table, &mut line),
             None => line("bytes in memory", self.facts.bytes.to_string()),

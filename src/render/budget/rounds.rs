@@ -1,0 +1,120 @@
+//! Rounds: the pieces in which a picture is traced, after each of which it can be stopped.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::words::{WordReader, WordWriter};
+use crate::render::film::RunningMoments;
+use crate::render::path_numbers::PathId;
+use crate::render::tracer::Tracer;
+
+/// Paths of a round, about: a second of work or less. A round ends with all threads waiting for the last row, which is as long in
+/// proportion as that of a picture in one round; so rounds cost nothing, as long as rows are many.
+const ROUND_PATHS: u64 = 1 << 20;
+
+/// What a picture's caller hears of it, and decides, while it is traced.
+#[derive(Clone, Copy)]
+pub(super) struct Watch<'a> {
+    /// Whether to stop as soon as the picture can go on from there with the same bits.
+    pub(super) should_stop: &'a (dyn Fn() -> bool + Sync),
+    /// Called with a number of pixels that have been done meanwhile, from any thread.
+    pub(super) progress: &'a (dyn Fn(usize) + Sync),
+}
+
+/// The paths of a pixel that a round traces, of all that a seed gives it.
+pub(super) struct PixelShare {
+    pub(super) seed: u64,
+    /// From this one on, up to `to`.
+    pub(super) from: u64,
+    pub(super) to: u64,
+    /// How many the seed gives in all.
+    pub(super) count: u64,
+}
+
+/// How many rounds `paths` a pixel are traced in.
+pub(super) fn count_rounds(paths: u64, pixels: usize) -> u64 {
+    let all = u128::from(paths) * pixels as u128;
+    let rounds = all.div_ceil(u128::from(ROUND_PATHS));
+    u64::try_from(rounds)
+        .unwrap_or(u64::MAX)
+        .clamp(1, paths.max(1))
+}
+
+/// How many of `whole` are done when `round` of `rounds` rounds are: ⌊whole · round / rounds⌋.
+pub(super) fn part_done(whole: u64, round: u64, rounds: u64) -> u64 {
+    // Not above `whole`, since `round` is not above `rounds`.
+    (u128::from(whole) * u128::from(round) / u128::from(rounds.max(1))) as u64
+}
+
+/// Traces one round: for each pixel the paths that `share([x, y])` says. Each pixel's paths are added in order, so that the
+/// moments have the same bits for any rounds and any number of threads. `row_done` is called after each row.
+pub(super) fn trace_round(
+    tracer: &Tracer<'_>,
+    moments: &mut [RunningMoments],
+    share: impl Fn([usize; 2]) -> PixelShare + Sync,
+    row_done: impl Fn() + Sync,
+) {
+    let rows = moments.par_chunks_mut(tracer.settings.width).enumerate();
+    rows.for_each(|(y, row)| {
+        let paths = (0..row.len()).flat_map(|x| {
+            let pixel = [x, y];
+            let PixelShare {
+                seed,
+                from,
+                to,
+                count,
+            } = share(pixel);
+            (from..to).map(move |index| PathId {
+                pixel,
+                seed,
+                index,
+                count,
+            })
+        });
+        tracer.trace(paths, |path, radiance| row[path.pixel[0]].add(radiance));
+        row_done();
+    });
+}
+
+/// Stores what moments hold apart from their counts.
+pub(super) fn store_moments(moments: &[RunningMoments], out: &mut WordWriter) {
+    for pixel in moments {
+        out.vector(pixel.mean());
+        out.vector(pixel.squares());
+    }
+}
+
+/// Restores moments, `count(i)` samples in the i-th; `None` if they are none that paths can have.
+pub(super) fn restore_moments(
+    from: &mut WordReader<'_>,
+    moments: &mut [RunningMoments],
+    count: impl Fn(usize) -> u64,
+) -> Option<()> {
+    for (i, pixel) in moments.iter_mut().enumerate() {
+        let mean = from.vector()?;
+        let squares = from.vector()?;
+        if squares.cmplt(DVec3::ZERO).any() {
+            return None;
+        }
+        *pixel = RunningMoments::new(count(i), mean, squares);
+    }
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_are_about_equal_and_cover_everything() {
+        assert_eq!(count_rounds(64, 1000), 1);
+        assert_eq!(count_rounds(1 << 12, 1 << 19), 1 << 11);
+        // No round is shorter than a path a pixel.
+        assert_eq!(count_rounds(3, 1 << 27), 3);
+        assert_eq!(count_rounds(u64::MAX, 1 << 27), u64::MAX);
+        assert_eq!(count_rounds(0, 5), 1);
+        assert_eq!(part_done(u64::MAX, 7, 7), u64::MAX);
+        let parts: Vec<u64> = (0..=4).map(|round| part_done(10, round, 4)).collect();
+        assert_eq!(parts, [0, 2, 5, 7, 10]);
+    }
+}
