@@ -13,6 +13,9 @@ mod disc_mass;
 mod examples;
 mod foreign_files;
 mod format;
+#[path = "../support/grids.rs"]
+mod grid_files;
+mod grids;
 mod half_vector;
 mod image;
 mod layering;

@@ -20,7 +20,7 @@ pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
 pub use header::{Header, SCALE};
 pub use import::{BinPoint, reciprocal_mean, tabulate_brdf};
-pub(super) use import::{bin_is_upper, pair_of_angles};
+pub(super) use import::{bin_is_upper, pair_of_angles, tabulate_pairs};
 pub use lookup::{BinIndex, LookupRule};
 pub use table::{Census, MerlTable};
 pub use write::write;

@@ -19,6 +19,7 @@ pub(super) use file::VISIBLE;
 pub use file::{BsdfFile, Colour};
 pub(super) use spectrum::colour_weights;
 pub use tabulate::{BsdfSize, tabulate};
+pub(super) use tensors::{F32, FieldList, U16};
 pub use tensors::{Tensor, looks_like_bsdf};
 
 use super::format::{MaterialFormat, Origin};
