@@ -18,6 +18,7 @@ mod grid_files;
 mod grids;
 mod half_vector;
 mod image;
+mod invalid_channels;
 mod layering;
 mod lookup;
 mod measured_data;

@@ -49,7 +49,7 @@ pub(super) fn is_polarised(file: &mut RegularFile) -> bool {
 pub(super) fn read_polarised(path: &Path) -> Result<(PolarisedGrid, Vec<String>)> {
     let mut file = RegularFile::open(path)?;
     let list = FieldList::read(&mut file)?;
-    let mut read = Reader {
+    let mut read = MatrixReader {
         file: &mut file,
         list: &list,
     };
@@ -95,12 +95,12 @@ impl MeasuredGrid for PolarisedGrid {
     }
 }
 
-struct Reader<'a> {
+struct MatrixReader<'a> {
     file: &'a mut RegularFile,
     list: &'a FieldList,
 }
 
-impl Reader<'_> {
+impl MatrixReader<'_> {
     /// The numbers of a field of one axis of 2 to `most`, or of several of which all but one have the length 1.
     fn axis(&mut self, name: &str, most: usize) -> Result<Vec<f64>> {
         let field = self.list.require(name)?;

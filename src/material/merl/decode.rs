@@ -19,10 +19,15 @@ const CHUNK: usize = 16_384;
 /// [`crate::Error::Io`] if it can't be opened, [`crate::Error::Unsupported`] if it is no regular file,
 /// [`crate::Error::Invalid`] if its header or length is not a MERL file's.
 pub fn load(path: &Path) -> Result<MerlTable> {
+    load_channels(path, false)
+}
+
+/// [`load`], of a table that may keep channels apart ([`MerlTable::keeps_channels_apart`]).
+pub(super) fn load_channels(path: &Path, apart: bool) -> Result<MerlTable> {
     let mut file = RegularFile::open(path)?;
     let header = read_header(&mut file)?;
     let (cells, mut buffers) = (header.cells(), [const { Vec::new() }; 3]);
-    let mut table = TableBuilder::new(header);
+    let mut table = TableBuilder::new(header, apart);
     for start in (0..cells).step_by(CHUNK) {
         let count = CHUNK.min(cells - start);
         for (channel, buffer) in buffers.iter_mut().enumerate() {
@@ -49,7 +54,7 @@ pub fn load_mapped(path: &Path) -> Result<MerlTable> {
     let header = Header::parse(mapped.bytes(), mapped.bytes().len() as u64, path)?;
     let (red, rest) = mapped.bytes()[Header::BYTES..].split_at(8 * header.cells());
     let (green, blue) = rest.split_at(8 * header.cells());
-    let mut table = TableBuilder::new(header);
+    let mut table = TableBuilder::new(header, false);
     note_filled([red, green, blue], &mut table);
     decode_cells([red, green, blue], |rgb| table.push(rgb));
     Ok(table.finish())

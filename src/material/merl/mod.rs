@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 pub use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 pub use brdf::MerlBrdf;
-use decode::check_file;
+use decode::{check_file, load_channels};
 pub use decode::{decode_cells, load, load_mapped};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
@@ -25,7 +25,7 @@ pub use lookup::{BinIndex, LookupRule};
 pub use table::{Census, MerlTable};
 pub use write::write;
 
-use super::format::{MaterialFormat, Origin};
+use super::format::{MaterialFormat, Origin, TableReading};
 use super::{Loaded, MaterialFacts};
 use crate::geometry::Symmetry;
 use crate::{Error, Result};
@@ -50,8 +50,9 @@ impl MaterialFormat for MerlBinary {
         Ok(FACTS)
     }
 
-    fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded> {
-        Ok(with_rule(load(origin.path())?, rule))
+    fn load(&self, origin: &Origin, reading: TableReading) -> Result<Loaded> {
+        let table = load_channels(origin.path(), reading.channels_apart)?;
+        Ok(with_rule(table, reading.rule))
     }
 }
 
@@ -67,10 +68,10 @@ impl MaterialFormat for EmbeddedNetworks {
         Ok(FACTS)
     }
 
-    fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded> {
+    fn load(&self, origin: &Origin, reading: TableReading) -> Result<Loaded> {
         let name = origin.path().to_string_lossy();
         match decode_embedded(&name) {
-            Some(table) => Ok(with_rule(table, rule)),
+            Some(table) => Ok(with_rule(table, reading.rule)),
             None => Err(Error::argument(
                 format!("no embedded material is called \"{name}\""),
                 "choose one of `merlkit list`",

@@ -54,6 +54,8 @@ pub struct Args {
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten)]
+    invalid: args::Invalid,
+    #[command(flatten)]
     sky: SkyArgs,
     /// Seed of the draws
     #[arg(long, value_name = "K", default_value_t = 1)]
@@ -143,7 +145,7 @@ fn materials(args: &Args) -> Result<(Vec<String>, Vec<Material>), Error> {
         true => default.iter().map(|&name| name.to_owned()).collect(),
         false => args.materials.clone(),
     };
-    let materials = args::resolve(&names)?;
+    let materials = args::resolve(&names, &args.invalid)?;
     args::refuse_repeated(&materials)?;
     Ok((names, materials))
 }
@@ -168,7 +170,14 @@ struct Run {
 }
 
 impl Run {
-    fn new(args: &Args, (names, materials): (Vec<String>, Vec<Material>)) -> Result<Self, Error> {
+    fn new(
+        args: &Args,
+        (mut names, materials): (Vec<String>, Vec<Material>),
+    ) -> Result<Self, Error> {
+        // What is resumed must have been read alike.
+        if args.invalid.is_by_channel() {
+            names.push("--invalid channel".into());
+        }
         let plan = plan(args);
         let path = args.output.join(JOURNAL);
         if path.exists() && !args.resume && !args.force {

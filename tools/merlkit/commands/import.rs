@@ -10,7 +10,7 @@ use merlkit::material::measurements::{
     AngleUnit, MeasurementKind, Measurements, fill_gaps, read_array,
 };
 use merlkit::material::merl::{BinPoint, tabulate_brdf, write};
-use merlkit::material::{Loaded, LookupRule, Material, MerlBrdf, MerlTable};
+use merlkit::material::{Loaded, LookupRule, MerlBrdf, MerlTable};
 use merlkit_evaluate::measure::resampling_errors;
 use merlkit_evaluate::report::resampling_sheet;
 
@@ -38,6 +38,8 @@ pub struct Args {
     /// How the table will be looked up: values at the lower edges of bins for linear, at their centres otherwise
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
+    #[command(flatten)]
+    invalid: args::Invalid,
     /// Unit of a list's angles [default: as its columns say; else degrees for CSV, radians for ASTM and Cornell]
     #[arg(long, value_name = "UNIT", value_parser = args::named(UNITS))]
     angles: Option<AngleUnit>,
@@ -69,7 +71,7 @@ pub fn run(args: &Args) -> Outcome {
         refuse_unit(args)?;
     }
     let made = match kind {
-        Some(MeasurementKind::Array) => Arc::new(read_array(path)?),
+        Some(MeasurementKind::Array) => Arc::new(read_array(path, args.invalid.is_by_channel())?),
         Some(_) => measurements(path, args)?,
         None => match reflectance(args)? {
             Some(table) => table,
@@ -121,7 +123,7 @@ fn measurements(path: &Path, args: &Args) -> Result<Arc<MerlTable>, Failure> {
 
 /// The table of a material, and its errors, printed; `None` if they are too large to write it.
 fn reflectance(args: &Args) -> Result<Option<Arc<MerlTable>>, Failure> {
-    let material = Material::resolve(&args.file)?;
+    let material = args.invalid.resolve(&args.file)?;
     let facts = material.facts()?;
     facts.require_isotropic(material.name(), "a MERL table")?;
     let loaded = args::load(&material, args.lookup)?;

@@ -46,10 +46,7 @@ pub struct Args {
     /// [default: lattice below 512 paths a pixel; sobol from there on, and with --target-error]
     #[arg(long, value_name = "SET", value_parser = args::named(&POINTS))]
     points: Option<PointSet>,
-    /// Keep sampling each tile of 16 × 16 pixels until its estimated relative error is at most E: 0.05 or 5%
-    ///
-    /// The error is the root of the mean squared error of the tile's pixels over their mean, pixels without an object left
-    /// out; it is estimated from independent replicates.
+    /// Sample each tile of 16 × 16 pixels until its RMS error, estimated from replicates, over its mean is at most E: 0.05 or 5%
     #[arg(long, value_name = "E", conflicts_with = "spp", value_parser = args::target_error)]
     target_error: Option<f64>,
     /// The most paths a pixel that --target-error may take, from 16 [default: 4096]
@@ -64,6 +61,8 @@ pub struct Args {
     /// What a table says between its samples
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
+    #[command(flatten)]
+    invalid: args::Invalid,
     /// Put the spheres on a grey floor
     #[arg(long = "ground")]
     ground: bool,
@@ -243,7 +242,7 @@ fn describe(args: &Args, settings: &RenderSettings) -> Result<(SceneSpec, Vec<Ma
         &args.materials,
         settings.width as f64 / settings.height as f64,
     );
-    let materials = args::resolve(&spec.materials)?;
+    let materials = args::resolve(&spec.materials, &args.invalid)?;
     spec.lights = args
         .lights
         .iter()

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use merlkit::Error;
-use merlkit::material::{Loaded, LookupRule, Material};
+use merlkit::material::{Loaded, LookupRule};
 use merlkit::sampler::{SamplerSpec, store};
 use merlkit_evaluate::measure::compare::{PointPlan, Tuning, Wish, tunable, tune};
 use merlkit_evaluate::report::{tuning_sheet, tuning_summary, write_json};
@@ -49,6 +49,8 @@ pub struct Args {
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten)]
+    invalid: args::Invalid,
+    #[command(flatten)]
     sky: SkyArgs,
     /// Seed of the draws
     #[arg(long, value_name = "K", default_value_t = 1)]
@@ -83,7 +85,7 @@ pub fn run(args: &Args) -> Outcome {
     {
         file.check(overwrite)?;
     }
-    let material = Material::resolve(&args.material)?;
+    let material = args.invalid.resolve(&args.material)?;
     let sky = args.sky.load()?;
     let loaded = args::load(&material, args.lookup)?;
     let specs = candidates(args, &loaded)?;
