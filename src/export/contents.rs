@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::Result;
 use crate::material::merl::Header;
-use crate::material::{Loaded, Material, MerlBrdf, MerlTable, Origin};
+use crate::material::{Loaded, LookupRule, Material, MerlBrdf, MerlTable, Origin};
 use crate::sampler::{HalfVectorSettings, HalfVectorTable};
+use crate::{Error, Result};
 
 /// A loaded material, its lookup rule and the half-vector table built for both.
 #[derive(Debug)]
@@ -43,16 +43,27 @@ impl Export {
         &self.table
     }
 
-    /// f_r in sr⁻¹ by `[theta_h, theta_d, phi_d, rgb]`; −1 in all channels of a cell without a usable value.
+    /// f_r in sr⁻¹ by `[theta_h, theta_d, phi_d, rgb]`; −1 in a channel without a usable value.
     pub fn values(&self) -> impl Iterator<Item = f32> + '_ {
-        let rgb = |c: &glam::Vec4| {
-            if c.w == 0.0 {
-                [-1.0; 3]
-            } else {
-                c.truncate().to_array()
-            }
-        };
-        self.merl().cells().iter().flat_map(rgb)
+        let table = self.merl();
+        (0..table.cells().len()).flat_map(move |cell| {
+            let (rgb, valid) = (table.cells()[cell], table.valid_channels(cell));
+            [0, 1, 2].map(|channel| if valid[channel] { rgb[channel] } else { -1.0 })
+        })
+    }
+
+    /// Between bins, a header leaves out whole cells, by their red.
+    pub(super) fn require_whole_cells(&self) -> Result<()> {
+        if !self.merl().has_partial_cells() || self.brdf.rule() == LookupRule::Floor {
+            return Ok(());
+        }
+        Err(Error::argument(
+            format!(
+                "a header for the {} lookup cannot keep the channels of a cell apart",
+                self.brdf.rule().name()
+            ),
+            "leave --invalid channel out, or export for the floor lookup or as npz",
+        ))
     }
 
     fn merl(&self) -> &MerlTable {

@@ -26,16 +26,18 @@ impl Export {
     /// Writes [`Self::header`]; returns the file's length in bytes.
     ///
     /// # Errors
-    /// As [`write_new`].
+    /// As [`write_new`]; [`crate::Error::Argument`] for a table of which cells are valid in some channels only, under a linear rule.
     pub fn write_header(&self, path: &Path, overwrite: Overwrite) -> Result<u64> {
+        self.require_whole_cells()?;
         write_bytes(self.header().as_bytes(), path, overwrite)
     }
 
     /// Writes the values that the header's `eval` reads: [`Self::values`] as little-endian f32; returns the file's length.
     ///
     /// # Errors
-    /// As [`write_new`].
+    /// As [`Self::write_header`].
     pub fn write_values(&self, path: &Path, overwrite: Overwrite) -> Result<u64> {
+        self.require_whole_cells()?;
         write_bytes(&little_endian(self.values()), path, overwrite)
     }
 

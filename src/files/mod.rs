@@ -24,3 +24,4 @@ pub(crate) use map::{Lease, WhyRead};
 pub use regular::RegularFile;
 pub use replace::{Overwrite, abandon_unfinished, check_writable, write_new};
 pub(crate) use signature::{FileClass, SIGNATURE_BYTES, recognise_kind};
+pub(crate) use signature::{UTIA_BYTES, is_utia_number, looks_like_utia};

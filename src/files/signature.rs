@@ -86,6 +86,20 @@ pub(crate) fn recognise_kind(start: &[u8]) -> Option<FileKind> {
     is_text(start).then_some(("a text file", FileClass::Text))
 }
 
+/// Bytes of a file of the UTIA BRDF database: three planes of 288 × 288 doubles, without a header.
+pub(crate) const UTIA_BYTES: u64 = 3 * 288 * 288 * 8;
+
+/// Whether a number could be a reflectance of the UTIA database: bytes of other files, read as doubles, are mostly far from 1.
+pub(crate) fn is_utia_number(value: f64) -> bool {
+    value == 0.0 || (1e-30..=1e6).contains(&value.abs())
+}
+
+/// Whether a file of `length` bytes that begins with `start` could be one of the UTIA database.
+pub(crate) fn looks_like_utia(start: &[u8], length: u64) -> bool {
+    let is_number = |bytes: &[u8; 8]| is_utia_number(f64::from_le_bytes(*bytes));
+    length == UTIA_BYTES && start.as_chunks::<8>().0.iter().all(is_number)
+}
+
 /// Printable ASCII throughout, at least twelve bytes of it.
 fn is_text(start: &[u8]) -> bool {
     let printable = |b: &u8| b.is_ascii_graphic() || b.is_ascii_whitespace();

@@ -7,6 +7,15 @@ use super::loaded::Loaded;
 use super::merl::LookupRule;
 use crate::Result;
 
+/// How a table is read; other formats have no use for it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TableReading {
+    /// What it says between its samples.
+    pub rule: LookupRule,
+    /// Whether a channel can be invalid alone.
+    pub channels_apart: bool,
+}
+
 /// How one kind of material is recognised and loaded.
 pub(super) trait MaterialFormat: Sync {
     /// Whether materials of this origin are of this format; a file is known by its first bytes.
@@ -18,11 +27,11 @@ pub(super) trait MaterialFormat: Sync {
     /// Those of reading the material.
     fn facts(&self, origin: &Origin) -> Result<MaterialFacts>;
 
-    /// Loads the material; formats without a table have no use for `rule`.
+    /// Loads the material.
     ///
     /// # Errors
     /// Those of reading the material.
-    fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded>;
+    fn load(&self, origin: &Origin, reading: TableReading) -> Result<Loaded>;
 }
 
 /// Where a material's values come from.

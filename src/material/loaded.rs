@@ -28,10 +28,14 @@ impl Loaded {
     pub fn from_table(measured: Arc<MerlBrdf>) -> Self {
         Self {
             bytes: measured.table().bytes(),
-            notes: [gap_note(&measured), filled_note(&measured)]
-                .into_iter()
-                .flatten()
-                .collect(),
+            notes: [
+                gap_note(&measured),
+                mixed_note(&measured),
+                filled_note(&measured),
+            ]
+            .into_iter()
+            .flatten()
+            .collect(),
             table: Some(measured.clone()),
             ..Self::from_brdf(measured)
         }
@@ -182,6 +186,28 @@ fn gap_note(measured: &MerlBrdf) -> Option<String> {
             "{count} cells above the horizon ({percent:.2} % of the table) have no value; the {} rule {reading}",
             rule.name()
         )
+    })
+}
+
+/// What becomes of cells of which some channels are unusable; `None` without such cells.
+fn mixed_note(measured: &MerlBrdf) -> Option<String> {
+    let (table, rule) = (measured.table(), measured.rule());
+    let count = table.mixed_cells();
+    let percent = 100.0 * count as f64 / table.cells().len() as f64;
+    let reading = match (table.keeps_channels_apart(), rule) {
+        (false, _) => {
+            "are invalid as a whole, as --invalid cell says; --invalid channel keeps the other channels".into()
+        }
+        (true, LookupRule::Floor) => {
+            "are invalid in these alone, as --invalid channel says; the floor rule reads them as 0".into()
+        }
+        (true, LookupRule::Linear | LookupRule::Centred) => format!(
+            "are invalid in these alone, as --invalid channel says; the {} rule takes the mean of their valid neighbours",
+            rule.name()
+        ),
+    };
+    (count > 0).then(|| {
+        format!("{count} cells ({percent:.2} % of the table) with unusable values in some channels {reading}")
     })
 }
 

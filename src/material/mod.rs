@@ -26,7 +26,7 @@ pub use rgl::RglBrdf;
 
 use crate::files::RegularFile;
 use crate::{Error, Result};
-use format::MaterialFormat;
+use format::{MaterialFormat, TableReading};
 use merl::embedded;
 
 /// All formats: the first that recognises an origin reads it. What none recognises is read as a MERL binary, which begins
@@ -42,6 +42,7 @@ const FORMATS: [&dyn MaterialFormat; 3] = [
 pub struct Material {
     name: String,
     origin: Origin,
+    channels_apart: bool,
 }
 
 impl Material {
@@ -58,6 +59,7 @@ impl Material {
             return Ok(Self {
                 name: argument.into(),
                 origin: Origin::Embedded(argument.into()),
+                channels_apart: false,
             });
         }
         let path = Path::new(argument);
@@ -65,6 +67,7 @@ impl Material {
             Ok(Some(text)) => Ok(Self {
                 name: text.replace([':', ',', '/'], "-"),
                 origin: Origin::Formula(text),
+                channels_apart: false,
             }),
             // A file may be called like a formula that is none.
             Err(error) if !path.exists() => Err(error),
@@ -80,6 +83,7 @@ impl Material {
             return Ok(Self {
                 name,
                 origin: Origin::File(path.to_owned()),
+                channels_apart: false,
             });
         }
         if path.extension().is_some() || path.components().count() > 1 {
@@ -101,6 +105,20 @@ impl Material {
         &self.origin
     }
 
+    /// The same material; `apart` says whether in a cell of its table of which some channels are negative, NaN or infinite only
+    /// these are invalid, rather than the whole cell as by default. Other materials have no such cells.
+    pub fn with_channels_apart(self, apart: bool) -> Self {
+        Self {
+            channels_apart: apart,
+            ..self
+        }
+    }
+
+    /// Whether its table will keep channels apart, as [`Self::with_channels_apart`] says.
+    pub fn keeps_channels_apart(&self) -> bool {
+        self.channels_apart
+    }
+
     /// What it is, without loading its values; a `.bsdf` file is read to know.
     ///
     /// # Errors
@@ -114,7 +132,11 @@ impl Material {
     /// # Errors
     /// As [`merl::load`], or as [`rgl::BsdfFile::open`].
     pub fn load(&self, rule: LookupRule) -> Result<Loaded> {
-        let loaded = self.format().load(&self.origin, rule)?;
+        let reading = TableReading {
+            rule,
+            channels_apart: self.channels_apart,
+        };
+        let loaded = self.format().load(&self.origin, reading)?;
         Ok(loaded.named(&self.name))
     }
 

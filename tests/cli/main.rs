@@ -8,7 +8,10 @@ mod compare;
 mod environments;
 mod eval;
 mod every_material;
+#[path = "../support/grids.rs"]
+mod grid_files;
 mod hard;
+mod import;
 mod materials;
 mod memory;
 mod notes;

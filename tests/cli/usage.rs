@@ -67,7 +67,7 @@ fn every_command_has_help() {
         let name = line.split_whitespace().next().unwrap();
         let about = line.split_whitespace().nth(1);
         assert!(about.is_some(), "{name} is not described");
-        let text = succeeds(run(&["help", &name], ""));
+        let text = succeeds(run(&["help", name], ""));
         assert!(text.contains("--threads") || name == "help", "{name}");
     }
 }

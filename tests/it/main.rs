@@ -13,8 +13,12 @@ mod disc_mass;
 mod examples;
 mod foreign_files;
 mod format;
+#[path = "../support/grids.rs"]
+mod grid_files;
+mod grids;
 mod half_vector;
 mod image;
+mod invalid_channels;
 mod layering;
 mod lookup;
 mod measured_data;

@@ -202,7 +202,7 @@ fn arrays_of_both_layouts_and_precisions_are_tables() {
     ] {
         let (_folder, path) = file(bytes);
         assert_eq!(MeasurementKind::detect(&path), Some(MeasurementKind::Array));
-        let table = read_array(&path).unwrap();
+        let table = read_array(&path, false).unwrap();
         assert_eq!(table.census().nan, 1);
         for cell in [0usize, 8, 999, 1_457_999] {
             let found = table.cells()[cell];
@@ -221,7 +221,7 @@ fn arrays_of_both_layouts_and_precisions_are_tables() {
         (b"PK\x03\x04 no archive".to_vec(), "an .npz archive"),
     ] {
         let (_folder, path) = file(bytes);
-        let found = read_array(&path).unwrap_err().to_string();
+        let found = read_array(&path, false).unwrap_err().to_string();
         assert!(found.contains(says), "{found}");
     }
 }

@@ -21,6 +21,49 @@ pub fn lookup_rule() -> impl TypedValueParser<Value = LookupRule> {
     })
 }
 
+/// What is invalid where a channel of a cell is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InvalidPart {
+    /// The cell as a whole.
+    Cell,
+    /// The channel alone.
+    Channel,
+}
+
+const INVALID_PARTS: &[(&str, InvalidPart)] = &[
+    ("cell", InvalidPart::Cell),
+    ("channel", InvalidPart::Channel),
+];
+
+/// How the cells of a table are read of which some channels are unusable.
+#[derive(clap::Args)]
+pub struct Invalid {
+    /// What an invalid channel of a table makes invalid: its cell or itself [default: cell]
+    #[arg(long, value_name = "cell|channel", hide_possible_values = true, value_parser = named(INVALID_PARTS))]
+    invalid: Option<InvalidPart>,
+}
+
+impl Invalid {
+    /// Whether a channel can be invalid alone.
+    pub fn is_by_channel(&self) -> bool {
+        self.invalid == Some(InvalidPart::Channel)
+    }
+
+    /// Whether the option was given, and says something else than a sampler file that was built so or not.
+    pub fn contradicts(&self, channels_apart: bool) -> bool {
+        self.invalid.is_some() && self.is_by_channel() != channels_apart
+    }
+
+    /// Resolves a material that is read so.
+    pub fn resolve(&self, argument: &str) -> Result<Material, Error> {
+        Ok(self.apply(Material::resolve(argument)?))
+    }
+
+    fn apply(&self, material: Material) -> Material {
+        material.with_channels_apart(self.is_by_channel())
+    }
+}
+
 /// Unit direction of a polar angle and an azimuth in degrees; exact where they are multiples of 90.
 pub fn direction(theta: f64, phi: f64) -> DVec3 {
     let ((sin_theta, cos_theta), (sin_phi, cos_phi)) =
@@ -50,6 +93,8 @@ pub struct Materials {
     /// Take every embedded material
     #[arg(long, conflicts_with = "materials")]
     all: bool,
+    #[command(flatten)]
+    invalid: Invalid,
 }
 
 impl Materials {
@@ -60,18 +105,23 @@ impl Materials {
 
     /// Resolves all of them before any work begins; what can't be read is set apart.
     pub fn resolve(&self) -> Result<(Vec<Material>, Unreadable), Error> {
-        batch::resolve(if self.all {
+        let (mut materials, unreadable) = batch::resolve(if self.all {
             embedded_names()
         } else {
             &self.materials
-        })
+        })?;
+        materials = materials
+            .into_iter()
+            .map(|material| self.invalid.apply(material))
+            .collect();
+        Ok((materials, unreadable))
     }
 }
 
 /// Resolves the material arguments of a command that needs all of them; a folder means the materials in it.
-pub fn resolve(arguments: &[String]) -> Result<Vec<Material>, Error> {
+pub fn resolve(arguments: &[String], invalid: &Invalid) -> Result<Vec<Material>, Error> {
     let arguments = batch::expand_folders(arguments)?;
-    arguments.iter().map(|a| Material::resolve(a)).collect()
+    arguments.iter().map(|a| invalid.resolve(a)).collect()
 }
 
 /// Loads a material, and prints on standard error what its users should know.

@@ -25,8 +25,8 @@
 // NAME_draw(about, u1, u2) and NAME_density_of(about, wi).
 //
 // @FILE@.f32 holds @FLOATS@ little-endian f32 without a header: f_r in 1/sr, MERL's factors applied, as
-// [theta_h (90), theta_d (90), phi_d (@PHI_BINS@), red green blue], the last index the fastest. -1 in all three channels
-// stands where nothing was measured.
+// [theta_h (90), theta_d (90), phi_d (@PHI_BINS@), red green blue], the last index the fastest. -1 stands where
+// nothing was measured, in all three channels or, if they were kept apart, in some.
 //
 // Made of @FILE@, SHA-256 @SHA256@,
 // by the @LOOKUP@ lookup. Draws are in proportion to the @IMPORTANCE@ of the channels and the cosine, by @TABLES@ tables of

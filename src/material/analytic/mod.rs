@@ -11,8 +11,8 @@ use std::sync::Arc;
 
 pub use lambert::Lambert;
 
-use super::format::{MaterialFormat, Origin};
-use super::{Loaded, LookupRule, MaterialFacts};
+use super::format::{MaterialFormat, Origin, TableReading};
+use super::{Loaded, MaterialFacts};
 use crate::brdf::Brdf;
 use crate::{Error, Result};
 use model::Model;
@@ -31,10 +31,10 @@ impl MaterialFormat for Formulas {
 
     fn facts(&self, origin: &Origin) -> Result<MaterialFacts> {
         // Building a formula takes no time.
-        Ok(self.load(origin, LookupRule::default())?.facts())
+        Ok(self.load(origin, TableReading::default())?.facts())
     }
 
-    fn load(&self, origin: &Origin, _: LookupRule) -> Result<Loaded> {
+    fn load(&self, origin: &Origin, _: TableReading) -> Result<Loaded> {
         let text = origin.path().to_string_lossy();
         match parse(&text)? {
             Some((brdf, _)) => Ok(Loaded::from_brdf(brdf).with_reading("values of a formula")),

@@ -16,16 +16,16 @@ const FIX: &str =
 
 /// Reads a table of f_r in sr⁻¹, by bins θh, θd, φd of MERL's axes, from an array of shape [90, 90, 180, 3] or
 /// [3, 90, 90, 180] (or 360 bins of φd). Of an archive it is the array `merl.rgb`, as exports have it, or the only one.
-/// Negative and NaN values are gaps.
+/// Negative and NaN values are gaps: of their channel if `channels_apart`, else of their whole cell.
 ///
 /// # Errors
 /// [`Error::Io`], [`Error::Unsupported`] for what is too long, [`Error::Invalid`] for an array that is no such table.
-pub fn read_array(path: &Path) -> Result<MerlTable> {
+pub fn read_array(path: &Path, channels_apart: bool) -> Result<MerlTable> {
     let bytes = RegularFile::open(path)?.read_all(LONGEST)?;
     if bytes.starts_with(b"PK") {
-        return from_npy(&unpack(bytes, path)?, path);
+        return from_npy(&unpack(bytes, path)?, channels_apart, path);
     }
-    from_npy(&bytes, path)
+    from_npy(&bytes, channels_apart, path)
 }
 
 /// The array of an archive.
@@ -59,7 +59,7 @@ fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>> {
 }
 
 /// A table from the bytes of an `.npy` file.
-fn from_npy(bytes: &[u8], path: &Path) -> Result<MerlTable> {
+fn from_npy(bytes: &[u8], channels_apart: bool, path: &Path) -> Result<MerlTable> {
     let refused = |offset: usize, expected: &str, found: &str| {
         Error::invalid(path, offset as u64, expected, found, FIX)
     };
@@ -124,7 +124,7 @@ fn from_npy(bytes: &[u8], path: &Path) -> Result<MerlTable> {
             .map_or(f64::NAN, |bytes| f64::from(f32::from_le_bytes(*bytes))),
     };
     let mut cell = 0;
-    Ok(MerlTable::from_fn(header, |_, _, _| {
+    Ok(MerlTable::collect(header, channels_apart, |_, _, _| {
         let rgb = [0, 1, 2].map(|channel| {
             number(if channels_last {
                 3 * cell + channel

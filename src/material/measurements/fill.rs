@@ -1,13 +1,13 @@
 //! Gaps of a table, filled from what surrounds them.
 
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 
 use crate::material::merl::{Header, MerlTable, THETA_D_BINS, THETA_H_BINS, bin_is_upper};
 
-/// One level of the pyramid: sums of measured values and their number, in bins of twice the width of the level before.
+/// One level of the pyramid: sums of measured values and their number, by channel, in bins of twice the width of the level before.
 struct Level {
     size: [usize; 3],
-    cells: Vec<(DVec3, f64)>,
+    cells: Vec<(DVec3, DVec3)>,
 }
 
 impl Level {
@@ -20,7 +20,7 @@ impl Level {
         let size = self.size.map(|n| n.div_ceil(2));
         let mut out = Self {
             size,
-            cells: vec![(DVec3::ZERO, 0.0); size.iter().product()],
+            cells: vec![(DVec3::ZERO, DVec3::ZERO); size.iter().product()],
         };
         for h in 0..self.size[0] {
             for d in 0..self.size[1] {
@@ -42,11 +42,14 @@ impl Level {
             for d in 0..self.size[1] {
                 for p in 0..self.size[2] {
                     let (sum, weight) = self.cells[self.index([h, d, p])];
-                    out.push(match coarser {
-                        _ if weight > 0.0 => sum / weight,
-                        Some((level, means)) => level.interpolate(means, [h, d, p]),
-                        None => DVec3::ZERO,
-                    });
+                    let measured = weight.cmpgt(DVec3::ZERO);
+                    let around = match coarser {
+                        Some((level, means)) if !measured.all() => {
+                            level.interpolate(means, [h, d, p])
+                        }
+                        _ => DVec3::ZERO,
+                    };
+                    out.push(DVec3::select(measured, sum / weight, around));
                 }
             }
         }
@@ -79,42 +82,51 @@ impl Level {
 
 /// Fills the cells of a table that have no value though their bin reaches above the horizon: from the mirror image in the
 /// plane of incidence (φd to π − φd) where that has one, else from the surrounding cells, by a pyramid of means over bins
-/// twice as wide at each level, linear in between. The filled cells are marked ([`MerlTable::filled`]).
+/// twice as wide at each level, linear in between. The filled cells are marked ([`MerlTable::filled`]). Of a table that keeps
+/// channels apart, a cell's valid channels stay as they are.
 ///
-/// A table without any value stays as it is.
+/// A channel without any value stays as it is.
 pub fn fill_gaps(table: &MerlTable) -> MerlTable {
     let header = table.header();
     let mirrored = with_mirror_images(table, header);
-    let measured = mirrored.iter().any(|cell| cell.1 > 0.0);
-    if !measured {
+    let mut measured = DVec3::ZERO;
+    for (_, weight) in &mirrored {
+        measured = measured.max(*weight);
+    }
+    let can_fill = measured.cmpgt(DVec3::ZERO);
+    if !can_fill.any() {
         return table.clone();
     }
     let means = pyramid_means(mirrored, header);
     let mut filled = Vec::new();
-    let out = MerlTable::from_fn(header, |h, d, p| {
+    let apart = table.keeps_channels_apart();
+    let out = MerlTable::collect(header, apart, |h, d, p| {
         let cell = table.index(h, d, p);
-        if table.is_valid(h, d, p) {
-            return table.rgb(h, d, p).as_dvec3().to_array();
-        }
-        if !bin_is_upper([h, d, p]) {
-            return [-1.0; 3];
+        let valid: BVec3 = table.valid_channels(cell).into();
+        let own = DVec3::select(valid, table.rgb(h, d, p).as_dvec3(), DVec3::NEG_ONE);
+        if valid.all() || !bin_is_upper([h, d, p]) {
+            return own.to_array();
         }
         filled.push(cell as u32);
-        means[cell].to_array()
+        DVec3::select(!valid & can_fill, means[cell], own).to_array()
     });
     out.with_filled(filled)
 }
 
-/// Values with weight 1 where a cell or its mirror image has one.
-fn with_mirror_images(table: &MerlTable, header: Header) -> Vec<(DVec3, f64)> {
+/// Values with weight 1 in the channels that a cell or its mirror image has.
+fn with_mirror_images(table: &MerlTable, header: Header) -> Vec<(DVec3, DVec3)> {
     let mut out = Vec::with_capacity(header.cells());
     for h in 0..THETA_H_BINS {
         for d in 0..THETA_D_BINS {
             for p in 0..header.phi_d_bins {
                 let mirror = header.phi_d_bins - 1 - p;
-                let from = if table.is_valid(h, d, p) { p } else { mirror };
-                let weight = f64::from(u8::from(table.is_valid(h, d, from)));
-                out.push((table.rgb(h, d, from).as_dvec3(), weight));
+                let [own, other] = [p, mirror].map(|p| table.rgb(h, d, p).as_dvec3());
+                let [valid, mirrored]: [BVec3; 2] =
+                    [p, mirror].map(|p| table.valid_channels(table.index(h, d, p)).into());
+                // Invalid channels hold 0.
+                let value = DVec3::select(valid, own, other);
+                let weight = DVec3::select(valid | mirrored, DVec3::ONE, DVec3::ZERO);
+                out.push((value, weight));
             }
         }
     }
@@ -122,7 +134,7 @@ fn with_mirror_images(table: &MerlTable, header: Header) -> Vec<(DVec3, f64)> {
 }
 
 /// The finest level's means, gaps filled.
-fn pyramid_means(cells: Vec<(DVec3, f64)>, header: Header) -> Vec<DVec3> {
+fn pyramid_means(cells: Vec<(DVec3, DVec3)>, header: Header) -> Vec<DVec3> {
     let mut levels = vec![Level {
         size: [THETA_H_BINS, THETA_D_BINS, header.phi_d_bins],
         cells,

@@ -1,14 +1,20 @@
-//! Scattered measurements: pairs of directions with values, and the table that they fill in part.
+//! Measurements of pairs of directions, scattered or on a grid, and the table that they fill in part.
 
+use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
 use super::columns::AngleUnit;
+use super::grid::{MeasuredGrid, probe_pairs, reciprocal_value, tabulate_grid};
+use super::kind::MeasurementKind;
+use super::polarised::read_polarised;
 use super::text::{List, read_list};
+use super::utia::read_utia;
 use crate::brdf::Brdf;
 use crate::files::RegularFile;
-use crate::material::merl::{BinIndex, Header, MerlTable, THETA_D_BINS};
+use crate::material::merl::{BinIndex, BinPoint, Header, MerlTable, THETA_D_BINS};
 use crate::{Error, Result};
 
 /// Lists beyond this many bytes are refused.
@@ -16,20 +22,45 @@ const LONGEST: u64 = 1 << 30;
 const HEADER: Header = Header { phi_d_bins: 180 };
 
 /// Measured pairs of directions of an isotropic material.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Measurements {
+    /// All that were measured; of a grid, some that follow the cosine, to compare with.
     pairs: Vec<(Vec3, Vec3, DVec3)>,
     notes: Vec<String>,
+    grid: Option<Arc<dyn MeasuredGrid>>,
 }
 
 impl Measurements {
-    /// Reads a list: CSV with named columns, ASTM E1392, or Cornell's spectra at scattered angles. `unit` overrides the unit
-    /// of angles that the file states or its kind has.
+    /// Reads a list (CSV with named columns, ASTM E1392, or Cornell's spectra at scattered angles) or a grid of directions (the
+    /// unpolarised part of a `.pbsdf` file, or the mean over rotations of a file of the UTIA database). `unit` overrides the
+    /// unit of angles that a list states or its kind has.
     ///
     /// # Errors
-    /// [`Error::Io`], [`Error::Unsupported`] for what is no regular file or of more than 1 GiB, [`Error::Invalid`] with the
-    /// place where the grammar is broken or angles are out of the range of their unit.
+    /// [`Error::Io`], [`Error::Unsupported`] for what is no regular file and for lists of more than 1 GiB, [`Error::Invalid`] with
+    /// the place where the grammar is broken or angles are out of the range of their unit.
     pub fn read(path: &Path, unit: Option<AngleUnit>) -> Result<Self> {
+        match MeasurementKind::detect(path) {
+            Some(MeasurementKind::Polarised) => {
+                let (grid, notes) = read_polarised(path)?;
+                Ok(Self::from_grid(Arc::new(grid), notes))
+            }
+            Some(MeasurementKind::Utia) => {
+                let (grid, notes) = read_utia(path)?;
+                Ok(Self::from_grid(Arc::new(grid), notes))
+            }
+            _ => Self::read_list(path, unit),
+        }
+    }
+
+    fn from_grid(grid: Arc<dyn MeasuredGrid>, notes: Vec<String>) -> Self {
+        Self {
+            pairs: probe_pairs(&*grid),
+            notes,
+            grid: Some(grid),
+        }
+    }
+
+    fn read_list(path: &Path, unit: Option<AngleUnit>) -> Result<Self> {
         let bytes = RegularFile::open(path)?.read_all(LONGEST)?;
         let text = match std::str::from_utf8(&bytes) {
             Ok(text) => text.trim_start_matches('\u{feff}'),
@@ -57,6 +88,7 @@ impl Measurements {
         let mut out = Self {
             pairs: Vec::new(),
             notes: list.columns.notes.clone(),
+            grid: None,
         };
         let (mut below, mut not_finite) = (0, 0);
         for row in list.numbers.chunks_exact(list.columns.count) {
@@ -81,7 +113,9 @@ impl Measurements {
 
     /// Measured pairs that are used.
     pub fn count(&self) -> usize {
-        self.pairs.len()
+        self.grid
+            .as_ref()
+            .map_or(self.pairs.len(), |grid| grid.count())
     }
 
     /// What reading took for granted or left out, in words.
@@ -90,23 +124,49 @@ impl Measurements {
     }
 
     /// Median of the relative difference of a BRDF's values from those measured, Σ|Δ| over Σ of the channels; pairs where
-    /// nothing was measured are left out. NaN if nothing was measured anywhere.
+    /// nothing was measured are left out. NaN if nothing was measured anywhere. Of a grid, pairs that follow the cosine, with its
+    /// values linear between its points.
     pub fn median_error(&self, brdf: &dyn Brdf) -> f64 {
+        self.median_difference(|wo, wi| Some(brdf.eval(wo, wi).as_dvec3()))
+    }
+
+    fn median_difference(&self, value: impl Fn(Vec3, Vec3) -> Option<DVec3>) -> f64 {
         let mut errors = Vec::new();
         for &(wo, wi, rgb) in &self.pairs {
             let sum = rgb.element_sum();
-            if sum > 0.0 {
-                let difference = brdf.eval(wo, wi).as_dvec3() - rgb;
-                errors.push(difference.abs().element_sum() / sum);
+            if sum > 0.0
+                && let Some(value) = value(wo, wi)
+            {
+                errors.push((value - rgb).abs().element_sum() / sum);
             }
         }
         errors.sort_by(f64::total_cmp);
         errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN)
     }
 
-    /// The table on MERL's axes: a cell is the mean of the measurements in its bin, invalid without any. Means below 0, which
-    /// noise may leave, are 0. Says in words how much is there.
+    /// [`Self::tabulate`] with values at the centres of bins.
     pub fn to_table(&self) -> (MerlTable, Vec<String>) {
+        self.tabulate(BinPoint::Centre)
+    }
+
+    /// The table on MERL's axes. Of a list, a cell is the mean of the measurements in its bin; of a grid, the mean of its values,
+    /// linear between its points, for both orders of the pair at the `point` of its bin, each weighted by the cosine of the
+    /// incident direction. A cell without measurements is invalid. Channels below 0, which noise may leave, are 0. Says in words
+    /// how much is there.
+    pub fn tabulate(&self, point: BinPoint) -> (MerlTable, Vec<String>) {
+        let Some(grid) = &self.grid else {
+            return self.tabulate_list();
+        };
+        let (table, mut notes) = tabulate_grid(&**grid, point);
+        let cost = self.median_difference(|wo, wi| reciprocal_value(&**grid, wo, wi));
+        notes.push(format!(
+            "reciprocity, which a table forces, alone makes f_r differ by {:.3} % (median)",
+            100.0 * cost
+        ));
+        (table, notes)
+    }
+
+    fn tabulate_list(&self) -> (MerlTable, Vec<String>) {
         let mut sums = vec![(DVec3::ZERO, 0u32); HEADER.cells()];
         for &(wo, wi, rgb) in &self.pairs {
             if let Some(bin) = BinIndex::find(wo, wi, HEADER.phi_d_bins) {
@@ -138,6 +198,15 @@ impl Measurements {
             ));
         }
         (table, notes)
+    }
+}
+
+impl fmt::Debug for Measurements {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Measurements")
+            .field("count", &self.count())
+            .field("notes", &self.notes)
+            .finish_non_exhaustive()
     }
 }
 

@@ -24,26 +24,27 @@ const WINDOW: usize = 1 << 18;
 /// [`crate::Error::Io`] if it can't be opened, [`crate::Error::Unsupported`] if it is no regular file,
 /// [`crate::Error::Invalid`] if its header or length is not a MERL file's.
 pub fn load(path: &Path) -> Result<MerlTable> {
-    load_with_access(path).map(|(table, _)| table)
+    load_with_access(path, false).map(|(table, _)| table)
 }
 
-/// [`load`], and how: "mapped", or "copied" and why.
-pub(super) fn load_with_access(path: &Path) -> Result<(MerlTable, String)> {
+/// [`load`], of a table that may keep channels apart ([`MerlTable::keeps_channels_apart`]), and how it was read: "mapped", or
+/// "copied" and why.
+pub(super) fn load_with_access(path: &Path, apart: bool) -> Result<(MerlTable, String)> {
     let mut file = RegularFile::open(path)?;
     let header = read_header(&mut file)?;
-    match decode_mapped(&file, header) {
+    match decode_mapped(&file, header, apart) {
         Ok(table) => Ok((table, "mapped".into())),
         Err(why) => {
-            let table = decode_read(&mut file, header)?;
+            let table = decode_read(&mut file, header, apart)?;
             Ok((table, format!("copied ({why})")))
         }
     }
 }
 
 /// Decodes by `read`.
-fn decode_read(file: &mut RegularFile, header: Header) -> Result<MerlTable> {
+fn decode_read(file: &mut RegularFile, header: Header, apart: bool) -> Result<MerlTable> {
     let (cells, mut buffers) = (header.cells(), [const { Vec::new() }; 3]);
-    let mut table = TableBuilder::new(header);
+    let mut table = TableBuilder::new(header, apart);
     for start in (0..cells).step_by(CHUNK) {
         let count = CHUNK.min(cells - start);
         for (channel, buffer) in buffers.iter_mut().enumerate() {
@@ -58,10 +59,14 @@ fn decode_read(file: &mut RegularFile, header: Header) -> Result<MerlTable> {
 }
 
 /// Decodes from memory maps under a lease, or says why the file has to be read.
-fn decode_mapped(file: &RegularFile, header: Header) -> std::result::Result<MerlTable, WhyRead> {
+fn decode_mapped(
+    file: &RegularFile,
+    header: Header,
+    apart: bool,
+) -> std::result::Result<MerlTable, WhyRead> {
     let lease = Lease::take(file)?;
     let cells = header.cells();
-    let mut table = TableBuilder::new(header);
+    let mut table = TableBuilder::new(header, apart);
     for start in (0..cells).step_by(WINDOW) {
         let count = WINDOW.min(cells - start);
         let map = |channel| lease.map(plane_offset(header, channel, start), 8 * count);
@@ -141,10 +146,10 @@ mod tests {
         write(&nickel, &path, Overwrite::Refuse).unwrap();
         let mut file = RegularFile::open(&path).unwrap();
         let header = read_header(&mut file).unwrap();
-        let read = decode_read(&mut file, header).unwrap();
+        let read = decode_read(&mut file, header, false).unwrap();
         assert!(read.cells() == nickel.cells());
-        let access = load_with_access(&path).unwrap().1;
-        match decode_mapped(&file, header) {
+        let access = load_with_access(&path, false).unwrap().1;
+        match decode_mapped(&file, header, false) {
             Ok(mapped) => {
                 assert!(mapped.cells() == read.cells() && mapped.census() == read.census());
                 assert_eq!(access, "mapped");
@@ -155,7 +160,7 @@ mod tests {
             .append(true)
             .open(&path)
             .unwrap();
-        let (copied, access) = load_with_access(&path).unwrap();
+        let (copied, access) = load_with_access(&path, false).unwrap();
         assert!(copied.cells() == nickel.cells());
         assert!(access.starts_with("copied ("), "{access}");
         drop(writer);

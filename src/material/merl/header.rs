@@ -3,7 +3,7 @@
 use byteorder::{ByteOrder, LittleEndian};
 use std::path::Path;
 
-use crate::files::{FileClass, recognise_kind};
+use crate::files::{FileClass, looks_like_utia, recognise_kind};
 use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 use crate::{Error, Result};
 
@@ -43,6 +43,15 @@ impl Header {
             [90, 90, 180] => Self { phi_d_bins: 180 },
             [90, 90, 360] => Self { phi_d_bins: 360 },
             [a, b, c] => {
+                // It has no mark of its own, and a byte of a number may look like that of another kind.
+                if looks_like_utia(bytes, file_bytes) {
+                    return Err(Error::Unsupported {
+                        path: path.to_owned(),
+                        what: "what looks like a file of the UTIA database, by its size,".into(),
+                        fix: "`merlkit import` makes a MERL binary of it, without its anisotropy"
+                            .into(),
+                    });
+                }
                 if let Some((what, fix)) = recognise_other(bytes, dims) {
                     return Err(Error::Unsupported {
                         path: path.to_owned(),

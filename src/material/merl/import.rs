@@ -37,18 +37,31 @@ pub fn tabulate_brdf(brdf: &dyn Brdf, point: BinPoint) -> Result<MerlTable> {
             "use the material as it is: every command but those that need a table takes it",
         ));
     }
+    Ok(tabulate_pairs(point, &|wo, wi| {
+        reciprocal_mean(brdf, wo, wi).as_dvec3().to_array()
+    }))
+}
+
+/// Tabulates a function of two directions on the threads of the current pool: `value` is called with the pair at the `point` of
+/// each bin, as [`tabulate_brdf`] does, and gives −1 for a gap.
+pub(in crate::material) fn tabulate_pairs(
+    point: BinPoint,
+    value: &(dyn Fn(Vec3, Vec3) -> [f64; 3] + Sync),
+) -> MerlTable {
     let mut values = vec![[0.0f64; 3]; HEADER.cells()];
     let row = THETA_D_BINS * HEADER.phi_d_bins;
     values.par_chunks_mut(row).enumerate().for_each(|(h, row)| {
-        for (k, value) in row.iter_mut().enumerate() {
+        for (k, cell) in row.iter_mut().enumerate() {
             let bin = [h, k / HEADER.phi_d_bins, k % HEADER.phi_d_bins];
-            *value = bin_value(brdf, bin, point);
+            let pair = match point {
+                BinPoint::Edge => upper_pair(bin, [0.0; 3]),
+                BinPoint::Centre => central_pair(bin),
+            };
+            *cell = pair.map_or([-1.0; 3], |(wo, wi)| value(wo, wi));
         }
     });
     let mut values = values.into_iter();
-    Ok(MerlTable::from_fn(HEADER, |_, _, _| {
-        values.next().unwrap_or([-1.0; 3])
-    }))
+    MerlTable::from_fn(HEADER, |_, _, _| values.next().unwrap_or([-1.0; 3]))
 }
 
 /// The reciprocal reflectance closest to one that need not be: the mean of f_r over both orders of the directions, each
@@ -67,18 +80,6 @@ pub fn reciprocal_mean(brdf: &dyn Brdf, wo: Vec3, wi: Vec3) -> Rgb {
     }
     let sum = brdf.eval_cos(wo, wi).as_dvec3() + brdf.eval_cos(wi, wo).as_dvec3();
     (sum / (f64::from(wo.z) + f64::from(wi.z))).as_vec3()
-}
-
-/// The value of a bin, −1 where it lies below the horizon.
-fn bin_value(brdf: &dyn Brdf, bin: [usize; 3], point: BinPoint) -> [f64; 3] {
-    let pair = match point {
-        BinPoint::Edge => upper_pair(bin, [0.0; 3]),
-        BinPoint::Centre => central_pair(bin),
-    };
-    match pair {
-        Some((wo, wi)) => reciprocal_mean(brdf, wo, wi).as_dvec3().to_array(),
-        None => [-1.0; 3],
-    }
 }
 
 /// The pair at a bin's centre or, if that is below the horizon, as near to it as can be told on the way to the uppermost corner;

@@ -20,12 +20,12 @@ pub use embedded::{decode as decode_embedded, names as embedded_names};
 pub use hard::HardCase;
 pub use header::{Header, SCALE};
 pub use import::{BinPoint, reciprocal_mean, tabulate_brdf};
-pub(super) use import::{bin_is_upper, pair_of_angles};
+pub(super) use import::{bin_is_upper, pair_of_angles, tabulate_pairs};
 pub use lookup::{BinIndex, LookupRule};
 pub use table::{Census, MerlTable};
 pub use write::write;
 
-use super::format::{MaterialFormat, Origin};
+use super::format::{MaterialFormat, Origin, TableReading};
 use super::{Loaded, MaterialFacts};
 use crate::geometry::Symmetry;
 use crate::{Error, Result};
@@ -50,9 +50,9 @@ impl MaterialFormat for MerlBinary {
         Ok(FACTS)
     }
 
-    fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded> {
-        let (table, access) = load_with_access(origin.path())?;
-        Ok(with_rule(table, rule).with_file_access(access))
+    fn load(&self, origin: &Origin, reading: TableReading) -> Result<Loaded> {
+        let (table, access) = load_with_access(origin.path(), reading.channels_apart)?;
+        Ok(with_rule(table, reading.rule).with_file_access(access))
     }
 }
 
@@ -68,10 +68,10 @@ impl MaterialFormat for EmbeddedNetworks {
         Ok(FACTS)
     }
 
-    fn load(&self, origin: &Origin, rule: LookupRule) -> Result<Loaded> {
+    fn load(&self, origin: &Origin, reading: TableReading) -> Result<Loaded> {
         let name = origin.path().to_string_lossy();
         match decode_embedded(&name) {
-            Some(table) => Ok(with_rule(table, rule)),
+            Some(table) => Ok(with_rule(table, reading.rule)),
             None => Err(Error::argument(
                 format!("no embedded material is called \"{name}\""),
                 "choose one of `merlkit list`",

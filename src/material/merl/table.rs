@@ -33,14 +33,18 @@ impl Census {
 
 /// A decoded MERL table: f_r in sr⁻¹ for each bin `[theta_h, theta_d, phi_d]`, 90 × 90 × 180 (or 360).
 ///
-/// Invalid cells hold 0 and are marked; every valid value is finite and ≥ 0. The table owns its memory and does not know
-/// the file it came from.
+/// Invalid cells hold 0 and are marked; every valid value is finite and ≥ 0. A cell in which some channels alone are unusable is
+/// invalid as a whole, unless the table keeps channels apart ([`Self::keeps_channels_apart`]). The table owns its memory and
+/// does not know the file it came from.
 #[derive(Clone)]
 pub struct MerlTable {
     header: Header,
-    /// x, y, z = RGB; w = 1 for a valid cell, 0 for an invalid one.
+    /// x, y, z = RGB; w as [`validity`] has it.
     cells: Vec<Vec4>,
     census: Census,
+    /// Cells with usable and unusable channels.
+    mixed: u64,
+    channels_apart: bool,
     /// Cells whose value was filled in, rising.
     filled: Vec<u32>,
 }
@@ -49,8 +53,17 @@ impl MerlTable {
     /// Builds a table of f_r from `value(theta_h, theta_d, phi_d)`, in bin indices.
     ///
     /// A cell with a negative, NaN or infinite channel becomes invalid and is counted.
-    pub fn from_fn(header: Header, mut value: impl FnMut(usize, usize, usize) -> [f64; 3]) -> Self {
-        let mut table = TableBuilder::new(header);
+    pub fn from_fn(header: Header, value: impl FnMut(usize, usize, usize) -> [f64; 3]) -> Self {
+        Self::collect(header, false, value)
+    }
+
+    /// [`Self::from_fn`] of a table that may keep channels apart.
+    pub(in crate::material) fn collect(
+        header: Header,
+        channels_apart: bool,
+        mut value: impl FnMut(usize, usize, usize) -> [f64; 3],
+    ) -> Self {
+        let mut table = TableBuilder::new(header, channels_apart);
         for h in 0..THETA_H_BINS {
             for d in 0..THETA_D_BINS {
                 for p in 0..header.phi_d_bins {
@@ -77,7 +90,8 @@ impl MerlTable {
         phi_d + self.header.phi_d_bins * (theta_d + THETA_D_BINS * theta_h)
     }
 
-    /// All cells in file order: φd fastest, then θd, then θh; `xyz` is RGB, `w` is 1 where valid and 0 elsewhere.
+    /// All cells in file order: φd fastest, then θd, then θh; `xyz` is RGB, `w` is 1 where valid, 0 where invalid, and in between
+    /// where [`Self::valid_channels`] are some of the three.
     #[inline]
     pub fn cells(&self) -> &[Vec4] {
         &self.cells
@@ -88,7 +102,30 @@ impl MerlTable {
         self.cells[self.index(theta_h, theta_d, phi_d)].truncate()
     }
 
-    /// Whether a bin holds a measured value.
+    /// Whether each channel of a cell, by its position in [`Self::cells`], holds a value.
+    #[inline]
+    pub fn valid_channels(&self, cell: usize) -> [bool; 3] {
+        valid_channels(self.cells[cell].w)
+    }
+
+    /// Whether in a cell of which some channels are negative, NaN or infinite only these are invalid, rather than all three.
+    pub fn keeps_channels_apart(&self) -> bool {
+        self.channels_apart
+    }
+
+    /// Cells of which some channels are usable and some are not: invalid as a whole, and then part of the census, unless the
+    /// table keeps channels apart.
+    pub fn mixed_cells(&self) -> u64 {
+        self.mixed
+    }
+
+    /// Whether a cell may have a value in some channels only.
+    #[inline(always)]
+    pub(crate) fn has_partial_cells(&self) -> bool {
+        self.channels_apart && self.mixed > 0
+    }
+
+    /// Whether a bin holds a measured value, in one channel at least.
     pub fn is_valid(&self, theta_h: usize, theta_d: usize, phi_d: usize) -> bool {
         self.cells[self.index(theta_h, theta_d, phi_d)].w != 0.0
     }
@@ -134,7 +171,7 @@ impl MerlTable {
     /// The raw value that a file stores for a channel of a cell: −1 where invalid, with [`FILLED_MARK`] where filled in.
     pub(super) fn raw(&self, cell: usize, channel: usize) -> f64 {
         let c = self.cells[cell];
-        if c.w == 0.0 {
+        if !valid_channels(c.w)[channel] {
             return -1.0;
         }
         let raw = f64::from(c[channel]) / SCALE[channel];
@@ -155,20 +192,51 @@ impl std::fmt::Debug for MerlTable {
     }
 }
 
+/// The fourth component of a cell: 1 if all its channels are valid, else an eighth of a number whose bits are red, green and blue.
+fn validity(valid: [bool; 3]) -> f32 {
+    let [red, green, blue] = valid.map(|v| f32::from(u8::from(v)));
+    match valid {
+        [true, true, true] => 1.0,
+        _ => (red + 2.0 * green + 4.0 * blue) / 8.0,
+    }
+}
+
+/// The channels that [`validity`] says are valid.
+#[inline]
+fn valid_channels(validity: f32) -> [bool; 3] {
+    let bits = if validity == 1.0 {
+        7
+    } else {
+        (8.0 * validity) as u8
+    };
+    [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0]
+}
+
+/// Whether a channel is a value: not NaN, negative, infinite or beyond the range of f32.
+#[inline(always)]
+fn is_usable(rounded: f32, value: f64) -> bool {
+    // One comparison a channel passes ordinary cells: NaN fails it, as do −x, ∞ and what overflows f32.
+    value >= 0.0 && rounded <= f32::MAX
+}
+
 /// Collects cells in file order and takes the census as they pass.
 pub(super) struct TableBuilder {
     header: Header,
     cells: Vec<Vec4>,
     census: Census,
+    mixed: u64,
+    channels_apart: bool,
     filled: Vec<u32>,
 }
 
 impl TableBuilder {
-    pub(super) fn new(header: Header) -> Self {
+    pub(super) fn new(header: Header, channels_apart: bool) -> Self {
         Self {
             header,
             cells: Vec::with_capacity(header.cells()),
             census: Census::default(),
+            mixed: 0,
+            channels_apart,
             filled: Vec::new(),
         }
     }
@@ -182,9 +250,7 @@ impl TableBuilder {
     #[inline]
     pub(super) fn push(&mut self, value: [f64; 3]) {
         let rgb = Vec3::new(value[0] as f32, value[1] as f32, value[2] as f32);
-        // One comparison a channel passes ordinary cells: NaN fails it, as do −x, ∞ and what overflows f32.
-        let usable = |x: f32, v: f64| v >= 0.0 && x <= f32::MAX;
-        if usable(rgb.x, value[0]) && usable(rgb.y, value[1]) && usable(rgb.z, value[2]) {
+        if is_usable(rgb.x, value[0]) && is_usable(rgb.y, value[1]) && is_usable(rgb.z, value[2]) {
             self.cells.push(rgb.extend(1.0));
         } else {
             self.reject(value, rgb);
@@ -192,6 +258,14 @@ impl TableBuilder {
     }
 
     fn reject(&mut self, value: [f64; 3], rgb: Rgb) {
+        let usable = [0, 1, 2].map(|channel| is_usable(rgb[channel], value[channel]));
+        let is_mixed = usable.contains(&true);
+        self.mixed += u64::from(is_mixed);
+        if is_mixed && self.channels_apart {
+            let kept = Vec3::select(usable.into(), rgb, Vec3::ZERO);
+            self.cells.push(kept.extend(validity(usable)));
+            return;
+        }
         let reason = if value.iter().any(|v| v.is_nan()) {
             &mut self.census.nan
         } else if rgb.to_array().iter().any(|v| v.is_infinite()) {
@@ -209,6 +283,8 @@ impl TableBuilder {
             header: self.header,
             cells: self.cells,
             census: self.census,
+            mixed: self.mixed,
+            channels_apart: self.channels_apart,
             filled: self.filled,
         }
     }

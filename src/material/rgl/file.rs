@@ -5,10 +5,10 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use super::spectrum::to_rgb;
-use super::tensors::{Data, Tensor, TensorFile, write};
-use crate::Result;
-use crate::files::Overwrite;
+use super::tensors::{Data, FieldList, Tensor, TensorFile, write};
+use crate::files::{Overwrite, RegularFile};
 use crate::geometry::Symmetry;
+use crate::{Error, Result};
 
 /// Values that are negative by at most this fraction of the largest are residues of rounding in f32.
 const RESIDUE: f32 = 1e-6;
@@ -73,9 +73,18 @@ impl BsdfFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`crate::Error::Io`]; [`crate::Error::Unsupported`] for what is no regular file or of more than 4 GiB; [`crate::Error::Invalid`] naming what
-    /// does not fit, and where.
+    /// [`crate::Error::Io`]; [`crate::Error::Unsupported`] for what is no regular file or of more than 4 GiB, and for a `.pbsdf` file, before
+    /// its data are read; [`crate::Error::Invalid`] naming what does not fit, and where.
     pub fn open(path: &Path) -> Result<Self> {
+        // A gigabyte of polarised values need not be read to be refused.
+        let fields = FieldList::read(&mut RegularFile::open(path)?);
+        if fields.is_ok_and(|list| list.is_polarised()) {
+            return Err(Error::Unsupported {
+                path: path.to_owned(),
+                what: "a polarimetric measurement (.pbsdf)".into(),
+                fix: "`merlkit import` makes a MERL binary of its unpolarised part".into(),
+            });
+        }
         Self::from_tensors(&TensorFile::open(path)?)
     }
 

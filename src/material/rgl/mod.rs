@@ -19,10 +19,10 @@ pub(super) use file::VISIBLE;
 pub use file::{BsdfFile, Colour};
 pub(super) use spectrum::colour_weights;
 pub use tabulate::{BsdfSize, tabulate};
+pub(super) use tensors::{F32, FieldList, U16};
 pub use tensors::{Tensor, looks_like_bsdf};
 
-use super::format::{MaterialFormat, Origin};
-use super::merl::LookupRule;
+use super::format::{MaterialFormat, Origin, TableReading};
 use super::{Loaded, MaterialFacts};
 use crate::Result;
 
@@ -42,7 +42,7 @@ impl MaterialFormat for RglFormat {
         })
     }
 
-    fn load(&self, origin: &Origin, _: LookupRule) -> Result<Loaded> {
+    fn load(&self, origin: &Origin, _: TableReading) -> Result<Loaded> {
         let file = BsdfFile::open(origin.path())?;
         let notes = file.notes.clone();
         let rgl = Arc::new(RglBrdf::new(file));

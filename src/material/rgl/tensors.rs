@@ -10,6 +10,8 @@ const MAGIC: &[u8; 12] = b"tensor_file\0";
 const VERSION: [u8; 2] = [1, 0];
 /// Where the list of fields begins: behind magic, version and their number.
 const FIELDS: usize = 18;
+/// Bytes at the beginning of a file in which [`FieldList::read`] looks for the list of fields; files have a dozen of them.
+const LIST_BYTES: u64 = 1 << 16;
 /// Bytes of the longest file that is read.
 const LONGEST: u64 = 1 << 32;
 /// Data of every field begin at a multiple of this.
@@ -17,7 +19,8 @@ const ALIGNMENT: usize = 8;
 /// Bytes of an element by the number of its type: none, then u8, i8, u16, i16, u32, i32, u64, i64, f16, f32, f64.
 const WIDTHS: [usize; 12] = [0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8];
 const U8: u8 = 1;
-const F32: u8 = 10;
+pub(in crate::material) const U16: u8 = 3;
+pub(in crate::material) const F32: u8 = 10;
 
 /// An array of numbers, the last axis the fastest; the shape's product is the number of values.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,22 +47,33 @@ pub(super) enum Data<'a> {
     Floats(&'a [usize], &'a [f32]),
 }
 
-/// The fields of a file that has been read and whose container is sound: every array lies in the file, none overlaps another.
+/// What a file holds and where, once its container is known to be sound: every array lies in the file, none overlaps another.
 #[derive(Debug)]
-pub(super) struct TensorFile {
+pub(in crate::material) struct FieldList {
     path: PathBuf,
-    bytes: Vec<u8>,
     fields: BTreeMap<String, TensorField>,
 }
 
+/// A file that has been read as a whole.
 #[derive(Debug)]
-struct TensorField {
+pub(super) struct TensorFile {
+    list: FieldList,
+    bytes: Vec<u8>,
+}
+
+/// An array in a file.
+#[derive(Debug)]
+pub(in crate::material) struct TensorField {
     /// Where the list of fields names it.
     entry: usize,
-    dtype: u8,
-    shape: Vec<usize>,
-    start: usize,
-    end: usize,
+    /// Number of the type of its elements.
+    pub dtype: u8,
+    /// Length of each axis.
+    pub shape: Vec<usize>,
+    /// Where its data begin.
+    pub start: usize,
+    /// Where they end.
+    pub end: usize,
 }
 
 /// Whether `path` begins as a tensor file does.
@@ -71,15 +85,23 @@ pub fn looks_like_bsdf(path: &Path) -> bool {
         && start == *MAGIC
 }
 
-impl TensorFile {
-    pub fn open(path: &Path) -> Result<Self> {
-        Self::from_bytes(RegularFile::open(path)?.read_all(LONGEST)?, path)
+impl FieldList {
+    /// Reads the list at the beginning of a file, and none of the data.
+    pub fn read(file: &mut RegularFile) -> Result<Self> {
+        let mut start = vec![0; file.len().min(LIST_BYTES) as usize];
+        file.read_at(0, &mut start)?;
+        Self::parse(
+            &start,
+            usize::try_from(file.len()).unwrap_or(usize::MAX),
+            file.path(),
+        )
     }
 
-    /// Finds all fields in a file's bytes; nothing is copied. `path` is for messages.
-    pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Self> {
+    /// Finds all fields of a file of `length` bytes that begins with `bytes`. `path` is for messages.
+    fn parse(bytes: &[u8], length: usize, path: &Path) -> Result<Self> {
         let mut cursor = Cursor {
-            bytes: &bytes,
+            bytes,
+            length,
             at: 0,
             path,
         };
@@ -100,7 +122,6 @@ impl TensorFile {
         check_places(&fields, &cursor)?;
         Ok(Self {
             path: path.to_owned(),
-            bytes,
             fields,
         })
     }
@@ -109,47 +130,27 @@ impl TensorFile {
         self.fields.contains_key(name)
     }
 
-    /// A field of bytes.
-    pub fn bytes(&self, name: &str) -> Result<&[u8]> {
-        let field = self.field(name, U8, 1)?;
-        Ok(self.bytes.get(field.start..field.end).unwrap_or_default())
+    /// Whether these are the fields of a `.pbsdf` file (Baek et al. 2020).
+    pub fn is_polarised(&self) -> bool {
+        self.has("M") && self.has("wvls")
     }
 
-    /// A field of finite numbers with so many axes, none of them empty.
-    pub fn floats(&self, name: &str, axes: usize) -> Result<Tensor> {
-        let field = self.field(name, F32, axes)?;
-        let bytes = self.bytes.get(field.start..field.end).unwrap_or_default();
-        let values: Vec<f32> = bytes
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|b| f32::from_le_bytes(*b))
-            .collect();
-        if values.is_empty() {
-            return Err(self.wrong_entry(
-                name,
-                "values",
-                format!("none, of shape {:?}", field.shape),
-            ));
-        }
-        match values.iter().position(|v| !v.is_finite()) {
-            Some(k) => Err(self.wrong_value(name, k, "finite numbers", values[k])),
-            None => Ok(Tensor {
-                shape: field.shape.clone(),
-                values,
-            }),
-        }
-    }
-
-    fn field(&self, name: &str, dtype: u8, axes: usize) -> Result<&TensorField> {
-        let Some(field) = self.fields.get(name) else {
-            return Err(wrong(
+    /// The field of a name.
+    pub fn require(&self, name: &str) -> Result<&TensorField> {
+        let missing = || {
+            wrong(
                 &self.path,
                 FIELDS,
                 format!("a field \"{name}\""),
                 "none".into(),
-            ));
+            )
         };
+        self.fields.get(name).ok_or_else(missing)
+    }
+
+    /// The field of a name, of elements of type `dtype` on so many axes.
+    pub fn field(&self, name: &str, dtype: u8, axes: usize) -> Result<&TensorField> {
+        let field = self.require(name)?;
         if field.dtype != dtype || field.shape.len() != axes {
             let expected = format!("elements of type {dtype} on {axes} axes");
             let found = format!("type {} on {}", field.dtype, field.shape.len());
@@ -189,6 +190,71 @@ impl TensorFile {
     }
 }
 
+impl TensorFile {
+    pub fn open(path: &Path) -> Result<Self> {
+        Self::from_bytes(RegularFile::open(path)?.read_all(LONGEST)?, path)
+    }
+
+    /// Finds all fields in a file's bytes; nothing is copied. `path` is for messages.
+    pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Self> {
+        Ok(Self {
+            list: FieldList::parse(&bytes, bytes.len(), path)?,
+            bytes,
+        })
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.list.has(name)
+    }
+
+    /// A field of bytes.
+    pub fn bytes(&self, name: &str) -> Result<&[u8]> {
+        let field = self.list.field(name, U8, 1)?;
+        Ok(self.bytes.get(field.start..field.end).unwrap_or_default())
+    }
+
+    /// A field of finite numbers with so many axes, none of them empty.
+    pub fn floats(&self, name: &str, axes: usize) -> Result<Tensor> {
+        let field = self.list.field(name, F32, axes)?;
+        let bytes = self.bytes.get(field.start..field.end).unwrap_or_default();
+        let values: Vec<f32> = bytes
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|b| f32::from_le_bytes(*b))
+            .collect();
+        if values.is_empty() {
+            return Err(self.wrong_entry(
+                name,
+                "values",
+                format!("none, of shape {:?}", field.shape),
+            ));
+        }
+        match values.iter().position(|v| !v.is_finite()) {
+            Some(k) => Err(self.wrong_value(name, k, "finite numbers", values[k])),
+            None => Ok(Tensor {
+                shape: field.shape.clone(),
+                values,
+            }),
+        }
+    }
+
+    /// As [`FieldList::wrong_entry`].
+    pub fn wrong_entry(
+        &self,
+        name: &str,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+    ) -> Error {
+        self.list.wrong_entry(name, expected, found)
+    }
+
+    /// As [`FieldList::wrong_value`].
+    pub fn wrong_value(&self, name: &str, index: usize, expected: &str, found: f32) -> Error {
+        self.list.wrong_value(name, index, expected, found)
+    }
+}
+
 fn wrong(path: &Path, at: usize, expected: String, found: String) -> Error {
     let fix = "name a .bsdf file of a measured material, or fetch or export it again";
     Error::invalid(path, at as u64, expected, found, fix)
@@ -196,7 +262,10 @@ fn wrong(path: &Path, at: usize, expected: String, found: String) -> Error {
 
 /// Reads the list of fields; every read is checked against the end of the file.
 struct Cursor<'a> {
+    /// The beginning of the file, or all of it.
     bytes: &'a [u8],
+    /// Bytes of the whole file.
+    length: usize,
     at: usize,
     path: &'a Path,
 }
@@ -245,14 +314,10 @@ impl Cursor<'_> {
         let start = usize::try_from(offset).unwrap_or(usize::MAX);
         let end = count
             .and_then(|n| start.checked_add(n))
-            .filter(|&end| end <= self.bytes.len());
+            .filter(|&end| end <= self.length);
         let Some(end) = end else {
             let found = format!("\"{name}\" of shape {shape:?} from byte {offset} on");
-            return Err(self.wrong(
-                entry,
-                format!("data within {} bytes", self.bytes.len()),
-                found,
-            ));
+            return Err(self.wrong(entry, format!("data within {} bytes", self.length), found));
         };
         Ok((
             name,
@@ -269,7 +334,10 @@ impl Cursor<'_> {
     fn slice(&mut self, length: usize) -> Result<&[u8]> {
         let start = self.at;
         let Some(slice) = self.bytes.get(start..start + length) else {
-            let found = format!("the end of a file of {} bytes", self.bytes.len());
+            let found = match self.bytes.len() == self.length {
+                true => format!("the end of a file of {} bytes", self.length),
+                false => format!("more than {} bytes of it", self.bytes.len()),
+            };
             return Err(self.wrong(self.bytes.len(), "the list of fields to go on", found));
         };
         self.at += length;

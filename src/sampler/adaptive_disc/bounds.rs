@@ -10,7 +10,8 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::quad_cell::Rect;
 use crate::brdf::Importance;
-use crate::material::merl::{BinIndex, LookupRule, MerlBrdf};
+use crate::color::Rgb;
+use crate::material::merl::{BinIndex, LookupRule, MerlBrdf, MerlTable};
 use crate::material::merl::{THETA_D_BINS, THETA_H_BINS};
 
 /// Components of directions are rounded to f32, so a rectangle reaches a little further than drawn.
@@ -33,14 +34,47 @@ struct Range {
     high: usize,
 }
 
+/// RGB of a cell of which some channels alone are invalid, those replaced by the greatest value of the adjacent cells; of any other
+/// cell as it is.
+fn with_greatest_neighbours(table: &MerlTable, cell: usize) -> Rgb {
+    let (mut rgb, valid) = (table.cells()[cell].truncate(), table.valid_channels(cell));
+    if valid[0] == valid[1] && valid[1] == valid[2] {
+        return rgb;
+    }
+    let bins = table.phi_d_bins();
+    let (row, p) = (cell / bins, cell % bins);
+    let (h, d) = (row / THETA_D_BINS, row % THETA_D_BINS);
+    // Invalid channels hold 0.
+    let mut greatest = Rgb::ZERO;
+    for h in h.saturating_sub(1)..=(h + 1).min(THETA_H_BINS - 1) {
+        for d in d.saturating_sub(1)..=(d + 1).min(THETA_D_BINS - 1) {
+            for turn in [bins - 1, 0, 1] {
+                greatest = greatest.max(table.rgb(h, d, (p + turn) % bins));
+            }
+        }
+    }
+    for channel in 0..3 {
+        if !valid[channel] {
+            rgb[channel] = greatest[channel];
+        }
+    }
+    rgb
+}
+
 impl MaxTable {
     pub fn new(brdf: &MerlBrdf, importance: Importance) -> Self {
         let table = brdf.table();
-        let values: Vec<f32> = table
-            .cells()
-            .iter()
-            .map(|c| importance.reduce(c.truncate()))
-            .collect();
+        // Between samples, a channel without a value takes those of its neighbours, so that they bound it.
+        let is_bounded_by_neighbours =
+            table.has_partial_cells() && brdf.rule() != LookupRule::Floor;
+        let mut values = Vec::with_capacity(table.cells().len());
+        for (cell, rgba) in table.cells().iter().enumerate() {
+            let bound = match is_bounded_by_neighbours {
+                true => with_greatest_neighbours(table, cell),
+                false => rgba.truncate(),
+            };
+            values.push(importance.reduce(bound));
+        }
         let phi_d_bins = table.phi_d_bins();
         let (mut levels, mut widths) = (vec![values], vec![phi_d_bins]);
         while widths[widths.len() - 1] > 1 {

@@ -45,6 +45,9 @@ pub struct Record {
     pub source_sha256: String,
     /// Lookup rule the sampler was built under; `None` for a material that has no table.
     pub lookup: Option<LookupRule>,
+    /// Whether channels of the material's table could be invalid alone ([`Material::with_channels_apart`]).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub channels_apart: bool,
     /// SHA-256 over all tensors.
     payload_sha256: String,
 }
@@ -55,7 +58,8 @@ impl Record {
     /// # Errors
     /// As [`Material::resolve`].
     pub fn material(&self) -> Result<Material> {
-        Material::resolve(self.path.as_deref().unwrap_or(&self.material))
+        let material = Material::resolve(self.path.as_deref().unwrap_or(&self.material))?;
+        Ok(material.with_channels_apart(self.channels_apart))
     }
 }
 
@@ -103,6 +107,7 @@ pub fn encode(sampler: &Sampler, material: &Material) -> Result<Vec<u8>> {
         },
         source_sha256: material.sha256()?,
         lookup: sampler.rule(),
+        channels_apart: material.keeps_channels_apart(),
         payload_sha256: out.sha256(),
     };
     let json = serde_json::to_string(&record)
@@ -157,11 +162,20 @@ impl SamplerFile {
     /// The sampler, for the material that is recorded, loaded with the lookup rule that is recorded.
     ///
     /// # Errors
-    /// [`Error::Argument`] if the lookup rule differs, or the material is not of a kind that the sampler can serve;
+    /// [`Error::Argument`] if the lookup rule or the reading of cells with invalid channels differs, or the material is not of a kind that the sampler can serve;
     /// [`Error::Invalid`] if a tensor breaks an invariant.
     pub fn into_sampler(self, material: &Loaded) -> Result<Sampler> {
         if material.rule() != self.record.lookup {
             return Err(another_rule(self.record.lookup));
+        }
+        if let Some(measured) = material.table()
+            && measured.table().mixed_cells() > 0
+            && measured.table().keeps_channels_apart() != self.record.channels_apart
+        {
+            return Err(Error::argument(
+                "the sampler was built with the other reading of cells of which some channels are invalid",
+                "load the material as the file records it, or build the sampler again",
+            ));
         }
         self.record.spec.check_supports(&material.facts())?;
         self.record
@@ -200,7 +214,9 @@ impl SamplerFile {
                 "build the sampler again, or name the material it was built from",
             ));
         }
-        let material = material.load(self.record.lookup.unwrap_or_default())?;
+        let material = material
+            .with_channels_apart(self.record.channels_apart)
+            .load(self.record.lookup.unwrap_or_default())?;
         Ok((self.into_sampler(&material)?, material))
     }
 }

@@ -32,7 +32,7 @@ pub struct Args {
     /// Sampler to build, with its settings (`merlkit samplers`)
     #[arg(long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
     sampler: SamplerSpec,
-    /// What the table says between its samples
+    /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// File to write; with several materials, a folder for files called NAME.SAMPLER.safetensors

@@ -42,7 +42,7 @@ pub struct Args {
     /// 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file, where the material supports them]
     #[arg(long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
-    /// What the table says between its samples
+    /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// Draws of each statistical check, 1000 to 10000000

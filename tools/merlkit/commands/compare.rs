@@ -51,9 +51,11 @@ pub struct Args {
     /// Go on with a run of the same options that was stopped
     #[arg(long)]
     resume: bool,
-    /// What the table says between its samples
+    /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
+    #[command(flatten)]
+    invalid: args::Invalid,
     #[command(flatten)]
     sky: SkyArgs,
     /// Seed of the draws
@@ -144,7 +146,7 @@ fn materials(args: &Args) -> Result<(Vec<String>, Vec<Material>), Error> {
         true => default.iter().map(|&name| name.to_owned()).collect(),
         false => args.materials.clone(),
     };
-    let materials = args::resolve(&names)?;
+    let materials = args::resolve(&names, &args.invalid)?;
     args::refuse_repeated(&materials)?;
     Ok((names, materials))
 }
@@ -169,7 +171,14 @@ struct Run {
 }
 
 impl Run {
-    fn new(args: &Args, (names, materials): (Vec<String>, Vec<Material>)) -> Result<Self, Error> {
+    fn new(
+        args: &Args,
+        (mut names, materials): (Vec<String>, Vec<Material>),
+    ) -> Result<Self, Error> {
+        // What is resumed must have been read alike.
+        if args.invalid.is_by_channel() {
+            names.push("--invalid channel".into());
+        }
         let plan = plan(args);
         let path = args.output.join(JOURNAL);
         if path.exists() && !args.resume && !args.force {

@@ -7,7 +7,6 @@ use std::process::ExitCode;
 use glam::DVec3;
 use merlkit::color::Rgb;
 use merlkit::geometry::DirectionPairs;
-use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 
 use crate::args;
@@ -27,9 +26,11 @@ pub struct Args {
     /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula as lambert:reflectance=0.5
     #[arg(value_name = "MATERIAL")]
     material: String,
-    /// What the table says between its samples
+    /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
+    #[command(flatten)]
+    invalid: args::Invalid,
     /// Viewer as polar angle (0 to 180) and azimuth, degrees, instead of standard input [default: none]
     #[arg(long, value_name = "T,P", allow_hyphen_values = true, requires = "wi", value_parser = angles)]
     wo: Option<DVec3>,
@@ -39,7 +40,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let loaded = args::load(&Material::resolve(&args.material)?, args.lookup)?;
+    let loaded = args::load(&args.invalid.resolve(&args.material)?, args.lookup)?;
     let brdf = &**loaded.brdf();
     let mut failure = None;
     output::stdout(|out| {

@@ -48,7 +48,7 @@ pub struct Args {
     /// header, npz: the half-vector table, with its settings (`merlkit samplers half-vector`) [default: half-vector:64KB]
     #[arg(long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
-    /// What the table says between its samples; a .bsdf file is linear between its own [default: bsdf linear, others floor]
+    /// How values between the samples of a table are interpolated; a .bsdf file is linear between its own [default: bsdf linear, others floor]
     #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
     /// Folder for the files; made if missing

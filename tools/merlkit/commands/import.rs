@@ -10,14 +10,14 @@ use merlkit::material::measurements::{
     AngleUnit, MeasurementKind, Measurements, fill_gaps, read_array,
 };
 use merlkit::material::merl::{BinPoint, tabulate_brdf, write};
-use merlkit::material::{Loaded, LookupRule, Material, MerlBrdf, MerlTable};
+use merlkit::material::{Loaded, LookupRule, MerlBrdf, MerlTable};
 use merlkit_evaluate::measure::resampling_errors;
 use merlkit_evaluate::report::resampling_sheet;
 
 use crate::failure::{Failure, Outcome};
 use crate::{args, output, table};
 
-/// Make a MERL binary (35 MB) of an isotropic .bsdf file, of a list of measurements, or of an array of numpy
+/// Make a MERL binary (35 MB) of an isotropic .bsdf file, a .pbsdf or UTIA file, a list of measurements, or an array of numpy
 ///
 /// .bsdf, formula: spectra become linear sRGB in light of D65. A table cannot tell the two orders of a pair of directions
 /// apart, so its values are the mean of both, weighted by the cosine of the incident one. The error of the table, and the part
@@ -26,18 +26,23 @@ use crate::{args, output, table};
 /// List: CSV with named columns (theta_i, phi_i, theta_o, phi_o or theta_h, theta_d, phi_d; r, g, b or value or wavelengths as
 /// 550nm), ASTM E1392, or Cornell's spectra. A cell is the mean of the measurements in its bin; cells without any are gaps.
 ///
+/// .pbsdf (Baek et al. 2020): the reflectance of unpolarised light; polarisation is left out. UTIA's .bin (1,990,656 bytes): the
+/// mean over the rotation about the normal; anisotropy is left out, and how much that is is printed. Cells beyond 75° are gaps.
+///
 /// Array: .npy or .npz of f_r in sr⁻¹, [90, 90, 180, 3] or [3, 90, 90, 180]; negative and NaN values are gaps.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit import felt.bsdf -o felt.binary\n  merlkit import measured.csv -o measured.binary --fill"
 )]
 pub struct Args {
-    /// Path to a .bsdf file, a list, an array or, with --fill, a MERL binary; or a formula
+    /// Path to a .bsdf, .pbsdf or UTIA file, a list, an array or, with --fill, a MERL binary; or a formula
     #[arg(value_name = "FILE")]
     file: String,
     /// How the table will be looked up: values at the lower edges of bins for linear, at their centres otherwise
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
+    #[command(flatten)]
+    invalid: args::Invalid,
     /// Unit of a list's angles [default: as its columns say; else degrees for CSV, radians for ASTM and Cornell]
     #[arg(long, value_name = "UNIT", value_parser = args::named(UNITS))]
     angles: Option<AngleUnit>,
@@ -64,18 +69,17 @@ pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
     check_writable(&args.output, overwrite)?;
     let path = Path::new(&args.file);
-    let made = match MeasurementKind::detect(path) {
-        Some(MeasurementKind::List) => list(path, args)?,
-        kind => {
-            refuse_unit(args)?;
-            match kind {
-                Some(MeasurementKind::Array) => Arc::new(read_array(path)?),
-                _ => match reflectance(args)? {
-                    Some(table) => table,
-                    None => return Ok(ExitCode::from(1)),
-                },
-            }
-        }
+    let kind = MeasurementKind::detect(path);
+    if kind != Some(MeasurementKind::List) {
+        refuse_unit(args)?;
+    }
+    let made = match kind {
+        Some(MeasurementKind::Array) => Arc::new(read_array(path, args.invalid.is_by_channel())?),
+        Some(_) => measurements(path, args)?,
+        None => match reflectance(args)? {
+            Some(table) => table,
+            None => return Ok(ExitCode::from(1)),
+        },
     };
     let table = if args.fill {
         Arc::new(fill_gaps(&made))
@@ -99,10 +103,10 @@ fn refuse_unit(args: &Args) -> Result<(), Error> {
     }
 }
 
-/// The table of a list of measurements.
-fn list(path: &Path, args: &Args) -> Result<Arc<MerlTable>, Failure> {
+/// The table of a list or a grid of measurements.
+fn measurements(path: &Path, args: &Args) -> Result<Arc<MerlTable>, Failure> {
     let measurements = Measurements::read(path, args.angles)?;
-    let (table, notes) = measurements.to_table();
+    let (table, notes) = measurements.tabulate(bin_point(args.lookup));
     let table = Arc::new(table);
     output::print_notes(&args.file, measurements.notes());
     let brdf = MerlBrdf::new(table.clone(), args.lookup);
@@ -122,7 +126,7 @@ fn list(path: &Path, args: &Args) -> Result<Arc<MerlTable>, Failure> {
 
 /// The table of a material, and its errors, printed; `None` if they are too large to write it.
 fn reflectance(args: &Args) -> Result<Option<Arc<MerlTable>>, Failure> {
-    let material = Material::resolve(&args.file)?;
+    let material = args.invalid.resolve(&args.file)?;
     let facts = material.facts()?;
     facts.require_isotropic(material.name(), "a MERL table")?;
     let loaded = args::load(&material, args.lookup)?;
@@ -134,15 +138,19 @@ fn reflectance(args: &Args) -> Result<Option<Arc<MerlTable>>, Failure> {
         let fix = "`merlkit decode` writes it as a MERL binary; --fill fills its gaps";
         return Err(Error::argument(what, fix).into());
     }
-    let point = if args.lookup == LookupRule::Linear {
-        BinPoint::Edge
-    } else {
-        BinPoint::Centre
-    };
     let brdf = &**loaded.brdf();
-    let table = MerlBrdf::new(Arc::new(tabulate_brdf(brdf, point)?), args.lookup);
+    let table = tabulate_brdf(brdf, bin_point(args.lookup))?;
+    let table = MerlBrdf::new(Arc::new(table), args.lookup);
     let errors = resampling_errors(&table, brdf);
     output::stdout(|out| write!(out, "{}", table::render(&resampling_sheet(&errors))))?;
     let is_written = args.accept_error || output::is_acceptable(errors.whole.albedo, "the table");
     Ok(is_written.then(|| table.table().clone()))
+}
+
+/// Where in its bin a value stands for a lookup rule.
+fn bin_point(rule: LookupRule) -> BinPoint {
+    match rule {
+        LookupRule::Linear => BinPoint::Edge,
+        LookupRule::Floor | LookupRule::Centred => BinPoint::Centre,
+    }
 }

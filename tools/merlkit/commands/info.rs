@@ -28,9 +28,11 @@ pub struct Args {
     /// Paths to MERL binaries, .bsdf files, sampler files or folders of them, names of embedded materials, or formulas
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
     sources: Vec<String>,
-    /// What the table says between its samples
+    /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
+    #[command(flatten)]
+    invalid: args::Invalid,
     /// Write JSON to FILE as well, or to standard output (-) instead of the table [default: none]
     #[arg(long, value_name = "FILE|-")]
     json: Option<Destination>,
@@ -42,7 +44,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let (mut subjects, mut unreadable) = (Vec::new(), Unreadable::default());
     for source in batch::expand_folders(&args.sources)? {
-        match Subject::resolve(&source)? {
+        match Subject::resolve(&source, &args.invalid)? {
             Ok(subject) => subjects.push(subject),
             Err(reason) => unreadable.push(reason),
         }
@@ -77,12 +79,12 @@ enum Subject {
 
 impl Subject {
     /// Fails for an argument that names nothing; holds the reason where it names a file that can't be read.
-    fn resolve(argument: &str) -> Result<Result<Self, Error>, Error> {
+    fn resolve(argument: &str, invalid: &args::Invalid) -> Result<Result<Self, Error>, Error> {
         let path = Path::new(argument);
         if path.is_file() && looks_like_sampler_file(path) {
             return Ok(SamplerDescription::read(path).map(Self::Sampler));
         }
-        let material = Material::resolve(argument)?;
+        let material = invalid.resolve(argument)?;
         Ok(match material.facts() {
             Ok(_) => Ok(Self::Material(material)),
             Err(reason) => Err(reason),
@@ -141,10 +143,15 @@ impl SamplerDescription {
         let mut sheet = Sheet::new(&["sampler file", &self.sampler_file]);
         let source = self.record.path.as_deref().unwrap_or("embedded");
         let lookup = self.record.lookup.map_or("none", LookupRule::name);
+        let invalid = match self.record.channels_apart {
+            true => "channel",
+            false => "cell",
+        };
         for (name, value) in [
             ("sampler", self.record.spec.to_string()),
             ("material", format!("{} ({source})", self.record.material)),
             ("lookup", lookup.to_owned()),
+            ("invalid", invalid.to_owned()),
             ("bytes", self.file_bytes.to_string()),
             ("layout version", self.record.version.to_string()),
             ("SHA-256 of the material", self.record.source_sha256.clone()),

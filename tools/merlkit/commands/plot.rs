@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::process::ExitCode;
 
 use merlkit::Error;
-use merlkit::material::{LookupRule, Material};
+use merlkit::material::LookupRule;
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::report::{ChartSubject, SLICE};
 
@@ -87,9 +87,11 @@ pub struct Args {
     /// Sampler that is shown, with its settings (`merlkit samplers`) [default: lobes none, disc adaptive-disc, CDFs cascade-cdf]
     #[arg(long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
-    /// What the table says between its samples [default: floor]
+    /// How values between the samples of a table are interpolated [default: floor]
     #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
+    #[command(flatten)]
+    invalid: args::Invalid,
     /// disc: how many directions are drawn, 0 to 100000 [default: 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     samples: Option<u32>,
@@ -109,7 +111,7 @@ pub fn run(args: &Args) -> Outcome {
     args.refuse_idle()?;
     let thetas = args.thetas()?;
     let spec = args.spec()?;
-    let material = Material::resolve(&args.material)?;
+    let material = args.invalid.resolve(&args.material)?;
     let file = || Destination::File(format!("{}-{}.svg", material.name(), kind.name()).into());
     let destination = args.output.clone().unwrap_or_else(file);
     let format = Format::from_extension(&destination)?;

@@ -28,75 +28,90 @@ use crate::{args, output, table};
 /// Before anything is loaded, a plan is made of the effects that the scene calls for, and only those are computed; --explain
 /// prints it. The same command gives the same bytes on any number of threads.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
+)]
 pub struct Args {
     /// MERL binaries, .bsdf files, embedded names or formulas; one sphere each, left to right
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
-    #[arg(long = "light", value_name = "LIGHT", default_value = "environment", help = light_help())]
+    /// How values between the samples of a table are interpolated [default: floor]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", hide_default_value = true, value_parser = args::lookup_rule())]
+    lookup: LookupRule,
+    #[command(flatten, next_help_heading = "Materials")]
+    invalid: args::Invalid,
+    #[arg(help_heading = "Scene", long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
     lights: Vec<String>,
-    /// How directions are drawn from the BRDF (`merlkit samplers`)
-    #[arg(long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
+    /// Put the spheres on a grey floor
+    #[arg(help_heading = "Scene", long = "ground")]
+    ground: bool,
+    /// Surfaces a path may meet; 1 is direct light only [default: 8]
+    #[arg(help_heading = "Scene", long = "bounces", value_name = "N", default_value_t = 8, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..))]
+    bounces: u32,
+    /// Print each effect, on or off, and why
+    #[arg(help_heading = "Effects", long)]
+    explain: bool,
+    /// Compute every effect, called for or not; the picture is the same within noise
+    #[arg(help_heading = "Effects", long)]
+    all_effects: bool,
+    /// How directions are drawn from the BRDF (`merlkit samplers`) [default: half-vector:64KB]
+    #[arg(help_heading = "Sampling", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT, hide_default_value = true)]
     sampler: SamplerSpec,
-    /// Paths a pixel
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
+    /// Paths a pixel [default: 64]
+    #[arg(help_heading = "Sampling", long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
     /// Spend more paths on noisy pixels, about as many in all. Needs --spp 16 or more
-    #[arg(long, conflicts_with = "target_error")]
+    #[arg(help_heading = "Sampling", long, conflicts_with = "target_error")]
     adaptive: bool,
     /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as a lattice
     /// [default: lattice below 512 paths a pixel; sobol from there on, and with --target-error]
-    #[arg(long, value_name = "SET", value_parser = args::named(&POINTS))]
+    #[arg(help_heading = "Sampling", long, value_name = "SET", value_parser = args::named(&POINTS))]
     points: Option<PointSet>,
-    /// Sample tiles of 16 × 16 pixels to an estimated relative error of at most E: 0.05 or 5%
-    ///
-    /// The error is the root of the mean squared error of the tile's pixels over their mean, pixels without an object left
-    /// out; it is estimated from independent replicates.
-    #[arg(long, value_name = "E", conflicts_with = "spp", value_parser = args::target_error)]
+    /// Sample each tile of 16 × 16 pixels until its RMS error, estimated from replicates, over its mean is at most E: 0.05 or 5%
+    #[arg(help_heading = "Sampling", long, value_name = "E", conflicts_with = "spp", value_parser = args::target_error)]
     target_error: Option<f64>,
     /// The most paths a pixel that --target-error may take, from 16 [default: 4096]
-    #[arg(long, value_name = "N", requires = "target_error", value_parser = clap::value_parser!(u64).range(16..))]
+    #[arg(help_heading = "Sampling", long, value_name = "N", requires = "target_error", value_parser = clap::value_parser!(u64).range(16..))]
     max_spp: Option<u64>,
-    /// Size in pixels [default: 320 a sphere, at least 480, by 360]
-    #[arg(long, value_name = "WxH", value_parser = args::size)]
-    size: Option<(usize, usize)>,
-    /// Seed of all random numbers
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    /// Seed of all random numbers [default: 0]
+    #[arg(
+        help_heading = "Sampling",
+        long,
+        value_name = "K",
+        default_value_t = 0,
+        hide_default_value = true
+    )]
     seed: u64,
-    /// What a table says between its samples
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
-    lookup: LookupRule,
-    /// Put the spheres on a grey floor
-    #[arg(long = "ground")]
-    ground: bool,
-    /// Surfaces a path may meet; 1 is direct light only
-    #[arg(long = "bounces", value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
-    bounces: u32,
-    /// How extended lights are found: by light and BRDF (mis), by one of them, or by resampling
-    #[arg(long, value_name = "HOW", default_value = "mis", value_parser = STRATEGIES)]
+    /// How extended lights are found: by light and BRDF (mis), by one of them, or by resampling [default: mis]
+    #[arg(help_heading = "Sampling", long, value_name = "HOW", default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
     strategy: String,
     /// Weights of --strategy mis: by squared densities or by densities [default: power]
-    #[arg(long, value_name = "NAME", value_parser = args::named(&HEURISTICS))]
+    #[arg(help_heading = "Sampling", long, value_name = "NAME", value_parser = args::named(&HEURISTICS))]
     heuristic: Option<Heuristic>,
     /// Directions from the BRDF that --strategy ris keeps one of and traces [default: 8]
-    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    #[arg(help_heading = "Sampling", long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     candidates: Option<u32>,
-    /// Exposure of the PNG, stops
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
+    /// Size in pixels [default: 320 a sphere, at least 480, by 360]
+    #[arg(help_heading = "Picture", long, value_name = "WxH", value_parser = args::size)]
+    size: Option<(usize, usize)>,
+    /// Exposure of the PNG, stops [default: 0]
+    #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
-    /// Print each effect, on or off, and why
-    #[arg(long)]
-    explain: bool,
-    /// Compute every effect, called for or not; the picture is the same within noise
-    #[arg(long)]
-    all_effects: bool,
     /// Finish the picture that Ctrl-C stopped, to the bytes of one that was never stopped
-    #[arg(long)]
+    #[arg(help_heading = "Picture", long)]
     resume: bool,
     /// Replace existing pictures [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Picture", long)]
     force: bool,
-    /// Output without extension; .exr and .png are appended
-    #[arg(short, long, value_name = "NAME", default_value = "render")]
+    /// Output without extension; .exr and .png are appended [default: render]
+    #[arg(
+        help_heading = "Picture",
+        short,
+        long,
+        value_name = "NAME",
+        default_value = "render",
+        hide_default_value = true
+    )]
     output: PathBuf,
 }
 
@@ -253,7 +268,7 @@ fn describe(args: &Args, settings: &RenderSettings) -> Result<(SceneSpec, Vec<Ma
         &args.materials,
         settings.width as f64 / settings.height as f64,
     );
-    let materials = args::resolve(&spec.materials)?;
+    let materials = args::resolve(&spec.materials, &args.invalid)?;
     spec.lights = args
         .lights
         .iter()
@@ -286,7 +301,7 @@ fn strategy(args: &Args) -> Result<Strategy, Error> {
 
 fn light_help() -> String {
     format!(
-        "{}: a map (EXR, HDR, PFM, PNG; top +y, middle −z, right +x); repeatable",
+        "{}: a map (EXR, HDR, PFM, PNG; top +y, middle −z, right +x); repeatable [default: environment]",
         LightSpec::words()
     )
 }

@@ -35,7 +35,7 @@ pub struct Args {
     /// and 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file, where the material supports them]
     #[arg(long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
-    /// What the table says between its samples
+    /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// Draws that a bias is estimated from, at each angle

@@ -37,9 +37,11 @@ pub struct Args {
     /// Material of a sampler file [default: the one it names]
     #[arg(long, value_name = "MATERIAL")]
     material: Option<String>,
-    /// What the table says between its samples [default: floor; a sampler file brings its own]
+    /// How values between the samples of a table are interpolated [default: floor; a sampler file brings its own]
     #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
+    #[command(flatten)]
+    invalid: args::Invalid,
     /// Polar angle of wo, degrees, 0 to below 90
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     theta: f64,
@@ -122,7 +124,7 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
             "leave it out",
         ));
     }
-    let material = Material::resolve(&args.source)?;
+    let material = args.invalid.resolve(&args.source)?;
     let spec = match &args.sampler {
         Some(spec) => spec.clone(),
         None => sampler_args::DEFAULT.parse()?,
@@ -138,6 +140,12 @@ fn refuse_other_sampler(args: &Args, record: &Record) -> Result<(), Error> {
         return Err(Error::argument(
             format!("{} holds the sampler {}", args.source, record.spec),
             "leave --sampler out",
+        ));
+    }
+    if args.invalid.contradicts(record.channels_apart) {
+        return Err(Error::argument(
+            format!("{} was built with the other --invalid", args.source),
+            "leave --invalid out, or build the sampler again",
         ));
     }
     match (record.lookup, args.lookup) {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use merlkit::Error;
-use merlkit::material::{Loaded, LookupRule, Material};
+use merlkit::material::{Loaded, LookupRule};
 use merlkit::sampler::{SamplerSpec, store};
 use merlkit_evaluate::measure::compare::{PointPlan, Tuning, Wish, tunable, tune};
 use merlkit_evaluate::report::{tuning_sheet, tuning_summary, write_json};
@@ -46,9 +46,11 @@ pub struct Args {
     /// Samples that share the precomputation: those of all that is rendered with the sampler
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     shared_by: u64,
-    /// What the table says between its samples
+    /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
+    #[command(flatten)]
+    invalid: args::Invalid,
     #[command(flatten)]
     sky: SkyArgs,
     /// Seed of the draws
@@ -84,7 +86,7 @@ pub fn run(args: &Args) -> Outcome {
     {
         file.check(overwrite)?;
     }
-    let material = Material::resolve(&args.material)?;
+    let material = args.invalid.resolve(&args.material)?;
     let sky = args.sky.load()?;
     let loaded = args::load(&material, args.lookup)?;
     let specs = candidates(args, &loaded)?;

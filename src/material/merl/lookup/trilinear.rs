@@ -88,6 +88,9 @@ impl CellNeighbours {
     /// the mean past the largest f32 leaves it there.
     #[inline(always)]
     pub fn mean(&self, table: &MerlTable) -> Rgb {
+        if table.has_partial_cells() {
+            return self.mean_by_channel(table);
+        }
         let cells = table.cells();
         let along_phi = |h: u32, d: u32| {
             let row = table.index(h as usize, d as usize, 0);
@@ -115,6 +118,40 @@ impl CellNeighbours {
             Rgb::ZERO
         }
     }
+
+    /// [`Self::mean`] of a table that keeps channels apart: each channel has shares of its own. The same bits where all neighbours
+    /// are valid in all channels.
+    #[cold]
+    fn mean_by_channel(&self, table: &MerlTable) -> Rgb {
+        // Values, and 1 for each channel that is valid.
+        let along_phi = |h: u32, d: u32| {
+            let row = table.index(h as usize, d as usize, 0);
+            let [low, high] = [self.phi_d.low, self.phi_d.high].map(|p| {
+                let cell = row + p as usize;
+                let valid = table.valid_channels(cell).map(|v| f32::from(u8::from(v)));
+                (table.cells()[cell], Vec3::from_array(valid).extend(0.0))
+            });
+            mix_both(low, high, self.phi_d.share)
+        };
+        let along_theta_d = |h| {
+            let [low, high] = [self.theta_d.low, self.theta_d.high].map(|d| along_phi(h, d));
+            mix_both(low, high, self.theta_d.share)
+        };
+        let [low, high] = [self.theta_h.low, self.theta_h.high].map(along_theta_d);
+        let (sum, shares) = mix_both(low, high, self.theta_h.share);
+        let mut out = Rgb::ZERO;
+        for channel in 0..3 {
+            if shares[channel] > 0.0 {
+                out[channel] = (sum[channel] / shares[channel]).min(f32::MAX);
+            }
+        }
+        out
+    }
+}
+
+/// [`mix`] of two pairs.
+fn mix_both(low: (Vec4, Vec4), high: (Vec4, Vec4), share: f32) -> (Vec4, Vec4) {
+    (mix(low.0, high.0, share), mix(low.1, high.1, share))
 }
 
 /// Linear interpolation by two products that don't wait for each other.

@@ -1,6 +1,5 @@
 //! What can be said of a material without a sampler.
 
-use glam::Vec3;
 use serde::Serialize;
 
 use super::{AlbedoEstimate, albedo_by_degree, directional_albedo_with_error};
@@ -48,6 +47,10 @@ pub struct TableFacts {
     pub file_bytes: u64,
     /// Invalid cells by kind.
     pub invalid: Census,
+    /// Cells of which some channels are usable and some are not.
+    pub mixed_cells: u64,
+    /// Whether these are invalid in the channels alone that are not usable, rather than as a whole and among `invalid`.
+    pub channels_apart: bool,
     /// Invalid cells whose lower corner stands for two directions above the horizon, so that a value would be expected.
     pub invalid_above_horizon: u64,
     /// Least valid value of each channel, sr⁻¹; 0 if no cell is valid.
@@ -127,6 +130,8 @@ pub fn table_facts(table: &MerlTable) -> TableFacts {
         table_bytes: table.bytes(),
         file_bytes: table.header().file_bytes(),
         invalid: table.census(),
+        mixed_cells: table.mixed_cells(),
+        channels_apart: table.keeps_channels_apart(),
         invalid_above_horizon: table.count_gaps(),
         min: min.to_array(),
         max: max.to_array(),
@@ -134,18 +139,20 @@ pub fn table_facts(table: &MerlTable) -> TableFacts {
     }
 }
 
+/// Least and greatest valid value of each channel; 0 without any.
 fn range(table: &MerlTable) -> (Rgb, Rgb) {
-    let valid = || {
-        table
-            .cells()
-            .iter()
-            .filter(|c| c.w != 0.0)
-            .map(|c| c.truncate())
-    };
-    (
-        valid().reduce(Vec3::min).unwrap_or_default(),
-        valid().reduce(Vec3::max).unwrap_or_default(),
-    )
+    let (mut least, mut greatest) = ([None::<f32>; 3], [0.0f32; 3]);
+    for (cell, value) in table.cells().iter().enumerate() {
+        let valid = table.valid_channels(cell);
+        for channel in 0..3 {
+            if valid[channel] {
+                let v = value[channel];
+                least[channel] = Some(least[channel].map_or(v, |least| least.min(v)));
+                greatest[channel] = greatest[channel].max(v);
+            }
+        }
+    }
+    (least.map(Option::unwrap_or_default).into(), greatest.into())
 }
 
 fn peak_to_mean(table: &MerlTable) -> f64 {

@@ -37,7 +37,7 @@ pub(super) fn measured(comparison: &Comparison) -> String {
         (
             "Lookup",
             format!(
-                "{}: what a table says between its samples",
+                "{}: how values between the samples of a table are interpolated",
                 plan.lookup.name()
             ),
         ),
