@@ -363,3 +363,24 @@ fn formats_are_recognised_whatever_the_name() {
     let text = read_image(&path).unwrap_err().to_string();
     assert!(text.contains("found an empty file"), "{text}");
 }
+
+/// Radiance 0.2 everywhere but 50 at row 10, column 30, written by the OpenEXR library 3.x from Python, not by this one.
+const BY_OPENEXR: [(&str, &[u8], f32); 2] = [
+    // Lossy blocks of 8 × 8 pixels.
+    ("DWAA", include_bytes!("../golden/dwaa.exr"), 0.15),
+    // Channels as Blender names them: ViewLayer.Combined.R, and a depth.
+    ("layered", include_bytes!("../golden/layered.exr"), 1e-6),
+];
+
+#[test]
+fn files_of_the_openexr_library_are_read() {
+    for (name, bytes, tolerance) in BY_OPENEXR {
+        let picture = decode(bytes);
+        assert_eq!((picture.width(), picture.height()), (128, 64), "{name}");
+        for (x, y, expected) in [(30, 10, 50.0_f32), (90, 40, 0.2), (0, 0, 0.2)] {
+            let found = picture.pixels()[y * 128 + x];
+            let error = (found - Rgb::splat(expected)).abs().max_element();
+            assert!(error <= tolerance * expected, "{name} at {x}, {y}: {found}");
+        }
+    }
+}
