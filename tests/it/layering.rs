@@ -208,8 +208,8 @@ fn files_do_not_import_each_other_in_circles() {
             "sampler::half_vector_table",
             "sampler::half_vector_table::codec",
         ),
-        ("render::budget", "render::budget::even"),
-        ("render::budget::even", "render::film"),
+        ("render::budget", "render::budget::rendering"),
+        ("render::budget::rendering", "render::film"),
         ("material::merl::brdf", "material::merl::lookup::bins"),
     ] {
         assert!(
