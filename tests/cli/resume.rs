@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::run::{fails, run_in, succeeds};
 use crate::writing::{Running, names};
 
-/// Quick to load and long to render: six rounds of fifty paths a pixel.
+/// Quick to load and long to render: five rounds of 64 paths a pixel or fewer.
 const COMMAND: &str = "render lambert:reflectance=0.5 --sampler cosine --size 160x120 --spp 300 --seed 7 --bounces 2 --explain";
 const KEPT: [&str; 3] = ["p.exr", "p.partial", "p.png"];
 

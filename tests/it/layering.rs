@@ -208,7 +208,7 @@ fn files_do_not_import_each_other_in_circles() {
             "sampler::half_vector_table",
             "sampler::half_vector_table::codec",
         ),
-        ("render::budget", "render::budget::even"),
+        ("render::budget", "render::budget::rendering"),
         ("render::budget::even", "render::film"),
         ("material::merl::brdf", "material::merl::lookup::bins"),
     ] {

@@ -45,7 +45,7 @@ fn settings(budget: Budget, points: PointSet) -> RenderSettings {
     }
 }
 
-/// Several rounds each: a million paths are about a hundred a pixel here.
+/// Several rounds each, of 64 paths a pixel.
 fn budgets() -> [RenderSettings; 4] {
     [
         settings(Budget::Even(240), PointSet::Lattice),
@@ -125,8 +125,8 @@ fn pictures_in_pieces_have_the_bits_of_whole_ones() {
 fn a_stopped_picture_shows_what_it_has() {
     let scene = scene();
     for (settings, words) in budgets().iter().zip([
-        "80 of 240 paths a pixel",
-        "79 of 235 paths a pixel",
+        "64 of 240 paths a pixel",
+        "64 of 235 paths a pixel",
         "about 27 of 220 paths a pixel",
         " tiles",
     ]) {
@@ -151,7 +151,7 @@ fn a_stopped_picture_shows_what_it_has() {
     // With as many paths as that, not stopped. Only lattices depend on how many there will be.
     let mut rendering = Rendering::begin(&scene, &budgets()[1]).unwrap();
     advance(&mut rendering, 1);
-    let few = settings(Budget::Even(79), PointSet::Sobol);
+    let few = settings(Budget::Even(64), PointSet::Sobol);
     assert!(rendering.into_rendered() == render(&scene, &few, &|_| {}).unwrap());
 }
 

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::rounds::{
-    PixelShare, Watch, count_rounds, part_done, restore_moments, store_moments, trace_round,
+    PixelShare, Watch, part_done, paths_a_round, restore_moments, store_moments, trace_round,
 };
 use super::words::{WordReader, WordWriter};
 use crate::points::mix;
@@ -63,7 +63,7 @@ impl AdaptivePicture {
             looks: vec![RunningMoments::default(); pixels],
             rest,
             numbers: Vec::new(),
-            rounds: count_rounds(rest, pixels),
+            rounds: rest.div_ceil(paths_a_round(pixels)),
             done: 0,
             moments: vec![RunningMoments::default(); pixels],
         }
@@ -98,7 +98,7 @@ impl AdaptivePicture {
     fn look_ahead(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) -> bool {
         let settings = &tracer.settings;
         let ahead = self.ahead;
-        let round = ahead.div_ceil(count_rounds(ahead, self.looks.len()));
+        let round = paths_a_round(self.looks.len());
         while self.looked < ahead {
             let from = self.looked;
             let to = (from + round).min(ahead);

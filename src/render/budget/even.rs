@@ -1,7 +1,7 @@
 //! Pictures with equally many paths in every pixel.
 
 use super::rounds::{
-    PixelShare, Watch, count_rounds, part_done, restore_moments, store_moments, trace_round,
+    PixelShare, Watch, part_done, paths_a_round, restore_moments, store_moments, trace_round,
 };
 use super::words::{WordReader, WordWriter};
 use crate::render::film::{Film, RunningMoments};
@@ -37,7 +37,7 @@ impl EvenPicture {
     pub(super) fn advance(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) {
         let settings = &tracer.settings;
         let (paths, width) = (self.paths, settings.width as u64);
-        let round = paths.div_ceil(count_rounds(paths, self.moments.len()));
+        let round = paths_a_round(self.moments.len());
         // Rounds that are done stand for as many pixels as they have paths of all.
         let pixels_done = |paths_done: u64| part_done(width, paths_done, paths) as usize;
         (watch.progress)(settings.height * pixels_done(self.done));

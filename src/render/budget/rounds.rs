@@ -4,13 +4,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::words::{WordReader, WordWriter};
+use crate::render::bundle::BUNDLE;
 use crate::render::film::RunningMoments;
 use crate::render::path_numbers::PathId;
 use crate::render::tracer::Tracer;
 
-/// Paths of a round, about: a second of work or less. A round ends with all threads waiting for the last row, which is as long in
-/// proportion as that of a picture in one round; so rounds cost nothing, as long as rows are many.
+/// Paths of a round, about, where pixels are few: a second of work or less.
 const ROUND_PATHS: u64 = 1 << 20;
+/// Paths of a round, at most, where that leaves each pixel one: ten seconds of work or so.
+const MOST_PATHS: u64 = 1 << 24;
 
 /// What a picture's caller hears of it, and decides, while it is traced.
 #[derive(Clone, Copy)]
@@ -31,13 +33,15 @@ pub(super) struct PixelShare {
     pub(super) count: u64,
 }
 
-/// How many rounds `paths` a pixel are traced in.
-pub(super) fn count_rounds(paths: u64, pixels: usize) -> u64 {
-    let all = u128::from(paths) * pixels as u128;
-    let rounds = all.div_ceil(u128::from(ROUND_PATHS));
-    u64::try_from(rounds)
-        .unwrap_or(u64::MAX)
-        .clamp(1, paths.max(1))
+/// Paths of a round in each of `pixels` pixels. Whole bundles, so that one round costs as much as all at once; where these would be
+/// too many, a power of two, so that a bundle has whole pixels.
+pub(super) fn paths_a_round(pixels: usize) -> u64 {
+    let (pixels, bundle) = (pixels.max(1) as u64, BUNDLE as u64);
+    if pixels * bundle > MOST_PATHS {
+        let most = (MOST_PATHS / pixels).max(1);
+        return 1 << most.ilog2();
+    }
+    (ROUND_PATHS / pixels / bundle).max(1) * bundle
 }
 
 /// How many of `whole` are done when `round` of `rounds` rounds are: ⌊whole · round / rounds⌋.
@@ -106,13 +110,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rounds_are_about_equal_and_cover_everything() {
-        assert_eq!(count_rounds(64, 1000), 1);
-        assert_eq!(count_rounds(1 << 12, 1 << 19), 1 << 11);
-        // No round is shorter than a path a pixel.
-        assert_eq!(count_rounds(3, 1 << 27), 3);
-        assert_eq!(count_rounds(u64::MAX, 1 << 27), u64::MAX);
-        assert_eq!(count_rounds(0, 5), 1);
+    fn rounds_are_of_whole_bundles_and_cover_everything() {
+        assert_eq!(paths_a_round(1), 1 << 20);
+        assert_eq!(paths_a_round(2000), 512);
+        assert_eq!(paths_a_round(640 * 400), 64);
+        assert_eq!(paths_a_round(1920 * 1080), 8);
+        assert_eq!(paths_a_round(1 << 27), 1);
         assert_eq!(part_done(u64::MAX, 7, 7), u64::MAX);
         let parts: Vec<u64> = (0..=4).map(|round| part_done(10, round, 4)).collect();
         assert_eq!(parts, [0, 2, 5, 7, 10]);
