@@ -7,7 +7,7 @@ use merlkit::files::Overwrite;
 use merlkit::material::merl::{Header, MerlTable, write};
 
 use crate::grid_files::{pbsdf_fields, tensor_file, utia_file};
-use crate::run::{fails, run_in, succeeds};
+use crate::run::{fails, run_in};
 
 /// Standard output and standard error of a command that succeeds.
 fn answers(folder: &Path, command: &str) -> (String, String) {
@@ -30,7 +30,10 @@ fn polarised_files_are_imported_without_their_polarisation() {
         "{out}"
     );
     let (value, _) = answers(folder.path(), "eval grey.binary --wo 20,0 --wi 60,130");
-    assert!(value.contains("0.3183099,0.3183099,0.3183099"), "{value}");
+    assert!(
+        value.contains("0.31830987,0.31830987,0.31830987"),
+        "{value}"
+    );
     for command in ["info grey.pbsdf", "eval grey.pbsdf --wo 0,0 --wi 0,0"] {
         let arguments: Vec<&str> = command.split(' ').collect();
         let text = fails(run_in(folder.path(), &arguments, ""));
@@ -82,9 +85,9 @@ fn invalid_channels_are_read_as_the_option_says() {
     let pair = "--wo 20,0 --wi 20,180";
     let torn = "162000 cells (11.11 % of the table) with unusable values in some channels";
     for (option, value, rule) in [
-        ("", "\n0,0,0\n", "cell"),
-        (" --invalid cell", "\n0,0,0\n", "cell"),
-        (" --invalid channel", "\n0.2,0.2,0\n", "channel"),
+        ("", "\n0.0,0.0,0.0\n", "cell"),
+        (" --invalid cell", "\n0.0,0.0,0.0\n", "cell"),
+        (" --invalid channel", "\n0.2,0.2,0.0\n", "channel"),
     ] {
         let (out, notes) = answers(folder.path(), &format!("eval torn.binary {pair}{option}"));
         assert!(out.contains(value), "{option}: {out}");
@@ -110,7 +113,11 @@ fn invalid_channels_are_read_as_the_option_says() {
         "decode torn.binary --invalid channel -o copy",
     );
     let copied = format!("eval copy/torn.binary {pair} --invalid channel");
-    assert!(answers(folder.path(), &copied).0.contains("\n0.2,0.2,0\n"));
+    assert!(
+        answers(folder.path(), &copied)
+            .0
+            .contains("\n0.2,0.2,0.0\n")
+    );
     answers(
         folder.path(),
         "import torn.binary --fill --invalid channel -o filled.binary",
@@ -151,12 +158,4 @@ fn every_command_that_reads_tables_takes_the_option() {
     let arguments: Vec<&str> = linear.split(' ').collect();
     let text = fails(run_in(folder.path(), &arguments, ""));
     assert!(text.contains("cannot keep the channels"), "{text}");
-    assert!(
-        succeeds(run_in(
-            folder.path(),
-            &["info", "nickel", "--invalid", "channel"],
-            ""
-        ))
-        .contains("0 (invalid in")
-    );
 }

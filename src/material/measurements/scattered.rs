@@ -15,6 +15,7 @@ use super::utia::read_utia;
 use crate::brdf::Brdf;
 use crate::files::RegularFile;
 use crate::material::merl::{BinIndex, BinPoint, Header, MerlTable, THETA_D_BINS};
+use crate::material::rgl::looks_like_bsdf;
 use crate::{Error, Result};
 
 /// Lists beyond this many bytes are refused.
@@ -40,16 +41,20 @@ impl Measurements {
     /// the place where the grammar is broken or angles are out of the range of their unit.
     pub fn read(path: &Path, unit: Option<AngleUnit>) -> Result<Self> {
         match MeasurementKind::detect(path) {
-            Some(MeasurementKind::Polarised) => {
-                let (grid, notes) = read_polarised(path)?;
-                Ok(Self::from_grid(Arc::new(grid), notes))
-            }
+            Some(MeasurementKind::Polarised) => Self::read_polarised(path),
             Some(MeasurementKind::Utia) => {
                 let (grid, notes) = read_utia(path)?;
                 Ok(Self::from_grid(Arc::new(grid), notes))
             }
+            // A damaged one, of which the reader says where.
+            None if looks_like_bsdf(path) => Self::read_polarised(path),
             _ => Self::read_list(path, unit),
         }
+    }
+
+    fn read_polarised(path: &Path) -> Result<Self> {
+        let (grid, notes) = read_polarised(path)?;
+        Ok(Self::from_grid(Arc::new(grid), notes))
     }
 
     fn from_grid(grid: Arc<dyn MeasuredGrid>, notes: Vec<String>) -> Self {

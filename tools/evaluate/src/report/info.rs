@@ -92,13 +92,14 @@ fn table_lines(table: &TableFacts, line: &mut dyn FnMut(&str, String)) {
         "  above the horizon",
         table.invalid_above_horizon.to_string(),
     );
-    let reading = match table.channels_apart {
-        true => "invalid in these channels alone",
-        false => "invalid as a whole",
+    let reading = match (table.mixed_cells, table.channels_apart) {
+        (0, _) => "",
+        (_, true) => " (invalid in these channels alone)",
+        (_, false) => " (invalid as a whole)",
     };
     line(
         "cells with some channels unusable",
-        format!("{} ({reading})", table.mixed_cells),
+        format!("{}{reading}", table.mixed_cells),
     );
     line("least value, sr⁻¹", rgb(table.min));
     line("greatest value, sr⁻¹", rgb(table.max));
