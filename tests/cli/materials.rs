@@ -25,6 +25,7 @@ fn decoded_materials_have_the_facts_of_the_embedded() {
         );
         let mut facts = document["results"][0].clone();
         facts["source"].take();
+        facts["read"].take();
         facts
     };
     let embedded = facts("nickel");
