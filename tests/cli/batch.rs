@@ -7,7 +7,7 @@ use merlkit::files::Overwrite;
 use merlkit::material::merl::{Header, MerlTable, decode_embedded, write};
 use tempfile::TempDir;
 
-use crate::run::run_in;
+use crate::run::{run_in, without_timing};
 
 /// A folder of five tables, three broken ones and a text.
 fn folder() -> TempDir {
@@ -52,7 +52,7 @@ fn a_batch_goes_on_past_bad_files() {
         "export merl --format npz --sampler half-vector:2KB -o exported",
     ] {
         let (_, complaints) = partly(folder.path(), command);
-        let lines: Vec<&str> = complaints.lines().collect();
+        let lines = without_timing(&complaints);
         assert_eq!(lines.len(), 5, "{command}: {complaints}");
         assert!(
             lines[0].contains("left out what is no material: Readme.txt"),

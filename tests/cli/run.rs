@@ -35,13 +35,18 @@ const TIMING_NOTES: [&str; 2] = [
     "measured times disagree with counted ones",
 ];
 
+/// The lines of standard error that don't depend on the clock.
+pub fn without_timing(complaints: &str) -> Vec<&str> {
+    let mut lines: Vec<&str> = complaints.lines().collect();
+    lines.retain(|line| !TIMING_NOTES.iter().any(|note| line.contains(note)));
+    lines
+}
+
 /// Standard output of a command that succeeds and has nothing to complain about but the clock.
 pub fn succeeds(output: Output) -> String {
     let complaints = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(0), "{complaints}");
-    let is_timing = |line: &&str| TIMING_NOTES.iter().any(|note| line.contains(note));
-    let others: Vec<&str> = complaints.lines().filter(|line| !is_timing(line)).collect();
-    assert!(others.is_empty(), "{complaints}");
+    assert!(without_timing(&complaints).is_empty(), "{complaints}");
     String::from_utf8(output.stdout).unwrap()
 }
 

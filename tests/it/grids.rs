@@ -158,18 +158,18 @@ fn a_polarised_file_is_no_material_and_says_what_to_do() {
     }
 }
 
-/// What makes good fields bad.
-type Change<'a> = &'a dyn Fn(&mut Vec<Field>);
+/// What is changed in the fields of a good file.
+type Bend<'a> = &'a dyn Fn(&mut Vec<Field>);
 
 #[test]
 fn broken_polarised_files_are_refused_with_their_place() {
     let good = pbsdf_fields([13, 7, 7], &|_, _, _| 0.2);
-    let bent = |change: Change<'_>| {
+    let bent = |change: Bend| {
         let mut fields = good.clone();
         change(&mut fields);
         refusal(&tensor_file(&fields))
     };
-    let cases: [(Change<'_>, &str); 9] = [
+    let cases: [(Bend, &str); 9] = [
         (
             &|f| f[0].2 = vec![7, 13, 7, 5, 4, 4],
             "the shape [13, 7, 7, 5, 4, 4]",

@@ -114,7 +114,7 @@ impl FieldList {
                 return Err(cursor.wrong(
                     entry,
                     "fields of different names",
-                    format!("another \"{name}\""),
+                    format!("another {name:?}"),
                 ));
             }
             fields.insert(name, field);
@@ -300,7 +300,7 @@ impl Cursor<'_> {
         let width = match WIDTHS.get(usize::from(dtype)) {
             Some(&width) if width > 0 => width,
             _ => {
-                let found = format!("type {dtype} for \"{name}\"");
+                let found = format!("type {dtype} for {name:?}");
                 return Err(self.wrong(self.at - 1, "a type of 1 to 11", found));
             }
         };
@@ -316,7 +316,7 @@ impl Cursor<'_> {
             .and_then(|n| start.checked_add(n))
             .filter(|&end| end <= self.length);
         let Some(end) = end else {
-            let found = format!("\"{name}\" of shape {shape:?} from byte {offset} on");
+            let found = format!("{name:?} of shape {shape:?} from byte {offset} on");
             return Err(self.wrong(entry, format!("data within {} bytes", self.length), found));
         };
         Ok((
@@ -363,11 +363,11 @@ fn check_places(fields: &BTreeMap<String, TensorField>, list: &Cursor<'_>) -> Re
     let mut free = list.at;
     for (name, field) in by_start {
         if field.start < free {
-            let found = format!("data of \"{name}\" at byte {}", field.start);
+            let found = format!("data of {name:?} at byte {}", field.start);
             return Err(list.wrong(field.entry, format!("data from byte {free} on"), found));
         }
         if field.start % WIDTHS[usize::from(field.dtype)] != 0 {
-            let found = format!("data of \"{name}\" at byte {}", field.start);
+            let found = format!("data of {name:?} at byte {}", field.start);
             return Err(list.wrong(field.entry, "data aligned to their elements", found));
         }
         free = field.end;
