@@ -90,9 +90,9 @@ impl HalfVectorDomain {
         if theta_h <= self.theta_full() {
             return PI;
         }
-        let cos = |angle: f64| approx::sin_cos_turns(angle.abs() * (1.0 / TAU)).1;
-        let far = cos(2.0 * theta_h + self.theta_o);
-        let near = cos(2.0 * theta_h - self.theta_o);
+        let (sum, difference) = (2.0 * theta_h + self.theta_o, 2.0 * theta_h - self.theta_o);
+        let far = approx::sin_cos_turns(sum.abs() * (1.0 / TAU)).1;
+        let near = approx::sin_cos_turns(difference.abs() * (1.0 / TAU)).1;
         if far >= 0.0 {
             PI
         } else {

@@ -56,21 +56,20 @@ impl Quadrature {
     /// ∫ `value(wi)` dσ(wi), with more points in the bins of θh that need them: in each bin where two lattices in a row
     /// disagree, finer ones are taken, until the differences of all bins add up to at most `tolerance` of the integral.
     ///
-    /// The points per bin run from 21 to 10,946, whatever this quadrature's own number. For values ≥ 0 from a measured table
+    /// The points per bin run from 21 to 10,946; the number that this quadrature was made with has no effect. For values ≥ 0 from a measured table
     /// the error is a tenth of `tolerance`. Where values are noise two lattices can agree by chance, so a quarter of the
     /// difference before the last counts too.
     pub fn integrate_refined(&self, tolerance: f64, mut value: impl FnMut(Vec3) -> f64) -> f64 {
         let Some(domain) = &self.domain else {
             return 0.0;
         };
-        let mut over = |piece: &Piece, level: usize| {
-            let mut sum = 0.0;
-            let lattice = FibonacciLattice::at_least(LEVELS[level]);
-            piece.for_each(domain, lattice, |wi, d_sigma| sum += value(wi) * d_sigma);
-            sum
-        };
-        let first = self.pieces.iter().map(|piece| State::first(over(piece, 0)));
-        let mut states: Vec<State> = first.collect();
+        // Step 1: the coarsest lattice in each bin; its error is unknown.
+        let mut states = Vec::with_capacity(self.pieces.len());
+        for piece in &self.pieces {
+            states.push(State::first(piece.integrate(domain, 0, &mut value)));
+        }
+        // Step 2: the next finer lattice in the bins whose error exceeds an equal part of what is allowed, until
+        // Σ errors ≤ tolerance · |Σ values|, or no bin has a finer lattice left.
         loop {
             let total: f64 = states.iter().map(|s| s.value).sum();
             let error: f64 = states.iter().map(|s| s.error).sum();
@@ -80,7 +79,8 @@ impl Quadrature {
                 settled = true;
                 for (piece, state) in self.pieces.iter().zip(&mut states) {
                     if state.error > allowed && state.level + 1 < LEVELS.len() {
-                        *state = state.refined(over(piece, state.level + 1));
+                        let finer = piece.integrate(domain, state.level + 1, &mut value);
+                        *state = state.refined(finer);
                         settled = false;
                     }
                 }
@@ -91,7 +91,7 @@ impl Quadrature {
         }
     }
 
-    /// Calls `visit(wi, d_sigma)` at every node: a unit direction above the horizon and its share of solid angle, in sr.
+    /// Calls `visit(wi, d_sigma)` at every node: a unit direction above the horizon and the solid angle that it represents, in sr.
     pub fn for_each(&self, mut visit: impl FnMut(Vec3, f64)) {
         let Some(domain) = &self.domain else {
             return;
@@ -179,6 +179,20 @@ impl Piece {
             let (wi, jacobian) = domain.direction(inside, 2.0 * t - 1.0);
             visit(wi, jacobian * slope * weight);
         }
+    }
+
+    /// ∫ `value(wi)` dσ(wi) over the range by the lattice of a level.
+    #[inline]
+    fn integrate(
+        &self,
+        domain: &HalfVectorDomain,
+        level: usize,
+        value: &mut impl FnMut(Vec3) -> f64,
+    ) -> f64 {
+        let mut sum = 0.0;
+        let lattice = FibonacciLattice::at_least(LEVELS[level]);
+        self.for_each(domain, lattice, |wi, d_sigma| sum += value(wi) * d_sigma);
+        sum
     }
 
     /// θh at `t` in (0, 1), and dθh/dt.

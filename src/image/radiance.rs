@@ -50,8 +50,8 @@ fn radiance([r, g, b, e]: Rgbe, exposure: f64) -> Rgb {
         return Rgb::ZERO;
     }
     let scale = 2f64.powi(i32::from(e) - 136) / exposure;
-    let channel = |mantissa: u8| (f64::from(mantissa) * scale) as f32;
-    Rgb::new(channel(r), channel(g), channel(b))
+    let [r, g, b] = [r, g, b].map(|mantissa| (f64::from(mantissa) * scale) as f32);
+    Rgb::new(r, g, b)
 }
 
 /// What the line of the resolution says.
