@@ -106,6 +106,7 @@ fn write_error(path: &Path, error: ::png::EncodingError) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::Rgb;
 
     #[test]
     fn the_tone_curve_starts_as_a_line_and_approaches_one() {

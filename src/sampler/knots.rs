@@ -52,7 +52,7 @@ impl ThetaKnots {
         self.count
     }
 
-    /// Angle of knot `k`, radians. A single table stands at normal incidence.
+    /// Angle of knot `k`, radians. A single table is that of normal incidence.
     pub fn theta(self, k: usize) -> f64 {
         if self.count == 1 {
             return 0.0;
@@ -62,16 +62,15 @@ impl ThetaKnots {
 
     /// The knot whose angle is nearest to `theta`, radians; the first for one that is not finite.
     pub fn nearest(self, theta: f64) -> usize {
-        let distance = |k: &usize| {
-            if theta.is_finite() {
-                (self.theta(*k) - theta).abs()
-            } else {
-                *k as f64
+        let (mut nearest, mut least) = (0, f64::INFINITY);
+        for k in 0..self.count {
+            // For an angle that is not finite, no distance is below infinity: the first knot remains.
+            let distance = (self.theta(k) - theta).abs();
+            if distance < least {
+                (nearest, least) = (k, distance);
             }
-        };
-        (0..self.count)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .unwrap_or(0)
+        }
+        nearest
     }
 
     /// Tables that serve the upper direction `wo`.

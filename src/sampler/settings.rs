@@ -316,8 +316,12 @@ pub(super) fn find_field<'a, S>(
             .find(|f| f.key.eq_ignore_ascii_case(key.trim()))?;
         return Some((field, value.trim()));
     }
-    let holds = |f: &&Field<S>| f.words.iter().any(|w| w.eq_ignore_ascii_case(item));
-    fields.iter().find(holds).map(|field| (field, item))
+    for field in fields {
+        if field.words.iter().any(|w| w.eq_ignore_ascii_case(item)) {
+            return Some((field, item));
+        }
+    }
+    None
 }
 
 /// The error for an item that names no setting, with what it may have meant.
@@ -358,11 +362,15 @@ pub(super) fn unknown_setting<S>(
 /// The word that is spelt most like `word`, if any is similar at all.
 pub(super) fn most_alike<'a>(word: &str, words: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
-    let likeness = |other: &str| strsim::jaro_winkler(&word, &other.to_lowercase());
-    let best = words
-        .iter()
-        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
-    (likeness(best) > 0.7).then_some(best)
+    let (mut best, mut most) = (None, 0.7);
+    for &other in words {
+        let likeness = strsim::jaro_winkler(&word, &other.to_lowercase());
+        // The last of equals, if any is above the least likeness that counts.
+        if likeness > 0.7 && likeness >= most {
+            (best, most) = (Some(other), likeness);
+        }
+    }
+    best
 }
 
 /// A number from its text, if it lies within a range.

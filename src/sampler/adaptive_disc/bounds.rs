@@ -200,9 +200,11 @@ impl Region {
             low: rect.low - SLACK,
             high: rect.high + SLACK,
         };
-        let height = |r2: f64| (1.0 - r2).max(0.0).sqrt();
+        // z = √(1 − r²) falls with the distance r from the centre of the disc.
         let (near2, far2) = rect.distances_squared(DVec2::ZERO);
-        let z = ((height(far2) - SLACK).max(0.0), height(near2) + SLACK);
+        let lowest = (1.0 - far2).max(0.0).sqrt();
+        let highest = (1.0 - near2).max(0.0).sqrt();
+        let z = ((lowest - SLACK).max(0.0), highest + SLACK);
         // ρ = |wo.xy + wi.xy| is a distance from −wo.xy.
         let rho2 = rect.distances_squared(DVec2::new(-wo.x, 0.0));
         let tan2_theta_h = (

@@ -27,7 +27,7 @@ pub struct Cell {
 pub struct Subdivision {
     /// Polar angle of `wo` that the tree was built for, radians.
     pub theta_o: f64,
-    /// The squares; a single one without share for a material without light.
+    /// The squares; for a material without light, a single one of probability 0.
     pub cells: Vec<Cell>,
     /// Whether the squares are mapped to the disc by the concentric map rather than laid over it.
     warped: bool,
@@ -46,12 +46,15 @@ impl Subdivision {
         }
         // A side is bent where it crosses a diagonal only, and by less the shorter it is.
         let bends = ((BENDS as f64 * cell.side).ceil() as usize).max(2);
-        let side = |i: usize| {
+        let mut outline = Vec::with_capacity(4 * bends);
+        for i in 0..4 {
             let (from, to) = (corners[i], corners[(i + 1) % 4]);
-            (0..bends)
-                .map(move |j| concentric_disc((from.lerp(to, j as f64 / bends as f64) + 1.0) * 0.5))
-        };
-        (0..4).flat_map(side).collect()
+            for j in 0..bends {
+                let point = from.lerp(to, j as f64 / bends as f64);
+                outline.push(concentric_disc((point + 1.0) * 0.5));
+            }
+        }
+        outline
     }
 }
 

@@ -32,12 +32,10 @@ pub(super) fn tables(
         .into_par_iter()
         .map(|k| {
             let wo = spherical(knots.theta(k), 0.0).as_vec3();
-            let value = |h| contribution(brdf, settings.importance, wo, h);
-            curves(
-                &masses([settings.theta_h, settings.phi_h], axis, value),
-                axis,
-                settings.tolerance,
-            )
+            let masses = masses([settings.theta_h, settings.phi_h], axis, |h| {
+                contribution(brdf, settings.importance, wo, h)
+            });
+            curves(&masses, axis, settings.tolerance)
         })
         .collect();
     let (mut marginal, mut conditional) = (Curves::new(), Curves::new());

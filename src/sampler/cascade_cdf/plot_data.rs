@@ -75,14 +75,18 @@ fn shown(
     if curves.is_void(k) {
         return (Vec::new(), Vec::new());
     }
-    let ends = (0..curves.segments(k))
-        .map(|i| curves.segment(k, i))
-        .map(|piece| (angle(piece.x1), piece.c1));
-    let at = |cell: f64| {
+    let mut knots = vec![(angle(0.0), 0.0)];
+    for i in 0..curves.segments(k) {
+        let piece = curves.segment(k, i);
+        knots.push((angle(piece.x1), piece.c1));
+    }
+    // Between knots the curve is linear: (1 − t) c0 + t c1.
+    let mut curve = Vec::with_capacity(cells + 1);
+    for cell in 0..=cells {
+        let cell = cell as f64;
         let piece = curves.find_segment(k, cell);
         let t = (cell - piece.x0) / (piece.x1 - piece.x0);
-        (angle(cell), piece.c0 * (1.0 - t) + piece.c1 * t)
-    };
-    let knots = std::iter::once((angle(0.0), 0.0)).chain(ends).collect();
-    ((0..=cells).map(|cell| at(cell as f64)).collect(), knots)
+        curve.push((angle(cell), piece.c0 * (1.0 - t) + piece.c1 * t));
+    }
+    (curve, knots)
 }

@@ -20,7 +20,7 @@ const ROUNDS: usize = 80;
 /// What is tried when the factors are not given: J, K, and cells over φw. θw has one cell a bin of MERL's.
 const TRIED: ([usize; 4], [usize; 3], [usize; 2]) = ([1, 2, 4, 8], [1, 2, 4], [16, 32]);
 const THETA: usize = 90;
-/// The share of cosine that those are tried with, and what is tried for the best of them.
+/// The fraction of cosine that those are tried with, and what is tried for the best of them.
 const FIRST_FLOOR: f64 = 0.01;
 const FLOORS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
 
@@ -68,35 +68,62 @@ fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factored> {
     if nodes.is_empty() {
         return Ok(smallest);
     }
-    let rate = |factors: Factors, terms: Terms| {
-        let settings = FactoredSettings {
-            factors: Some(factors),
-            ..settings
-        };
-        let sampler = Factored::from_parts(settings, terms)?;
-        Ok((nodes.unevenness(|wo, wi| sampler.density(wo, wi)), sampler))
+    let trial = Trial {
+        settings,
+        nodes: &nodes,
     };
+    // Step 1: every grid and rank with its best inner rank, in parallel; then the best of these.
     let grids = grids(brdf, &settings, least)?;
     let jobs: Vec<_> = grids
         .iter()
         .flat_map(|grid| TRIED.0.map(|outer| (grid, outer)))
         .collect();
-    let of_job = |&((base, grid), outer): &(&(Factors, Array2<f64>), usize)| {
+    let each: Vec<Result<Option<(f64, Factored)>>> = jobs
+        .par_iter()
+        .map(|((base, grid), outer)| trial.find_inner(base, grid, *outer))
+        .collect();
+    let chosen = first_least(each.into_iter().filter_map(Result::transpose))?;
+    let Factored { factors, terms, .. } = chosen.map_or(smallest, |best| best.1);
+    // Step 2: the best floor for them.
+    let floors = FLOORS.map(|floor| trial.rate(Factors { floor, ..factors }, terms.clone()));
+    match first_least(floors.into_iter())? {
+        Some((_, sampler)) => Ok(sampler),
+        None => trial.rate(factors, terms).map(|rated| rated.1),
+    }
+}
+
+/// What samplers of other factors are tried with.
+struct Trial<'a> {
+    settings: FactoredSettings,
+    nodes: &'a Nodes,
+}
+
+impl Trial<'_> {
+    /// How uneven the weights of a sampler are, and the sampler.
+    fn rate(&self, factors: Factors, terms: Terms) -> Result<(f64, Factored)> {
+        let settings = FactoredSettings {
+            factors: Some(factors),
+            ..self.settings
+        };
+        let sampler = Factored::from_parts(settings, terms)?;
+        let unevenness = self.nodes.unevenness(|wo, wi| sampler.density(wo, wi));
+        Ok((unevenness, sampler))
+    }
+
+    /// The best inner rank for a grid that is factored with rank `outer`.
+    fn find_inner(
+        &self,
+        base: &Factors,
+        grid: &Array2<f64>,
+        outer: usize,
+    ) -> Result<Option<(f64, Factored)>> {
         let found = Factorisation::factorise(grid, outer);
         let each = TRIED.1.map(|inner| Factors {
             outer,
             inner,
             ..*base
         });
-        first_least(each.into_iter().map(|f| rate(f, terms(&found, &f))))
-    };
-    let each: Vec<Result<Option<(f64, Factored)>>> = jobs.par_iter().map(of_job).collect();
-    let chosen = first_least(each.into_iter().filter_map(Result::transpose))?;
-    let Factored { factors, terms, .. } = chosen.map_or(smallest, |best| best.1);
-    let floors = FLOORS.map(|floor| rate(Factors { floor, ..factors }, terms.clone()));
-    match first_least(floors.into_iter())? {
-        Some((_, sampler)) => Ok(sampler),
-        None => rate(factors, terms).map(|rated| rated.1),
+        first_least(each.into_iter().map(|f| self.rate(f, terms(&found, &f))))
     }
 }
 

@@ -143,19 +143,20 @@ impl Fit {
 
 /// Cumulative probabilities of `masses`, which sum to 1 and are ≥ 0, each at least one unit: nothing is left out.
 pub fn quantise_rows(masses: &[f64]) -> Vec<u16> {
-    let (n, mut sum, mut last) = (masses.len(), 0.0, 0u32);
-    let room = |i: usize| u32::from(ONE) - (n - 1 - i) as u32;
-    let step = |(i, mass): (usize, &f64)| {
+    let (count, mut sum, mut last) = (masses.len(), 0.0, 0u32);
+    let mut cumulative = Vec::with_capacity(count);
+    for (i, mass) in masses.iter().enumerate() {
         sum += mass;
-        let at = if i + 1 == n {
+        let rounded = if i + 1 == count {
             u32::from(ONE)
         } else {
             (sum * f64::from(ONE)).round() as u32
         };
-        last = at.clamp(last + 1, room(i));
-        last as u16
-    };
-    masses.iter().enumerate().map(step).collect()
+        // At least one unit above the row before, and one unit left for each row that follows.
+        last = rounded.clamp(last + 1, u32::from(ONE) - (count - 1 - i) as u32);
+        cumulative.push(last as u16);
+    }
+    cumulative
 }
 
 /// Nodes of a density, ≥ 0 and not all 0, scaled to [`NODE_SUM`] and each at least one unit.

@@ -82,16 +82,17 @@ impl IndexedTables {
             stored.edges[1..].partition_point(|&e| usize::from(e) <= part) as u8
         });
         let block_count = blocks_of(stored.width - 1);
-        let sums = |row: &[u16]| {
+        // In each row, the sums of the nodes' pairs up to the end of each block.
+        let mut blocks = Vec::with_capacity(stored.nodes.len() / stored.width * block_count);
+        for row in stored.nodes.chunks(stored.width) {
             let mut sum = 0;
-            let add = |block: usize| {
-                let nodes = &row[block * BLOCK..=(block + 1) * BLOCK];
-                sum += nodes.windows(2).map(|pair| pair[0] + pair[1]).sum::<u16>();
-                sum
-            };
-            (0..block_count).map(add).collect::<Vec<u16>>()
-        };
-        let blocks = stored.nodes.chunks(stored.width).flat_map(sums).collect();
+            for block in 0..block_count {
+                for k in block * BLOCK..(block + 1) * BLOCK {
+                    sum += row[k] + row[k + 1];
+                }
+                blocks.push(sum);
+            }
+        }
         Self {
             stored,
             fold,
@@ -183,11 +184,9 @@ impl TablePair<'_> {
         row: usize,
         width: usize,
     ) -> (&'b [T], &'b [T]) {
-        let at = |table: usize| (table * rows + row) * width;
-        (
-            &values[at(self.first)..][..width],
-            &values[at(self.second)..][..width],
-        )
+        let first = (self.first * rows + row) * width;
+        let second = (self.second * rows + row) * width;
+        (&values[first..][..width], &values[second..][..width])
     }
 
     /// Nodes of a row of both tables.

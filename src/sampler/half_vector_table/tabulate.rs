@@ -36,8 +36,11 @@ pub(super) fn columns(settings: &HalfVectorSettings) -> usize {
 pub(super) fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tabulated {
     let wo = spherical(theta_o, 0.0).as_vec3();
     let chart = HalfVectorChart::new(wo);
-    let edge = |e: usize| f64::from(chart.edge_cap(ChartEdge::new(e)));
-    let width: Vec<f64> = (0..PARTS).map(|p| edge(p + 1) - edge(p)).collect();
+    let mut edges = [0.0; PARTS + 1];
+    for (e, edge) in edges.iter_mut().enumerate() {
+        *edge = f64::from(chart.edge_cap(ChartEdge::new(e)));
+    }
+    let width: Vec<f64> = edges.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // Sums of f·cosθi and of cosθi alone, by part and column.
     let mut sums = [(); 2].map(|()| Sums::new(columns(settings)));
     let (mut wi, mut jacobians, mut values) = (Vec::new(), Vec::new(), Vec::new());
@@ -46,7 +49,7 @@ pub(super) fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: 
         jacobians.clear();
         for x in cap_points() {
             let azimuths = azimuths(columns(settings), settings.fold, x as f32);
-            chart.for_each_azimuth((edge(part) + width * x) as f32, azimuths, |w, jacobian| {
+            chart.for_each_azimuth((edges[part] + width * x) as f32, azimuths, |w, jacobian| {
                 wi.push(w);
                 jacobians.push(jacobian);
             });
