@@ -22,7 +22,7 @@ const PROBABILITY: f64 = 1.0 / WHOLE as f64;
 /// CDF curves over the grid 0, 1 … n, each with its own knots at grid positions, or all with a knot at every position.
 ///
 /// A curve rises from 0 to [`WHOLE`], strictly over every piece that has mass, however little; one that is 0 everywhere
-/// stands for an empty distribution. The density drawn from is the derivative of the curve as stored, so rounding to 16
+/// is an empty distribution. The density drawn from is the derivative of the curve as stored, so rounding to 16
 /// bits costs variance, at most, and no exactness.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
@@ -47,11 +47,10 @@ impl Curves {
 
     /// Curves from their arrays: `starts` from 0 to the number of knots, at least two knots a curve.
     pub fn from_parts(starts: Vec<u32>, positions: Vec<u16>, cdf: Vec<u16>) -> Self {
-        let longest = starts
-            .windows(2)
-            .map(|w| w[1].saturating_sub(w[0]))
-            .max()
-            .unwrap_or(0);
+        let mut longest = 0;
+        for pair in starts.windows(2) {
+            longest = longest.max(pair[1].saturating_sub(pair[0]));
+        }
         Self {
             starts,
             positions,
@@ -104,7 +103,8 @@ impl Curves {
     }
 
     fn end_curve(&mut self) {
-        let (start, end) = (self.starts[self.starts.len() - 1], self.cdf.len() as u32);
+        let start = self.starts[self.starts.len() - 1];
+        let end = self.cdf.len() as u32;
         self.halvings = self.halvings.max(halvings(end - start));
         self.starts.push(end);
     }

@@ -14,9 +14,9 @@ use crate::{Error, Result};
 pub struct Piecewise2d {
     width: usize,
     height: usize,
-    /// Cumulative share of rows, `height + 1` values from 0 to 1.
+    /// Cumulative probability of rows, `height + 1` values from 0 to 1.
     rows: Vec<f64>,
-    /// Cumulative share of columns within each row, `[row][width + 1]`.
+    /// Cumulative probability of columns within each row, `[row][width + 1]`.
     columns: Vec<f64>,
     row_guide: Guide,
     /// Of all rows, one after another.
@@ -30,7 +30,7 @@ pub(crate) struct Placed {
     pub(crate) column: usize,
     /// Row of the cell.
     pub(crate) row: usize,
-    /// Where in the cell, as shares of its sides in [0, 1].
+    /// Where in the cell, in units of its sides, [0, 1].
     pub(crate) share: DVec2,
 }
 
@@ -51,7 +51,8 @@ impl Piecewise2d {
             .collect();
         let mut rows = Vec::with_capacity(height + 1);
         push_cumulative(&mut rows, &sums, 1.0);
-        let (row_guide, column_guide) = (Guide::new(&rows, height), Guide::new(&columns, width));
+        let row_guide = Guide::new(&rows, height);
+        let column_guide = Guide::new(&columns, width);
         Ok(Self {
             width,
             height,
@@ -194,8 +195,8 @@ fn check(width: usize, height: usize, weights: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// Appends the cumulative shares of `weights`, from 0 to exactly 1, and returns their sum in units of `unit`. Without mass, shares are
-/// equal: nothing chooses such a row.
+/// Appends the cumulative probabilities of `weights`, from 0 to exactly 1, and returns the sum of the weights in units of `unit`.
+/// Without mass, all are equal: such a row is never chosen.
 fn push_cumulative(cdf: &mut Vec<f64>, weights: &[f64], unit: f64) -> f64 {
     let start = cdf.len();
     cdf.push(0.0);
@@ -221,7 +222,8 @@ const NEAR: usize = 8;
 /// For cumulative sums of equal number of intervals, one after another: where in each the search for `u` begins and ends.
 ///
 /// [0, 1) is divided into as many cells as there are intervals. A value of the sums that is in an earlier cell than `u` is
-/// not above it, and one in a later cell is, whatever the rounding of the cells' numbers: it does not decrease.
+/// not above it, and one in a later cell is. Rounding does not change that: the number of a cell does not decrease as its
+/// value rises.
 #[derive(Clone, Debug)]
 struct Guide {
     cells: usize,
@@ -269,7 +271,7 @@ fn guide_cell(u: f64, cells: usize) -> usize {
     ((u * cells as f64) as u32 as usize).min(cells - 1)
 }
 
-/// The interval of positive mass that holds `u`, and the share of it below `u`, in [0, 1].
+/// The interval of positive mass that holds `u`, and the fraction of it below `u`, in [0, 1].
 #[inline]
 fn find_interval(cdf: &[f64], guide: &[u16], u: f64) -> (usize, f64) {
     // Not a number counts as 0, and −0, whose sign would mislead, becomes 0.

@@ -1,6 +1,6 @@
 //! The C header: templates that hold the code, filled with a material's arrays.
 //!
-//! In the templates `NAME` begins every identifier of a material, and `@…@` stands for what is filled in. The text is ASCII
+//! In the templates `NAME` begins every identifier of a material, and `@…@` is a key whose value is filled in. The text is ASCII
 //! without backslashes, and its floats are the shortest decimals that are read back to the bit.
 
 use super::contents::Export;
@@ -56,7 +56,7 @@ fn values(export: &Export) -> Vec<(&'static str, String)> {
     values
 }
 
-/// What the header says of itself, and the numbers in its code.
+/// The description in the header's comments, and the numbers in its code.
 fn description(export: &Export) -> Vec<(&'static str, String)> {
     let settings = export.table.settings();
     let segments = settings.segments as f32;

@@ -130,7 +130,8 @@ impl BinQuadrature {
                 return total;
             }
             let allowed = tolerance * total / parts.len() as f64;
-            let (mut finer, mut is_finer) = (Vec::with_capacity(2 * parts.len()), false);
+            let mut finer = Vec::with_capacity(2 * parts.len());
+            let mut is_finer = false;
             for part in parts {
                 if part.error <= allowed || part.halvings >= HALVINGS {
                     finer.push(part);
@@ -231,7 +232,8 @@ impl BinQuadrature {
         // sin θo cos ψ sin φ + sin θo cos θh sin ψ cos φ = cos θo sin θh sin ψ at φd = ψ and at φd = ψ + π.
         for &(sin, cos) in &self.phi_d_edges {
             let (p, q) = (sin_o * cos_h * sin, sin_o * cos);
-            let (middle, reach) = (q.atan2(p), (cos_o * sin_h * sin / p.hypot(q)).acos());
+            let middle = q.atan2(p);
+            let reach = (cos_o * sin_h * sin / p.hypot(q)).acos();
             for phi in [middle - reach, middle + reach] {
                 push_inside(cuts, if phi > PI { phi - TAU } else { phi }, end);
             }

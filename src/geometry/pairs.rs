@@ -17,7 +17,7 @@ const UNIT_SLACK: f64 = 1e-3;
 /// `wo_x,wo_y,wo_z,wi_x,wi_y,wi_z`; blank lines are skipped.
 ///
 /// A line of other than six numbers, with a direction whose length is off 1 by more than 10⁻³, or of more than 4096 bytes
-/// is an [`Error::Argument`] with its number, whatever follows; no more than a line is held.
+/// is an [`Error::Argument`] with its number, and the lines after it can still be read. One line is held at a time.
 pub struct DirectionPairs<'a, R> {
     input: R,
     /// For messages.

@@ -10,19 +10,19 @@ use glam::Vec3;
 pub enum Symmetry {
     /// Any turn about the normal.
     Isotropic,
-    /// Mirroring x, and mirroring y: a quarter turn of azimuths of `wo` stands for all.
+    /// Mirroring x, and mirroring y: a quarter turn of azimuths of `wo` represents all of them.
     Quarter,
-    /// Half a turn: so do the azimuths of half a turn.
+    /// Half a turn: the azimuths of half a turn represent all of them.
     Half,
     /// Nothing.
     Whole,
 }
 
 impl Symmetry {
-    /// The first azimuth of those that stand for all, radians.
+    /// The first of the azimuths that represent all of them, radians.
     pub const START: f64 = -PI;
 
-    /// How many radians of azimuth of `wo` stand for all, from [`Self::START`] on; 0 for isotropic.
+    /// The range of azimuths of `wo` that represent all of them, in radians, from [`Self::START`] on; 0 for isotropic.
     pub fn span(self) -> f64 {
         match self {
             Self::Isotropic => 0.0,

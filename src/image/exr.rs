@@ -210,7 +210,7 @@ fn read_luminance<R: Read + Seek>(source: R, len: u64, path: &Path) -> Result<Im
     Image::new(size.width(), size.height(), pixels)
 }
 
-/// Pixels that a byte of a file can stand for: three channels of two bytes, deflated 1032 to 1 with a byte of each three left
+/// Most pixels for each byte of a file: three channels of two bytes, deflated 1032 to 1 with a byte of each three left
 /// out (PXR24), are 229.
 const PIXELS_PER_BYTE: u64 = 256;
 

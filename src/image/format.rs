@@ -1,4 +1,4 @@
-//! Which format a picture has: its first bytes say it, whatever its name is.
+//! The format of a picture, which is recognised by its first bytes and not by its name.
 
 use std::path::Path;
 

@@ -12,7 +12,7 @@ use crate::{Error, Result};
 /// Three mantissas and their exponent.
 type Rgbe = [u8; 4];
 
-/// Pixels that a byte of a file may stand for: a black row of 8192 in the old encoding is 12 bytes.
+/// Most pixels for each byte of a file: a black row of 8192 in the old encoding is 12 bytes.
 const PIXELS_PER_BYTE: u64 = 1024;
 
 /// Widths that rows of the new encoding may have.

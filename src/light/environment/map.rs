@@ -189,7 +189,8 @@ impl Environment {
             .max(0.0)
             .min(self.extent.y - 1.0);
         let (column, row) = (x as u32, y as u32);
-        let (s, t) = ((x - f64::from(column)) as f32, (y - f64::from(row)) as f32);
+        let s = (x - f64::from(column)) as f32;
+        let t = (y - f64::from(row)) as f32;
         let stride = self.width + 2;
         let i = row as usize * stride + column as usize;
         // Linear along the two rows, then between them.
@@ -219,7 +220,8 @@ impl Environment {
             Some(table) => {
                 let at = table.cells.locate(u);
                 // Uniform in solid angle within a row, so that the density is constant in a cell and finite at the poles.
-                let (top, bottom) = (self.cos_edges[at.row], self.cos_edges[at.row + 1]);
+                let top = self.cos_edges[at.row];
+                let bottom = self.cos_edges[at.row + 1];
                 let longitude = (at.column as f64 + at.share.x) / self.extent.x;
                 (longitude, top + at.share.y * (bottom - top))
             }
@@ -250,7 +252,8 @@ impl Environment {
 
     /// The mean luminance in a row over the width of a pixel; the map closes on itself left and right.
     fn mean_across(&self, pixels: &[Rgb], x: usize, y: usize) -> f64 {
-        let (west, east) = ((x + self.width - 1) % self.width, (x + 1) % self.width);
+        let west = (x + self.width - 1) % self.width;
+        let east = (x + 1) % self.width;
         let [west, middle, east] =
             [west, x, east].map(|x| f64::from(luminance(pixels[y * self.width + x])));
         (west + 6.0 * middle + east) / 8.0

@@ -141,7 +141,8 @@ fn raise(pixels: &mut [Rgb], width: usize, path: &Path, repairs: &mut Repairs) -
     }
     let most = (RESIDUE_OF_MEAN * (sum / pixels.len() as f64)) as f32;
     // Step 2: pixels that are too far below 0, against the mean and against their neighbours, are no residues.
-    let (mut bad, mut lowest) = (Vec::new(), 0f32);
+    let mut bad = Vec::new();
+    let mut lowest = 0f32;
     for i in 0..pixels.len() {
         let value = pixels[i].min_element();
         let is_residue =

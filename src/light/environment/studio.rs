@@ -78,8 +78,10 @@ fn softboxes() -> [Softbox; 3] {
 
 /// From a light horizon to a darker blue zenith; a dark floor below.
 fn sky(direction: DVec3) -> Rgb {
-    let (horizon, zenith) = (Rgb::new(0.62, 0.66, 0.72), Rgb::new(0.16, 0.24, 0.40));
-    let (near, nadir) = (Rgb::new(0.20, 0.19, 0.18), Rgb::new(0.07, 0.07, 0.07));
+    let horizon = Rgb::new(0.62, 0.66, 0.72);
+    let zenith = Rgb::new(0.16, 0.24, 0.40);
+    let near = Rgb::new(0.20, 0.19, 0.18);
+    let nadir = Rgb::new(0.07, 0.07, 0.07);
     let up = direction.y as f32;
     if up >= 0.0 {
         horizon.lerp(zenith, up.sqrt())

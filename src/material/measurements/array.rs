@@ -115,6 +115,21 @@ struct ArrayHead {
     channels_last: bool,
 }
 
+/// The numbers between the parentheses of `'shape':(90,90,180,3)`, in a head without blanks; none if there are none.
+fn read_shape(head: &str) -> Vec<usize> {
+    let mut shape = Vec::new();
+    let Some((_, rest)) = head.split_once("'shape':(") else {
+        return shape;
+    };
+    let numbers = rest.split(')').next().unwrap_or_default();
+    for number in numbers.split(',') {
+        if let Ok(number) = number.parse() {
+            shape.push(number);
+        }
+    }
+    shape
+}
+
 fn read_head(bytes: &[u8], path: &Path) -> Result<ArrayHead> {
     if !bytes.starts_with(b"\x93NUMPY") {
         return Err(refuse(path, 0, "an array of numpy", "other bytes"));
@@ -141,14 +156,7 @@ fn read_head(bytes: &[u8], path: &Path) -> Result<ArrayHead> {
     if head.contains("'fortran_order':True") {
         return Err(refuse(path, start, "an array in C order", &head));
     }
-    let shape = head
-        .split_once("'shape':(")
-        .and_then(|s| s.1.split(')').next());
-    let shape: Vec<usize> = shape
-        .unwrap_or_default()
-        .split(',')
-        .filter_map(|n| n.parse().ok())
-        .collect();
+    let shape = read_shape(&head);
     let (phi_d_bins, channels_last) = match shape.as_slice() {
         [THETA_H_BINS, THETA_D_BINS, n @ (180 | 360), 3] => (*n, true),
         [3, THETA_H_BINS, THETA_D_BINS, n @ (180 | 360)] => (*n, false),

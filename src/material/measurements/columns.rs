@@ -56,7 +56,9 @@ impl ListColumns {
             stated_unit: None,
             notes: Vec::new(),
         };
-        let (mut rgb, mut grey, mut spectrum) = ([None; 3], None, Vec::new());
+        let mut rgb = [None; 3];
+        let mut grey = None;
+        let mut spectrum = Vec::new();
         for (column, name) in names.iter().enumerate() {
             let (word, unit) = split_unit(name);
             columns.stated_unit = columns.stated_unit.or(unit);

@@ -43,7 +43,8 @@ pub(super) fn load_with_access(path: &Path, apart: bool) -> Result<(MerlTable, S
 
 /// Decodes by `read`.
 fn decode_read(file: &mut RegularFile, header: Header, apart: bool) -> Result<MerlTable> {
-    let (cells, mut buffers) = (header.cells(), [const { Vec::new() }; 3]);
+    let cells = header.cells();
+    let mut buffers = [const { Vec::new() }; 3];
     let mut table = TableBuilder::new(header, apart);
     for start in (0..cells).step_by(CHUNK) {
         let count = CHUNK.min(cells - start);
@@ -124,13 +125,8 @@ fn read_header(file: &mut RegularFile) -> Result<Header> {
 ///
 /// Planes start at byte 12 of a file and are unaligned there, so they are read byte-wise rather than cast.
 pub fn decode_cells([red, green, blue]: [&[u8]; 3], mut push: impl FnMut([f64; 3])) {
-    for ((r, g), b) in red
-        .as_chunks::<8>()
-        .0
-        .iter()
-        .zip(green.as_chunks::<8>().0)
-        .zip(blue.as_chunks::<8>().0)
-    {
+    let [red, green, blue] = [red, green, blue].map(|plane| plane.as_chunks::<8>().0);
+    for ((r, g), b) in red.iter().zip(green).zip(blue) {
         push([
             LittleEndian::read_f64(r) * SCALE[0],
             LittleEndian::read_f64(g) * SCALE[1],

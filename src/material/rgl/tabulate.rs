@@ -63,7 +63,8 @@ pub fn tabulate(
         .map(|&theta| ViewTables::tabulate(f64::from(theta), size.side, &value))
         .collect();
     let (n, t) = (size.side, theta_i.len());
-    let (mut luminance, mut rgb) = (Vec::new(), Vec::new());
+    let mut luminance = Vec::new();
+    let mut rgb = Vec::new();
     for slice in &slices {
         luminance.extend_from_slice(&slice.luminance);
         rgb.extend_from_slice(&slice.rgb);
@@ -130,7 +131,8 @@ struct ViewTables {
 impl ViewTables {
     fn tabulate(theta: f64, side: usize, value: &(impl Fn(Vec3, Vec3) -> Rgb + Sync)) -> Self {
         let wo = spherical(theta, 0.0);
-        let (mut rgb, mut mass) = (vec![0.0; 3 * side * side], Vec::with_capacity(side * side));
+        let mut rgb = vec![0.0; 3 * side * side];
+        let mut mass = Vec::with_capacity(side * side);
         for k in 0..side * side {
             let node = SquareNode::new(k % side, k / side, side, wo);
             // With ndf 1 and sigma ¼ the colour is f_r·cosθᵢ itself.

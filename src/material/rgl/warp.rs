@@ -107,7 +107,8 @@ impl<const C: usize> SliceGrid<C> {
     /// A tensor whose last two axes, of at least 2 each, are the square; the one before is `C` long, if not 1.
     pub fn new(tensor: &Tensor) -> Self {
         let axes = tensor.shape.len();
-        let (width, height) = (tensor.shape[axes - 1], tensor.shape[axes - 2]);
+        let width = tensor.shape[axes - 1];
+        let height = tensor.shape[axes - 2];
         let plane = width * height;
         let mut nodes = Vec::with_capacity(tensor.values.len() / C);
         for slice in tensor.values.chunks_exact(C * plane) {
@@ -201,7 +202,8 @@ impl SquareWarp {
         let axes = tensor.shape.len();
         let (w, h) = (tensor.shape[axes - 1], tensor.shape[axes - 2]);
         let (step_x, step_y) = (0.5 / (w - 1) as f64, 0.5 / (h - 1) as f64);
-        let (mut nodes, mut rows) = (Vec::with_capacity(tensor.values.len()), Vec::new());
+        let mut nodes = Vec::with_capacity(tensor.values.len());
+        let mut rows = Vec::new();
         for slice in tensor.values.chunks_exact(w * h) {
             let sums: Vec<Vec<f64>> = slice
                 .chunks_exact(w)
@@ -316,7 +318,8 @@ impl SquareWarp {
 /// Integral of the linear interpolant up to each value, 0 for the first; `half_step` is half the distance between values.
 fn running(values: &[f32], half_step: f64) -> Vec<f64> {
     let mut sums = Vec::with_capacity(values.len());
-    let (mut sum, mut before) = (0.0, None);
+    let mut sum = 0.0;
+    let mut before = None;
     for &value in values {
         let value = f64::from(value);
         if let Some(before) = before {
@@ -330,7 +333,8 @@ fn running(values: &[f32], half_step: f64) -> Vec<f64> {
 
 /// The number of values for which `is_below` holds, at most `count − 1`; it holds for the first ones.
 fn search(count: usize, is_below: impl Fn(usize) -> bool) -> usize {
-    let (mut low, mut high) = (0, count - 1);
+    let mut low = 0;
+    let mut high = count - 1;
     while low < high {
         let middle = (low + high) / 2;
         if is_below(middle) {

@@ -119,7 +119,9 @@ impl AdaptivePicture {
 
     fn trace_rest(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) {
         let settings = &tracer.settings;
-        let (width, rounds, numbers) = (self.width, self.rounds, &self.numbers);
+        let width = self.width;
+        let rounds = self.rounds;
+        let numbers = &self.numbers;
         let pixels_done = |round| part_done(width as u64, round, rounds) as usize;
         (watch.progress)(settings.height * pixels_done(self.done));
         while self.done < rounds {
@@ -240,7 +242,8 @@ fn in_proportion(scores: &[f64], mean: f64) -> Vec<f64> {
     // Each round gives what the bounds took or added to those between them.
     let mut scale = mean * scores.len() as f64 / sum;
     for _ in 0..ROUNDS {
-        let (mut rest, mut open) = (mean * scores.len() as f64, 0.0);
+        let mut rest = mean * scores.len() as f64;
+        let mut open = 0.0;
         for &score in scores {
             let number = (score * scale).clamp(least, most);
             if number > least && number < most {
@@ -276,7 +279,9 @@ fn noise_score(
     dark: f64,
     colour: usize,
 ) -> f64 {
-    let (x, y, height) = (pixel % width, pixel / width, looks.len() / width);
+    let x = pixel % width;
+    let y = pixel / width;
+    let height = looks.len() / width;
     let span =
         |middle: usize, end: usize| middle.saturating_sub(REACH)..(middle + REACH + 1).min(end);
     let (mut variance, mut level, mut count) = (0.0, 0.0, 0.0);

@@ -174,7 +174,8 @@ impl ErrorPicture {
 /// The pixels of each tile, from which of them show an object.
 fn group_tiles(shown: &[bool], settings: &RenderSettings) -> Vec<Vec<usize>> {
     let RenderSettings { width, height, .. } = *settings;
-    let (mut all, mut open) = (Vec::new(), Vec::new());
+    let mut all = Vec::new();
+    let mut open = Vec::new();
     for top in (0..height).step_by(TILE) {
         let mut row: Vec<Vec<usize>> = Vec::new();
         for left in (0..width).step_by(TILE) {

@@ -29,8 +29,8 @@ const NORMALISER_TOLERANCE: f64 = 1e-4;
 const DIVISION_TOLERANCE: f64 = 5e-3;
 /// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
 const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
-/// Most trials a draw may need on average. A tree that is not allowed to be deep enough for its material stands for the
-/// uniform disc instead.
+/// Most trials a draw may need on average. A tree that is not allowed to be deep enough for its material is replaced by
+/// the uniform disc.
 pub(super) const MOST_TRIALS: f64 = 1000.0;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
 const SPARE: usize = 20;

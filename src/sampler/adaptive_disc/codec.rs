@@ -62,16 +62,14 @@ fn read_warps(tensors: &Tensors, tables: usize) -> Result<Warps> {
         let expected = format!("starts that partition {} nodes", first.len());
         return Err(tensors.invalid_in("tree.start", 0, &expected, "others"));
     }
-    let nodes: Vec<Node> = split
-        .chunks_exact(3)
-        .zip(&inner)
-        .zip(&first)
-        .map(|((s, &inner), &first)| Node {
-            split: [s[0], s[1], s[2]],
-            inner,
-            first,
-        })
-        .collect();
+    let mut nodes = Vec::with_capacity(first.len());
+    for (i, split) in split.as_chunks::<3>().0.iter().enumerate() {
+        nodes.push(Node {
+            split: *split,
+            inner: inner[i],
+            first: first[i],
+        });
+    }
     for (k, range) in starts.windows(2).enumerate() {
         for i in range[0]..range[1] {
             let node = &nodes[i as usize];
@@ -113,12 +111,14 @@ fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
         let expected = format!("starts that partition {} leaves", upper.len());
         return Err(tensors.invalid_in("tree.start", 0, &expected, "others"));
     }
-    let leaves: Vec<Leaf> = upper
-        .iter()
-        .zip(&bound)
-        .zip(&code)
-        .map(|((&upper, &bound), &code)| Leaf { upper, bound, code })
-        .collect();
+    let mut leaves = Vec::with_capacity(upper.len());
+    for (i, &upper) in upper.iter().enumerate() {
+        leaves.push(Leaf {
+            upper,
+            bound: bound[i],
+            code: code[i],
+        });
+    }
     for (k, (range, &integral)) in starts.windows(2).zip(&integrals).enumerate() {
         check_tree(
             tensors,

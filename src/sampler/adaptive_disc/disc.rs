@@ -34,7 +34,7 @@ pub struct AdaptiveDisc {
 /// tree that needs more than [`build::MOST_TRIALS`] is kept, so that one draw in 10⁸ is lost at most.
 pub(super) const MAX_TRIALS: u32 = 20_000;
 
-/// Share of its density that a draw must keep when it is carried over and rounded to f32. The change of angles alone leaves
+/// Fraction of its density that a draw must keep when it is carried over and rounded to f32. The change of angles alone leaves
 /// more than a hundredth.
 const LEAST_LEFT: f64 = 1e-4;
 

@@ -11,14 +11,14 @@ use super::trees::Trees;
 use super::warp::Warps;
 use crate::geometry::concentric_disc;
 
-/// A leaf of a tree, or a square beside them in which nothing is drawn.
+/// A leaf of a tree, or a square outside all leaves, in which nothing is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// Lower corner in [−1, 1]².
     pub corner: DVec2,
     /// Side, 2 for a tree that is one leaf.
     pub side: f64,
-    /// Probability that a draw from the tree falls into it; with rejection, that a trial does. 0 beside the leaves.
+    /// Probability that a draw from the tree falls into it; with rejection, that a trial does. 0 outside the leaves.
     pub share: f64,
 }
 
@@ -76,18 +76,21 @@ impl AdaptiveDisc {
 
 /// The leaves of a tree, and the largest squares of the quadtree that hold none.
 fn laid(forest: &Forest, k: usize) -> Vec<Cell> {
-    let (mut leaves, mut parents) = (BTreeMap::new(), BTreeSet::new());
+    let mut leaves = BTreeMap::new();
+    let mut parents = BTreeSet::new();
     let mut below = 0;
     for leaf in forest.tree(k) {
         let share = f64::from(leaf.upper.saturating_sub(below)) / f64::from(WHOLE);
         below = leaf.upper;
         leaves.insert(leaf.code, share);
-        let (mut code, mut depth) = (leaf.code, leaf.code >> 28);
+        let mut code = leaf.code;
+        let mut depth = leaf.code >> 28;
         while depth > 0 && parents.insert(parent(code)) {
             (code, depth) = (parent(code), depth - 1);
         }
     }
-    let (mut open, mut cells) = (vec![QuadCell::ROOT], Vec::new());
+    let mut open = vec![QuadCell::ROOT];
+    let mut cells = Vec::new();
     while let Some(square) = open.pop() {
         let code = square.code();
         if !leaves.contains_key(&code) && parents.contains(&code) {

@@ -5,8 +5,8 @@
 //! a leaf, where what is left places the point. The map is continuous along each axis and takes two numbers in all, so
 //! well-spread points stay well spread. The square is mapped to the disc rather than laid over it: that way the rim is an
 //! edge of the quadtree, and no leaf loses draws outside the disc. The concentric map preserves area, so a leaf's density per
-//! projected solid angle is its probability over its area. It is what draws have, whatever the error of the masses it came
-//! from.
+//! projected solid angle is its probability over its area. Draws have exactly this density, even where the masses that
+//! the probabilities came from are inexact.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -22,7 +22,7 @@ use crate::sampler::knots::split_unit;
 /// A square divided into four, twelve bytes. Child 0..4: bit 0 is the upper half in x, bit 1 in y.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::sampler) struct Node {
-    /// In units of 1/65535: the share of the lower half in x, and of the lower half in y within the lower and upper x.
+    /// Probabilities in units of 1/65535: of the lower half in x, and of the lower half in y within the lower and the upper x.
     pub split: [u16; 3],
     /// Which children are nodes, one bit each; the others are leaves.
     pub inner: u16,
@@ -79,7 +79,8 @@ impl Warps {
     /// Point of the disc at `u` in [0, 1)². The tree must not be void.
     #[inline]
     pub fn draw(&self, k: usize, mut u: DVec2) -> DVec2 {
-        let (mut corner, mut side) = (DVec2::ZERO, 1.0);
+        let mut corner = DVec2::ZERO;
+        let mut side = 1.0;
         let mut node = Some(self.starts[k] as usize);
         while let Some(n) = node.map(|n| self.nodes[n]) {
             let (left, x) = split_unit(u.x, n.share(0));
@@ -184,7 +185,7 @@ pub(super) struct WarpGrower<'a> {
     pub integral: f64,
 }
 
-/// What a tree may still grow by.
+/// The bounds that a tree must keep as it grows; `nodes` is what is left of them.
 struct Allowance {
     waste: f64,
     depth: u32,

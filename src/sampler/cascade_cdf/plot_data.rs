@@ -22,7 +22,8 @@ impl CascadeCdf {
     /// The marginal over θh of the table whose angle is nearest to the polar angle `theta_o`, radians; an angle that is not
     /// finite counts as 0.
     pub fn marginal(&self, theta_o: f64) -> CdfCurve {
-        let (k, cells) = (self.knots.nearest(theta_o), self.settings.theta_h);
+        let k = self.knots.nearest(theta_o);
+        let cells = self.settings.theta_h;
         let (curve, knots) = shown(&self.tables.marginal, k, cells, |cell| self.theta_h(cell));
         CdfCurve {
             theta_o: self.knots.theta(k),
@@ -45,7 +46,8 @@ impl CascadeCdf {
                 knots: Vec::new(),
             };
         }
-        let (piece, cells) = (self.tables.marginal.find(k, 0.5), self.settings.phi_h);
+        let piece = self.tables.marginal.find(k, 0.5);
+        let cells = self.settings.phi_h;
         let conditional = self.tables.first[k] as usize + piece.index;
         let phi = |cell: f64| cell / cells as f64 * TAU;
         let (curve, knots) = shown(&self.tables.conditional, conditional, cells, phi);

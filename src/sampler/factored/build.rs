@@ -152,7 +152,7 @@ fn first_least<T>(mut rated: impl Iterator<Item = Result<(f64, T)>>) -> Result<O
     })
 }
 
-/// Shares of ∫ f·cosθ over the cells of w, `[table][theta · phi]`; a row adds up to 1, or to 0 where the material is black.
+/// Fractions of ∫ f·cosθ over the cells of w, `[table][theta · phi]`; a row adds up to 1, or to 0 where the material is black.
 fn grid(brdf: &dyn Brdf, settings: &FactoredSettings, factors: &Factors) -> Result<Array2<f64>> {
     let knots = ThetaKnots::new(settings.tables, TableChoice::Mixture)?;
     let axis = ThetaAxis::new(ThetaSpacing::Merl, factors.theta);
@@ -226,7 +226,7 @@ fn ratio(matrix: &Array2<f64>, product: &Array2<f64>) -> Array2<f64> {
         .map_collect(|&m, &p| if m > 0.0 && p > 0.0 { m / p } else { 0.0 })
 }
 
-/// Divisors: 1 in place of 0, over which only 0 stands.
+/// Divisors: 1 in place of 0, which divides nothing but 0.
 fn positive(sums: Array1<f64>) -> Array1<f64> {
     sums.mapv(|s| if s > 0.0 { s } else { 1.0 })
 }
@@ -235,7 +235,8 @@ fn positive(sums: Array1<f64>) -> Array1<f64> {
 fn terms(outer: &Factorisation, factors: &Factors) -> Terms {
     let tables = outer.left.nrows();
     let mut weights: Array2<f64> = Array2::zeros((tables, factors.terms()));
-    let (mut theta, mut phi) = (Curves::new(), Curves::new());
+    let mut theta = Curves::new();
+    let mut phi = Curves::new();
     for (j, function) in outer.right.outer_iter().enumerate() {
         let cells = Array2::from_shape_fn((factors.theta, factors.phi), |(a, b)| {
             function[a * factors.phi + b]

@@ -58,7 +58,8 @@ fn read_nth(
     k: usize,
     count: usize,
 ) -> Result<HalfVectorTable> {
-    let (rows, width) = (settings.tables * settings.rows, settings.segments + 1);
+    let rows = settings.tables * settings.rows;
+    let width = settings.segments + 1;
     let tables = Stored {
         cosines: tensors.get_nth("knot.cosine", settings.tables, k, count)?,
         edges: tensors.get_nth("row.edge", settings.rows + 1, k, count)?,

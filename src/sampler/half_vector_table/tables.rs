@@ -242,7 +242,8 @@ impl InterpolatedTable for TablePair<'_> {
         let n = self.tables.row_count();
         let (first, second) = self.rows(&self.tables.stored.rows, 1, 0, n);
         // Bisection of as many steps for every draw: nothing to mispredict, and draws of a batch don't wait for each other.
-        let (mut index, mut left) = (0, n);
+        let mut index = 0;
+        let mut left = n;
         while left > 1 {
             let half = left / 2;
             let last = index + half - 1;
@@ -283,7 +284,8 @@ impl InterpolatedTable for TablePair<'_> {
         // Step 12: the block, then the segment within it.
         let (block, mut below) = self.find_block(row, target);
         let mut index = block * BLOCK;
-        let (mut low, mut sum) = (self.mix(first[index], second[index]), below);
+        let mut low = self.mix(first[index], second[index]);
+        let mut sum = below;
         let others = (first.len() - 1 - index).min(BLOCK) - 1;
         for i in index + 1..=index + others {
             let high = self.mix(first[i], second[i]);

@@ -38,7 +38,8 @@ struct LobeView {
 impl LobeView {
     fn tabulate(theta: f64, brdf: &dyn Brdf, importance: Importance) -> Self {
         let wo = spherical(theta, 0.0).as_vec3();
-        let (mut albedo, mut nodes) = (0.0, Vec::new());
+        let mut albedo = 0.0;
+        let mut nodes = Vec::new();
         Quadrature::new(wo, POINTS).for_each(|wi, d_sigma| {
             let f_cos = f64::from(importance.reduce(brdf.eval_cos(wo, wi)));
             albedo += f_cos * d_sigma;
@@ -207,9 +208,9 @@ mod tests {
                 let x = search.coordinates(&found);
                 for step in [-0.1, 0.1] {
                     for i in 0..x.len() {
-                        let mut beside = x.clone();
-                        beside[i] += step;
-                        let worse = search.cost_of(&search.parameters(&beside));
+                        let mut moved = x.clone();
+                        moved[i] += step;
+                        let worse = search.cost_of(&search.parameters(&moved));
                         assert!(
                             cost < worse + 1e-3,
                             "{name}, {kind:?} {i}{step:+}: {cost} {worse}, {found:?}"

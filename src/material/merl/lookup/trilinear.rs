@@ -145,7 +145,8 @@ impl CellNeighbours {
             for (mean, d) in along_theta_d.iter_mut().zip(self.theta_d.bins()) {
                 let row = table.index(h as usize, d as usize, 0);
                 let [low, high] = self.phi_d.bins().map(|p| row + p as usize);
-                let (low, high) = (value_and_valid(table, low), value_and_valid(table, high));
+                let low = value_and_valid(table, low);
+                let high = value_and_valid(table, high);
                 *mean = mix_both(low, high, self.phi_d.weight);
             }
             let [low, high] = along_theta_d;
