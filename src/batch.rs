@@ -1,6 +1,6 @@
 //! What the batch methods of [`crate::brdf::Brdf`] and [`crate::direction_sampler::DirectionSampler`] have in common.
 //!
-//! A batch has one lane for each element of `out`. Every slice that is passed beside `out` has an element for each lane; only
+//! A batch has one lane for each element of `out`. Every other slice that is passed has an element for each lane; only
 //! `wo` may be one direction for all of them. A batch method writes every element of `out`, allocates nothing, and gives each
 //! lane the bits of the single call, so a caller may cut its work into batches of any length: the columns of a vector kernel,
 //! or the rows of an array that a foreign language owns.
@@ -45,7 +45,7 @@ impl<'a> Wo<'a> {
         }
     }
 
-    /// Asserts that the slices of a batch are of one length: `inputs` elements beside `wo`, `outputs` elements of `out`.
+    /// Asserts that the slices of a batch are of one length: `inputs` elements of the second input, `outputs` elements of `out`.
     /// Every batch method calls it before anything else.
     ///
     /// # Panics

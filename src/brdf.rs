@@ -46,7 +46,7 @@ pub trait Brdf: Send + Sync {
     /// Whether turning both directions about the normal leaves f_r as it is.
     fn is_isotropic(&self) -> bool;
 
-    /// Which azimuths of `wo` stand for all others.
+    /// The symmetry of azimuths of `wo`: a part of them represents all others.
     fn symmetry(&self) -> Symmetry {
         if self.is_isotropic() {
             Symmetry::Isotropic

@@ -15,7 +15,7 @@ pub fn mean(c: Rgb) -> f32 {
     finite((c.x + c.y + c.z) * (1.0 / 3.0), c)
 }
 
-/// A mean of channels ≥ 0; where the sum of the largest f32 overflowed, the largest channel stands for the mean.
+/// A mean of channels ≥ 0; where the sum of the largest f32 overflowed, the largest channel replaces the mean.
 #[inline]
 fn finite(mean: f32, c: Rgb) -> f32 {
     if mean < f32::INFINITY {

@@ -29,7 +29,7 @@ pub enum Error {
         offset: u64,
         /// What the format demands there.
         expected: String,
-        /// What stands there.
+        /// What the file has there.
         found: String,
         /// What the user can do.
         fix: String,

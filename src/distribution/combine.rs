@@ -1,6 +1,6 @@
 //! Several ways of estimating one integral: weights for two techniques, and one candidate kept out of many.
 
-/// How two techniques that can find the same direction share it (Veach and Guibas 1995).
+/// How two techniques that can find the same direction are weighted (Veach and Guibas 1995).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Heuristic {

@@ -22,7 +22,7 @@ const PROBABILITY: f64 = 1.0 / WHOLE as f64;
 /// CDF curves over the grid 0, 1 … n, each with its own knots at grid positions, or all with a knot at every position.
 ///
 /// A curve rises from 0 to [`WHOLE`], strictly over every piece that has mass, however little; one that is 0 everywhere
-/// stands for an empty distribution. The density drawn from is the derivative of the curve as stored, so rounding to 16
+/// is an empty distribution. The density drawn from is the derivative of the curve as stored, so rounding to 16
 /// bits costs variance, at most, and no exactness.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
@@ -47,11 +47,10 @@ impl Curves {
 
     /// Curves from their arrays: `starts` from 0 to the number of knots, at least two knots a curve.
     pub fn from_parts(starts: Vec<u32>, positions: Vec<u16>, cdf: Vec<u16>) -> Self {
-        let longest = starts
-            .windows(2)
-            .map(|w| w[1].saturating_sub(w[0]))
-            .max()
-            .unwrap_or(0);
+        let mut longest = 0;
+        for pair in starts.windows(2) {
+            longest = longest.max(pair[1].saturating_sub(pair[0]));
+        }
         Self {
             starts,
             positions,
@@ -104,7 +103,8 @@ impl Curves {
     }
 
     fn end_curve(&mut self) {
-        let (start, end) = (self.starts[self.starts.len() - 1], self.cdf.len() as u32);
+        let start = self.starts[self.starts.len() - 1];
+        let end = self.cdf.len() as u32;
         self.halvings = self.halvings.max(halvings(end - start));
         self.starts.push(end);
     }
@@ -180,46 +180,50 @@ impl Curves {
                 f64::from(self.positions[i + 1]),
             )
         };
-        let probability = |c: u16| f64::from(c) * PROBABILITY;
         Segment {
             index,
             x0,
             x1,
-            c0: probability(self.cdf[i]),
-            c1: probability(self.cdf[i + 1]),
+            c0: f64::from(self.cdf[i]) * PROBABILITY,
+            c1: f64::from(self.cdf[i + 1]) * PROBABILITY,
         }
     }
 }
 
-/// Halvings that tell apart the pieces between `knots` knots.
+/// The number of halvings that find one of the pieces between `knots` knots.
 fn halvings(knots: u32) -> u32 {
     u32::BITS - knots.saturating_sub(2).leading_zeros()
 }
 
-/// Shares of the last of `cumulated` in units of 1/[`WHOLE`], rounded, but rising wherever `cumulated` does: every piece
-/// with mass keeps at least one unit of it.
+/// `cumulated` over its last value, in units of 1/[`WHOLE`], rounded, but rising wherever `cumulated` does: every piece
+/// with mass keeps at least one unit.
 fn rising(cumulated: &[f64]) -> Vec<u16> {
     let total = cumulated.last().copied().unwrap_or(0.0);
     if total <= 0.0 {
         return vec![0; cumulated.len()];
     }
-    let has_mass = |i: usize| u16::from(cumulated[i] > cumulated[i - 1]);
-    let mut shares: Vec<u16> = Vec::with_capacity(cumulated.len());
+    // Step 1: each value rounded, and above the one before where the piece between them has mass.
+    let mut units: Vec<u16> = Vec::with_capacity(cumulated.len());
     for (i, c) in cumulated.iter().enumerate() {
         let least = if i == 0 {
             0
         } else {
-            shares[i - 1].saturating_add(has_mass(i))
+            units[i - 1].saturating_add(least_units(cumulated, i))
         };
-        shares.push(((c / total * f64::from(WHOLE)).round() as u16).max(least));
+        units.push(((c / total * f64::from(WHOLE)).round() as u16).max(least));
     }
-    // Units given away near the end are taken back from the largest pieces before it.
+    // Step 2: units that were added beyond the whole near the end are taken back from the largest pieces before it.
     let mut most = WHOLE;
-    for i in (1..shares.len()).rev() {
-        shares[i] = shares[i].min(most);
-        most = most.saturating_sub(has_mass(i));
+    for i in (1..units.len()).rev() {
+        units[i] = units[i].min(most);
+        most = most.saturating_sub(least_units(cumulated, i));
     }
-    shares
+    units
+}
+
+/// The least units of the piece that ends at value `i`: 1 if it has mass, else 0.
+fn least_units(cumulated: &[f64], i: usize) -> u16 {
+    u16::from(cumulated[i] > cumulated[i - 1])
 }
 
 /// Sums of the first 0, 1, 2 … of `masses`: one more than there are.

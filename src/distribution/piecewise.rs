@@ -14,9 +14,9 @@ use crate::{Error, Result};
 pub struct Piecewise2d {
     width: usize,
     height: usize,
-    /// Cumulative share of rows, `height + 1` values from 0 to 1.
+    /// Cumulative probability of rows, `height + 1` values from 0 to 1.
     rows: Vec<f64>,
-    /// Cumulative share of columns within each row, `[row][width + 1]`.
+    /// Cumulative probability of columns within each row, `[row][width + 1]`.
     columns: Vec<f64>,
     row_guide: Guide,
     /// Of all rows, one after another.
@@ -30,7 +30,7 @@ pub(crate) struct Placed {
     pub(crate) column: usize,
     /// Row of the cell.
     pub(crate) row: usize,
-    /// Where in the cell, as shares of its sides in [0, 1].
+    /// Where in the cell, in units of its sides, [0, 1].
     pub(crate) share: DVec2,
 }
 
@@ -51,7 +51,8 @@ impl Piecewise2d {
             .collect();
         let mut rows = Vec::with_capacity(height + 1);
         push_cumulative(&mut rows, &sums, 1.0);
-        let (row_guide, column_guide) = (Guide::new(&rows, height), Guide::new(&columns, width));
+        let row_guide = Guide::new(&rows, height);
+        let column_guide = Guide::new(&columns, width);
         Ok(Self {
             width,
             height,
@@ -92,14 +93,9 @@ impl Piecewise2d {
     /// Maps `u` in [0, 1)² to a point in [0, 1)² that lies where the density is positive; coordinates outside are clamped.
     pub fn sample(&self, u: DVec2) -> DVec2 {
         let Placed { column, row, share } = self.locate(u);
-        let point = |cell: usize, share: f64, cells: usize| {
-            // Rounding must not carry the point into the next cell, whose density may be zero.
-            ((cell as f64 + share) / cells as f64)
-                .min(((cell + 1) as f64 / cells as f64).next_down())
-        };
         DVec2::new(
-            point(column, share.x, self.width),
-            point(row, share.y, self.height),
+            position(column, share.x, self.width),
+            position(row, share.y, self.height),
         )
     }
 
@@ -135,12 +131,12 @@ impl Piecewise2d {
         if self.mass(x, y) == 0.0 {
             return None;
         }
-        let within = |cdf: &[f64], i: usize, share: f64| cdf[i] + share * (cdf[i + 1] - cdf[i]);
-        let share =
-            p * DVec2::new(self.width as f64, self.height as f64) - DVec2::new(x as f64, y as f64);
+        // Both distributions are linear within a cell: u = F(i) + t (F(i + 1) − F(i)), where t is the place in cell i.
+        let size = DVec2::new(self.width as f64, self.height as f64);
+        let place = p * size - DVec2::new(x as f64, y as f64);
         Some(DVec2::new(
-            within(self.row(y), x, share.x),
-            within(&self.rows, y, share.y),
+            interpolate(self.row(y), x, place.x),
+            interpolate(&self.rows, y, place.y),
         ))
     }
 
@@ -149,10 +145,33 @@ impl Piecewise2d {
     }
 
     fn cell(&self, p: DVec2) -> Option<(usize, usize)> {
-        let inside = |v: f64| (0.0..1.0).contains(&v);
-        let index = |v: f64, cells: usize| ((v * cells as f64) as usize).min(cells - 1);
-        (inside(p.x) && inside(p.y)).then(|| (index(p.x, self.width), index(p.y, self.height)))
+        let column = cell_of_axis(p.x, self.width)?;
+        let row = cell_of_axis(p.y, self.height)?;
+        Some((column, row))
     }
+}
+
+/// The cell that `v` falls into, of `cells` even ones on [0, 1); `None` outside.
+#[inline]
+fn cell_of_axis(v: f64, cells: usize) -> Option<usize> {
+    if !(0.0..1.0).contains(&v) {
+        return None;
+    }
+    Some(((v * cells as f64) as usize).min(cells - 1))
+}
+
+/// The position on [0, 1) of a place in a cell, 0 to 1, of `cells` even ones.
+#[inline]
+fn position(cell: usize, place: f64, cells: usize) -> f64 {
+    // Rounding must not carry the point into the next cell, whose density may be zero.
+    let end = ((cell + 1) as f64 / cells as f64).next_down();
+    ((cell as f64 + place) / cells as f64).min(end)
+}
+
+/// A distribution at a place in cell `i`, 0 to 1, where it is linear.
+#[inline]
+fn interpolate(cdf: &[f64], i: usize, place: f64) -> f64 {
+    cdf[i] + place * (cdf[i + 1] - cdf[i])
 }
 
 fn check(width: usize, height: usize, weights: &[f64]) -> Result<()> {
@@ -176,8 +195,8 @@ fn check(width: usize, height: usize, weights: &[f64]) -> Result<()> {
     Ok(())
 }
 
-/// Appends the cumulative shares of `weights`, from 0 to exactly 1, and returns their sum in units of `unit`. Without mass, shares are
-/// equal: nothing chooses such a row.
+/// Appends the cumulative probabilities of `weights`, from 0 to exactly 1, and returns the sum of the weights in units of `unit`.
+/// Without mass, all are equal: such a row is never chosen.
 fn push_cumulative(cdf: &mut Vec<f64>, weights: &[f64], unit: f64) -> f64 {
     let start = cdf.len();
     cdf.push(0.0);
@@ -203,7 +222,8 @@ const NEAR: usize = 8;
 /// For cumulative sums of equal number of intervals, one after another: where in each the search for `u` begins and ends.
 ///
 /// [0, 1) is divided into as many cells as there are intervals. A value of the sums that is in an earlier cell than `u` is
-/// not above it, and one in a later cell is, whatever the rounding of the cells' numbers: it does not decrease.
+/// not above it, and one in a later cell is. Rounding does not change that: the number of a cell does not decrease as its
+/// value rises.
 #[derive(Clone, Debug)]
 struct Guide {
     cells: usize,
@@ -251,7 +271,7 @@ fn guide_cell(u: f64, cells: usize) -> usize {
     ((u * cells as f64) as u32 as usize).min(cells - 1)
 }
 
-/// The interval of positive mass that holds `u`, and the share of it below `u`, in [0, 1].
+/// The interval of positive mass that holds `u`, and the fraction of it below `u`, in [0, 1].
 #[inline]
 fn find_interval(cdf: &[f64], guide: &[u16], u: f64) -> (usize, f64) {
     // Not a number counts as 0, and −0, whose sign would mislead, becomes 0.
@@ -269,10 +289,15 @@ fn above(cdf: &[f64], guide: &[u16], u: f64) -> usize {
         _ => (0, cdf.len()),
     };
     let start = from.min(cdf.len().saturating_sub(NEAR));
-    // Signs of differences are exact, and counted without branches.
-    let is_above = |&c: &f64| ((u - c).to_bits() >> 63) as usize;
     match cdf.get(start..start + NEAR) {
-        Some(near) if to <= start + NEAR => start + NEAR - near.iter().map(is_above).sum::<usize>(),
+        Some(near) if to <= start + NEAR => {
+            // The signs of u − c are exact, and counted without branches.
+            let mut above = 0;
+            for &c in near {
+                above += ((u - c).to_bits() >> 63) as usize;
+            }
+            start + NEAR - above
+        }
         _ => from + cdf[from..to].partition_point(|&c| c <= u),
     }
 }

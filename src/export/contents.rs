@@ -47,7 +47,8 @@ impl Export {
     pub fn values(&self) -> impl Iterator<Item = f32> + '_ {
         let table = self.merl();
         (0..table.cells().len()).flat_map(move |cell| {
-            let (rgb, valid) = (table.cells()[cell], table.valid_channels(cell));
+            let rgb = table.cells()[cell];
+            let valid = table.valid_channels(cell);
             [0, 1, 2].map(|channel| if valid[channel] { rgb[channel] } else { -1.0 })
         })
     }
@@ -75,7 +76,7 @@ impl Export {
     }
 }
 
-/// Values as they stand in a file.
+/// Values in the byte order of a file.
 pub(super) fn little_endian(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(f32::to_le_bytes).collect()
 }

@@ -1,6 +1,6 @@
 //! The C header: templates that hold the code, filled with a material's arrays.
 //!
-//! In the templates `NAME` begins every identifier of a material, and `@…@` stands for what is filled in. The text is ASCII
+//! In the templates `NAME` begins every identifier of a material, and `@…@` is a key whose value is filled in. The text is ASCII
 //! without backslashes, and its floats are the shortest decimals that are read back to the bit.
 
 use super::contents::Export;
@@ -38,11 +38,16 @@ pub(super) fn text(export: &Export) -> String {
 
 /// Every `@key@` of a template by its value. Values are taken as they are.
 fn fill(template: &str, values: &[(&str, String)]) -> String {
-    let of_key = |key: &str| values.iter().find(|v| v.0 == key).map_or("", |v| &v.1);
-    let pieces = template.split('@').enumerate();
-    pieces
-        .map(|(i, piece)| if i % 2 == 0 { piece } else { of_key(piece) })
-        .collect()
+    let mut filled = String::new();
+    // Every second piece is a key.
+    for (i, piece) in template.split('@').enumerate() {
+        if i % 2 == 0 {
+            filled += piece;
+        } else if let Some((_, value)) = values.iter().find(|v| v.0 == piece) {
+            filled += value;
+        }
+    }
+    filled
 }
 
 fn values(export: &Export) -> Vec<(&'static str, String)> {
@@ -51,7 +56,7 @@ fn values(export: &Export) -> Vec<(&'static str, String)> {
     values
 }
 
-/// What the header says of itself, and the numbers in its code.
+/// The description in the header's comments, and the numbers in its code.
 fn description(export: &Export) -> Vec<(&'static str, String)> {
     let settings = export.table.settings();
     let segments = settings.segments as f32;
@@ -149,8 +154,15 @@ fn arrays(stored: &Stored) -> Vec<(&'static str, String)> {
 
 /// Numbers of `bits` each in words of 32, the first in the lowest bits.
 fn words(numbers: &[u32], bits: usize) -> Vec<u32> {
-    let pack = |chunk: &[u32]| chunk.iter().rev().fold(0, |word, &n| word << bits | n);
-    numbers.chunks(32 / bits).map(pack).collect()
+    let mut words = Vec::with_capacity(numbers.len().div_ceil(32 / bits));
+    for chunk in numbers.chunks(32 / bits) {
+        let mut word = 0;
+        for &number in chunk.iter().rev() {
+            word = word << bits | number;
+        }
+        words.push(word);
+    }
+    words
 }
 
 fn hexadecimal(word: &u32) -> String {
@@ -165,12 +177,14 @@ fn lines(numbers: impl Iterator<Item = String>) -> String {
         .collect()
 }
 
-/// A name as it can stand in a comment: no byte of it ends the line or joins the next.
+/// A name for a comment: none of its bytes ends the line or joins it to the next.
 fn printable(name: &str) -> String {
-    let plain = |c: char| c.is_ascii_graphic() && !"\\?\"@".contains(c) || c == ' ';
-    name.chars()
-        .map(|c| if plain(c) { c } else { '_' })
-        .collect()
+    let mut printable = String::with_capacity(name.len());
+    for c in name.chars() {
+        let is_plain = c.is_ascii_graphic() && !"\\?\"@".contains(c) || c == ' ';
+        printable.push(if is_plain { c } else { '_' });
+    }
+    printable
 }
 
 fn licence(embedded: bool) -> &'static str {

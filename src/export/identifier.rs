@@ -14,11 +14,12 @@ pub fn identifier(name: &str) -> String {
         .collect();
     let joined = words.join("_");
     let lower = joined.to_ascii_lowercase();
-    let reserved = |prefix: &str| lower == prefix || lower.starts_with(&format!("{prefix}_"));
+    let first = lower.split('_').next().unwrap_or_default();
+    let is_reserved = matches!(first, "gl" | "merlkit");
     let begins = joined.starts_with(|c: char| c.is_ascii_alphabetic());
     match joined.as_str() {
         "" => "m".into(),
-        _ if begins && !reserved("gl") && !reserved("merlkit") => joined,
+        _ if begins && !is_reserved => joined,
         _ => format!("m_{joined}"),
     }
 }

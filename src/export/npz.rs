@@ -28,12 +28,6 @@ pub(super) fn write(export: &Export, out: impl Write + Seek) -> std::io::Result<
 fn tables<W: Write + Seek>(export: &Export, zip: &mut Npz<W>) -> std::io::Result<()> {
     let stored = export.table.stored();
     let (tables, rows) = (stored.cosines.len(), stored.edges.len() - 1);
-    let u16s = |values: &[u16]| {
-        values
-            .iter()
-            .flat_map(|x| x.to_le_bytes())
-            .collect::<Vec<u8>>()
-    };
     let slopes: Vec<u8> = stored.slopes.iter().flat_map(|x| x.to_le_bytes()).collect();
     zip.array(
         "knot.cosine",
@@ -41,15 +35,20 @@ fn tables<W: Write + Seek>(export: &Export, zip: &mut Npz<W>) -> std::io::Result
         &[tables],
         &little_endian(stored.cosines.iter().copied()),
     )?;
-    zip.array("row.edge", "<u2", &[rows + 1], &u16s(&stored.edges))?;
-    zip.array("row.cdf", "<u2", &[tables, rows], &u16s(&stored.rows))?;
+    zip.array("row.edge", "<u2", &[rows + 1], &u16_bytes(&stored.edges))?;
+    zip.array("row.cdf", "<u2", &[tables, rows], &u16_bytes(&stored.rows))?;
     zip.array("row.slope", "|i1", &[tables, rows], &slopes)?;
     zip.array(
         "row.density",
         "<u2",
         &[tables, rows, stored.width],
-        &u16s(&stored.nodes),
+        &u16_bytes(&stored.nodes),
     )
+}
+
+/// The numbers in little-endian bytes.
+fn u16_bytes(values: &[u16]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
 /// What was tabulated and how, as scalars and words.
@@ -100,7 +99,7 @@ impl<W: Write + Seek> Npz<W> {
     }
 }
 
-/// What stands in front of an array: a magic word, version 1.0, a length and a dictionary, to a multiple of 64 bytes.
+/// The header in front of an array: a magic word, version 1.0, a length and a dictionary, to a multiple of 64 bytes.
 fn head(descr: &str, shape: &[usize]) -> Vec<u8> {
     const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
     let shape: String = shape.iter().map(|n| format!("{n}, ")).collect();

@@ -84,8 +84,10 @@ impl RegularFile {
                 }
             })?;
         let mut out = Vec::new();
-        let no_room = |_| Error::io(&self.path, "read", std::io::ErrorKind::OutOfMemory.into());
-        out.try_reserve_exact(len).map_err(no_room)?;
+        if out.try_reserve_exact(len).is_err() {
+            let error = std::io::ErrorKind::OutOfMemory.into();
+            return Err(Error::io(&self.path, "read", error));
+        }
         out.resize(len, 0);
         self.read_at(0, &mut out)?;
         Ok(out)

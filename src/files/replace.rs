@@ -1,4 +1,4 @@
-//! Outputs are written beside their destination under a temporary name and renamed when complete.
+//! Outputs are written to the folder of their destination under a temporary name, and renamed when they are complete.
 
 use std::collections::BTreeSet;
 use std::io::{BufWriter, Write};
@@ -22,7 +22,7 @@ pub enum Overwrite {
 ///
 /// # Errors
 /// As [`check_writable`]; [`Error::Io`] if the disk is full, for example;
-/// whatever `fill` returns.
+/// and the error of `fill`.
 pub fn write_new(
     path: &Path,
     overwrite: Overwrite,
@@ -51,7 +51,7 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 pub fn abandon_unfinished() {
     let files = unfinished();
     for path in files.iter() {
-        // Nobody is left to tell if that fails.
+        // The program is about to end: nobody could act on an error.
         let _ = std::fs::remove_file(path);
     }
     std::mem::forget(files);

@@ -96,12 +96,22 @@ pub(crate) fn is_utia_number(value: f64) -> bool {
 
 /// Whether a file of `length` bytes that begins with `start` could be one of the UTIA database.
 pub(crate) fn looks_like_utia(start: &[u8], length: u64) -> bool {
-    let is_number = |bytes: &[u8; 8]| is_utia_number(f64::from_le_bytes(*bytes));
-    length == UTIA_BYTES && start.as_chunks::<8>().0.iter().all(is_number)
+    if length != UTIA_BYTES {
+        return false;
+    }
+    for bytes in start.as_chunks::<8>().0 {
+        if !is_utia_number(f64::from_le_bytes(*bytes)) {
+            return false;
+        }
+    }
+    true
 }
 
 /// Printable ASCII throughout, at least twelve bytes of it.
 fn is_text(start: &[u8]) -> bool {
-    let printable = |b: &u8| b.is_ascii_graphic() || b.is_ascii_whitespace();
-    start.len() >= 12 && start.iter().all(printable)
+    start.len() >= 12 && start.iter().all(is_printable)
+}
+
+fn is_printable(byte: &u8) -> bool {
+    byte.is_ascii_graphic() || byte.is_ascii_whitespace()
 }

@@ -70,9 +70,8 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     // The quarter comes at random, so it is applied without branches.
     let odd = 0u64.wrapping_sub(u64::from(nearest & 1));
     let (s, c) = (s.to_bits(), c.to_bits());
-    let negative = |quarter: u32| u64::from(quarter & 2) << 62;
-    let sin = (s & !odd | c & odd) ^ negative(nearest);
-    let cos = (c & !odd | s & odd) ^ negative(nearest + 1);
+    let sin = (s & !odd | c & odd) ^ sign_of_quarter(nearest);
+    let cos = (c & !odd | s & odd) ^ sign_of_quarter(nearest + 1);
     (f64::from_bits(sin), f64::from_bits(cos))
 }
 
@@ -93,15 +92,12 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
         -0.040_462_555_942_950_79,
     ];
     const TAN_PI_8: f64 = 0.414_213_562_373_095;
-    // Octants come at random. Signs tell them apart: of comparisons, compilers make branches.
-    let negative = |v: f64| f64::from_bits(((v.to_bits() as i64 >> 63) as u64) & 1f64.to_bits());
+    // Octants come at random, so they are distinguished by signs: compilers turn comparisons into branches.
     let (ax, ay) = (x.abs(), y.abs());
     let (low, high) = if ay > ax { (ax, ay) } else { (ay, ax) };
-    let (steep, back, far) = (
-        negative(ax - ay),
-        negative(x),
-        negative(TAN_PI_8 * high - low),
-    );
+    let steep = one_if_negative(ax - ay);
+    let back = one_if_negative(x);
+    let far = one_if_negative(TAN_PI_8 * high - low);
     // Beyond π/8 as seen from π/4.
     let t = (low - far * high) / (high + far * low + f64::MIN_POSITIVE);
     let angle = t * polynomial(&C, t * t) + far * FRAC_PI_4;
@@ -140,6 +136,18 @@ fn polynomial(c: &[f64; 8], x: f64) -> f64 {
     let low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2;
     let high = (c[4] + c[5] * x) + (c[6] + c[7] * x) * x2;
     low + high * (x2 * x2)
+}
+
+/// The sign bit of the sine in a quarter of the turn: set in the third and the fourth.
+#[inline(always)]
+fn sign_of_quarter(quarter: u32) -> u64 {
+    u64::from(quarter & 2) << 62
+}
+
+/// 1 for numbers whose sign bit is set, else 0, without a branch.
+#[inline(always)]
+fn one_if_negative(v: f64) -> f64 {
+    f64::from_bits(((v.to_bits() as i64 >> 63) as u64) & 1f64.to_bits())
 }
 
 #[cfg(test)]

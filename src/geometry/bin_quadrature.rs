@@ -29,6 +29,13 @@ pub(crate) struct BinShape {
     pub is_constant: bool,
 }
 
+impl BinShape {
+    /// The angle of θd or φd, radians, at which the values of bin `edge` begin; bins are a degree wide.
+    fn angle(self, edge: usize) -> f64 {
+        (edge as f64 + self.offset).to_radians()
+    }
+}
+
 /// Longest step of the azimuth, radians: over it two points integrate the change of variables to 10⁻⁷.
 const LONGEST: f64 = PI / 32.0;
 /// Angle of `wo` below which bins of θh are cut where those of θd end: a degree, the width of the latter.
@@ -39,6 +46,8 @@ const HALVINGS: u32 = 6;
 const GAUSS_2: f64 = 0.577_350_269_189_625_8;
 /// √(3/5): the outer two of Gauss's three points on [−1, 1].
 const GAUSS_3: f64 = 0.774_596_669_241_483_4;
+/// The points of both rules, those of the rule of two first.
+const POINTS: [f64; 5] = [-GAUSS_2, GAUSS_2, -GAUSS_3, 0.0, GAUSS_3];
 
 /// Integrals over the disc for one `wo` in the plane of φ = 0.
 pub(crate) struct BinQuadrature {
@@ -94,10 +103,11 @@ impl BinQuadrature {
             .windows(2)
             .map(|pair| piece(pair[0], pair[1], cut, end))
             .collect();
-        let degrees = |edge: usize| (edge as f64 + shape.offset).to_radians();
         Some(Self {
-            theta_d_edges: (0..THETA_D_BINS).map(|edge| degrees(edge).cos()).collect(),
-            phi_d_edges: (0..180).map(|edge| degrees(edge).sin_cos()).collect(),
+            theta_d_edges: (0..THETA_D_BINS)
+                .map(|edge| shape.angle(edge).cos())
+                .collect(),
+            phi_d_edges: (0..180).map(|edge| shape.angle(edge).sin_cos()).collect(),
             domain,
             wo: wo.as_dvec3().normalize(),
             shape,
@@ -120,7 +130,8 @@ impl BinQuadrature {
                 return total;
             }
             let allowed = tolerance * total / parts.len() as f64;
-            let (mut finer, mut is_finer) = (Vec::with_capacity(2 * parts.len()), false);
+            let mut finer = Vec::with_capacity(2 * parts.len());
+            let mut is_finer = false;
             for part in parts {
                 if part.error <= allowed || part.halvings >= HALVINGS {
                     finer.push(part);
@@ -150,12 +161,15 @@ impl BinQuadrature {
         value: &mut impl FnMut(Vec3) -> f64,
     ) -> Part {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let mut row = |x: f64| {
+        // The integrand g at Gauss's points: the integral over the azimuth times dθh/dt.
+        let mut rows = [0.0; 5];
+        for (row, x) in rows.iter_mut().zip(POINTS) {
             let (theta_h, slope) = self.pieces[piece].theta_h(middle + half * x);
-            slope * self.row(theta_h, cuts, value)
-        };
-        let two = half * (row(-GAUSS_2) + row(GAUSS_2));
-        let three = half / 9.0 * (5.0 * row(-GAUSS_3) + 8.0 * row(0.0) + 5.0 * row(GAUSS_3));
+            *row = slope * self.row(theta_h, cuts, value);
+        }
+        // Two points: ½w (g(−√⅓) + g(√⅓)) for a range of width w. Three: w/18 (5 g(−√⅗) + 8 g(0) + 5 g(√⅗)).
+        let two = half * (rows[0] + rows[1]);
+        let three = half / 9.0 * (5.0 * rows[2] + 8.0 * rows[3] + 5.0 * rows[4]);
         Part {
             piece,
             low,
@@ -168,18 +182,11 @@ impl BinQuadrature {
 
     /// ∫ `value`·cos θi·dσ(wi)/dθh over the azimuth at one θh: 4 (wo·h) sin θh cos θi dφ.
     fn row(&self, theta_h: f64, cuts: &mut Vec<f64>, value: &mut impl FnMut(Vec3) -> f64) -> f64 {
+        // Step 1: the azimuths between which the values are constant or smooth.
         self.azimuth_cuts(theta_h, cuts);
-        let (sin_h, cos_h) = theta_h.sin_cos();
-        let (across, along) = (self.wo.z * cos_h, self.wo.x * sin_h);
-        let weight = |cos_phi: f64| {
-            let cos_d = across + along * cos_phi;
-            4.0 * cos_d * sin_h * (2.0 * cos_d * cos_h - self.wo.z).max(0.0)
-        };
-        let mut direction = |sin: f64, cos: f64| {
-            let h = DVec3::new(sin_h * cos, sin_h * sin, cos_h);
-            value(reflect_about(self.wo, h).as_vec3())
-        };
+        let circle = HalfVectorCircle::new(self.wo, theta_h);
         let mut sum = 0.0;
+        // Step 2: Gauss's rule of two points between each two of them, on both sides of the plane of incidence.
         for pair in cuts.windows(2) {
             let half = 0.5 * (pair[1] - pair[0]);
             let (sin, cos) = (0.5 * (pair[0] + pair[1])).sin_cos();
@@ -192,16 +199,16 @@ impl BinQuadrature {
             );
             let before = (sin * cos_d - cos * sin_d, cos * cos_d + sin * sin_d);
             let after = (sin * cos_d + cos * sin_d, cos * cos_d - sin * sin_d);
-            let weights = [weight(before.1), weight(after.1)];
-            // Edges lie at ±φ, values need not be the same there.
+            let weights = [circle.weight(before.1), circle.weight(after.1)];
+            // Edges lie at ±φ, but the values there may differ.
             for side in [1.0, -1.0] {
-                sum += half
-                    * if self.shape.is_constant {
-                        direction(side * sin, cos) * (weights[0] + weights[1])
-                    } else {
-                        direction(side * before.0, before.1) * weights[0]
-                            + direction(side * after.0, after.1) * weights[1]
-                    };
+                let weighted = if self.shape.is_constant {
+                    value(circle.reflect(side * sin, cos)) * (weights[0] + weights[1])
+                } else {
+                    value(circle.reflect(side * before.0, before.1)) * weights[0]
+                        + value(circle.reflect(side * after.0, after.1)) * weights[1]
+                };
+                sum += half * weighted;
             }
         }
         sum
@@ -212,29 +219,70 @@ impl BinQuadrature {
         let end = self.domain.phi_max(theta_h);
         cuts.clear();
         cuts.extend([0.0, end]);
-        let mut push = |phi: f64| {
-            if phi > 0.0 && phi < end {
-                cuts.push(phi);
-            }
-        };
         for step in 1..(PI / LONGEST) as usize {
-            push(step as f64 * LONGEST);
+            push_inside(cuts, step as f64 * LONGEST, end);
         }
         let (sin_h, cos_h) = theta_h.sin_cos();
         let (sin_o, cos_o) = (self.wo.x, self.wo.z);
         // cos φ = (cos θd − cos θo cos θh)/(sin θo sin θh); NaN where there is no such φ.
         for cos_d in &self.theta_d_edges {
-            push(((cos_d - cos_o * cos_h) / (sin_o * sin_h)).acos());
+            let phi = ((cos_d - cos_o * cos_h) / (sin_o * sin_h)).acos();
+            push_inside(cuts, phi, end);
         }
         // sin θo cos ψ sin φ + sin θo cos θh sin ψ cos φ = cos θo sin θh sin ψ at φd = ψ and at φd = ψ + π.
         for &(sin, cos) in &self.phi_d_edges {
             let (p, q) = (sin_o * cos_h * sin, sin_o * cos);
-            let (middle, reach) = (q.atan2(p), (cos_o * sin_h * sin / p.hypot(q)).acos());
+            let middle = q.atan2(p);
+            let reach = (cos_o * sin_h * sin / p.hypot(q)).acos();
             for phi in [middle - reach, middle + reach] {
-                push(if phi > PI { phi - TAU } else { phi });
+                push_inside(cuts, if phi > PI { phi - TAU } else { phi }, end);
             }
         }
         cuts.sort_unstable_by(f64::total_cmp);
+    }
+}
+
+/// Adds an azimuth that lies strictly between 0 and `end`; any other, and NaN, is no cut.
+fn push_inside(cuts: &mut Vec<f64>, phi: f64, end: f64) {
+    if phi > 0.0 && phi < end {
+        cuts.push(phi);
+    }
+}
+
+/// The half vectors of one θh, by their azimuth φ against `wo`.
+struct HalfVectorCircle {
+    wo: DVec3,
+    sin_h: f64,
+    cos_h: f64,
+    /// cos θo cos θh and sin θo sin θh.
+    across: f64,
+    along: f64,
+}
+
+impl HalfVectorCircle {
+    fn new(wo: DVec3, theta_h: f64) -> Self {
+        let (sin_h, cos_h) = theta_h.sin_cos();
+        Self {
+            wo,
+            sin_h,
+            cos_h,
+            across: wo.z * cos_h,
+            along: wo.x * sin_h,
+        }
+    }
+
+    /// 4 (wo·h) sin θh cos θi, where wo·h = cos θo cos θh + sin θo sin θh cos φ and cos θi = 2 (wo·h) cos θh − cos θo.
+    #[inline(always)]
+    fn weight(&self, cos_phi: f64) -> f64 {
+        let cos_d = self.across + self.along * cos_phi;
+        4.0 * cos_d * self.sin_h * (2.0 * cos_d * self.cos_h - self.wo.z).max(0.0)
+    }
+
+    /// `wo` reflected about the half vector of an azimuth with this sine and cosine.
+    #[inline(always)]
+    fn reflect(&self, sin_phi: f64, cos_phi: f64) -> Vec3 {
+        let h = DVec3::new(self.sin_h * cos_phi, self.sin_h * sin_phi, self.cos_h);
+        reflect_about(self.wo, h).as_vec3()
     }
 }
 

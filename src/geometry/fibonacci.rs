@@ -34,9 +34,17 @@ impl FibonacciLattice {
     /// The points, both coordinates strictly inside (0, 1).
     pub fn points(self) -> impl Iterator<Item = (f64, f64)> {
         let scale = 1.0 / self.size as f64;
-        let at = move |i: u64| (i as f64 + 0.5) * scale;
-        (0..self.size).map(move |i| (at(i), at(i * self.generator % self.size)))
+        (0..self.size).map(move |i| {
+            let column = i * self.generator % self.size;
+            (midpoint(i, scale), midpoint(column, scale))
+        })
     }
+}
+
+/// The middle of interval `i` of width `scale`.
+#[inline(always)]
+fn midpoint(i: u64, scale: f64) -> f64 {
+    (i as f64 + 0.5) * scale
 }
 
 #[cfg(test)]

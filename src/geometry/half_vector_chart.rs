@@ -1,6 +1,6 @@
 //! The half vectors that reflect a given `wo` above the horizon: one domain, in two parametrisations.
 //!
-//! A half vector h of polar angle θh and azimuth φ, counted from that of `wo`, stands for the direction
+//! A half vector h of polar angle θh and azimuth φ, counted from that of `wo`, reflects it to the direction
 //! `wi` = 2(wo·h)h − wo. That is above the horizon where 2(wo·h)cos θh > cos θo, which is
 //!
 //! ```text
@@ -90,9 +90,10 @@ impl HalfVectorDomain {
         if theta_h <= self.theta_full() {
             return PI;
         }
-        let cos = |angle: f64| approx::sin_cos_turns(angle.abs() * (1.0 / TAU)).1;
-        let far = cos(2.0 * theta_h + self.theta_o);
-        let near = cos(2.0 * theta_h - self.theta_o);
+        let sum = 2.0 * theta_h + self.theta_o;
+        let difference = 2.0 * theta_h - self.theta_o;
+        let far = approx::sin_cos_turns(sum.abs() * (1.0 / TAU)).1;
+        let near = approx::sin_cos_turns(difference.abs() * (1.0 / TAU)).1;
         if far >= 0.0 {
             PI
         } else {
@@ -269,7 +270,8 @@ impl HalfVectorChart {
     fn max_quarter_tan(&self, sin_h: f32, cos_h: f32) -> f32 {
         // Step 6: far = −cos(2θh + θo), near = cos(2θh − θo); tan(φmax/2) = √(near/far), so
         //         tan(φmax/4) = √near/(√far + √(near + far)).
-        let (sin_2h, cos_2h) = (2.0 * sin_h * cos_h, (cos_h - sin_h) * (cos_h + sin_h));
+        let sin_2h = 2.0 * sin_h * cos_h;
+        let cos_2h = (cos_h - sin_h) * (cos_h + sin_h);
         let (sines, cosines) = (sin_2h * self.sin_o, cos_2h * self.cos_o);
         // Where no azimuth reflects below the horizon, far is 0 and the result √near/√near.
         let far = (sines - cosines).max(0.0);

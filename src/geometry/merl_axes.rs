@@ -110,22 +110,25 @@ struct Tan2Cell {
     below: usize,
 }
 
+impl Tan2Cell {
+    /// Cell `k` between rising edges, each a squared tangent.
+    fn find(k: usize, edges: &[f64]) -> Self {
+        let (start, end) = tan2_cells::bounds(k);
+        let below = edges.partition_point(|&e| e <= start);
+        let edge = match edges.get(below) {
+            Some(&edge) if edge < end => edge,
+            _ => f64::INFINITY,
+        };
+        Self { edge, below }
+    }
+}
+
 impl Tan2Bins {
     /// Bins between rising edges in radians; those at 0 and π/2 are left out.
     fn new(edges: impl Iterator<Item = f64>) -> Self {
         let edges: Vec<f64> = edges.map(|angle| angle.tan().powi(2)).collect();
-        let cell = |k: usize| {
-            let (start, end) = tan2_cells::bounds(k);
-            let below = edges.partition_point(|&e| e <= start);
-            let edge = edges
-                .get(below)
-                .copied()
-                .filter(|&e| e < end)
-                .unwrap_or(f64::INFINITY);
-            Tan2Cell { edge, below }
-        };
         Self {
-            cells: Box::new(std::array::from_fn(cell)),
+            cells: Box::new(std::array::from_fn(|k| Tan2Cell::find(k, &edges))),
         }
     }
 

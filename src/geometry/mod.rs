@@ -53,7 +53,7 @@ pub fn is_unit_upper(w: Vec3) -> bool {
 }
 
 /// `w` at unit length: itself where it is so up to rounding, renormalised elsewhere. `None` unless it is finite and above
-/// the horizon; a height that is nothing to f32 beside the length is not.
+/// the horizon; a height that f32 loses against the length is not above it.
 #[inline]
 pub fn unit_upper(w: Vec3) -> Option<Vec3> {
     if (w.length_squared() - 1.0).abs() <= LENGTH_SLACK {

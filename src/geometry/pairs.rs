@@ -17,7 +17,7 @@ const UNIT_SLACK: f64 = 1e-3;
 /// `wo_x,wo_y,wo_z,wi_x,wi_y,wi_z`; blank lines are skipped.
 ///
 /// A line of other than six numbers, with a direction whose length is off 1 by more than 10⁻³, or of more than 4096 bytes
-/// is an [`Error::Argument`] with its number, whatever follows; no more than a line is held.
+/// is an [`Error::Argument`] with its number, and the lines after it can still be read. One line is held at a time.
 pub struct DirectionPairs<'a, R> {
     input: R,
     /// For messages.
@@ -92,40 +92,50 @@ impl<R: BufRead> Iterator for DirectionPairs<'_, R> {
 }
 
 fn parse(line: &str, name: &Path, number: usize) -> Result<(Vec3, Vec3)> {
-    let found = |expected: &str, found: &str, fix: &str| {
-        let found: String = found.chars().take(80).collect();
-        Error::argument(
-            format!(
-                "{}, line {number}: expected {expected}, found \"{found}\"",
-                name.display()
-            ),
-            fix.to_owned(),
-        )
-    };
+    let place = LinePlace { name, number };
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
     if fields.len() != 6 {
         let expected = format!("6 numbers {HEADING}");
-        return Err(found(&expected, line, "separate them by commas"));
+        return Err(place.refuse(&expected, line, "separate them by commas"));
     }
     let mut v = [0.0f64; 6];
     for (x, field) in v.iter_mut().zip(&fields) {
-        *x = field
-            .parse()
-            .map_err(|_| found("a number", field, &format!("the columns are {HEADING}")))?;
+        *x = field.parse().map_err(|_| {
+            let fix = format!("the columns are {HEADING}");
+            place.refuse("a number", field, &fix)
+        })?;
     }
-    let unit = |name: &str, w: DVec3| {
+    Ok((
+        place.normalise("wo", DVec3::new(v[0], v[1], v[2]))?,
+        place.normalise("wi", DVec3::new(v[3], v[4], v[5]))?,
+    ))
+}
+
+/// A line of the input, for messages.
+struct LinePlace<'a> {
+    name: &'a Path,
+    number: usize,
+}
+
+impl LinePlace<'_> {
+    fn refuse(&self, expected: &str, found: &str, fix: &str) -> Error {
+        let (name, number) = (self.name.display(), self.number);
+        // A long line would hide the rest of the message.
+        let found: String = found.chars().take(80).collect();
+        let what = format!("{name}, line {number}: expected {expected}, found \"{found}\"");
+        Error::argument(what, fix.to_owned())
+    }
+
+    /// The direction `w` to the precision of f32, if its length is 1 within [`UNIT_SLACK`].
+    fn normalise(&self, direction: &str, w: DVec3) -> Result<Vec3> {
         let length = w.length();
         if (length - 1.0).abs() <= UNIT_SLACK {
             return Ok((w / length).as_vec3());
         }
-        Err(found(
-            &format!("{name} of length 1 within {UNIT_SLACK}"),
+        Err(self.refuse(
+            &format!("{direction} of length 1 within {UNIT_SLACK}"),
             &format!("length {length}"),
             "normalise the directions",
         ))
-    };
-    Ok((
-        unit("wo", DVec3::new(v[0], v[1], v[2]))?,
-        unit("wi", DVec3::new(v[3], v[4], v[5]))?,
-    ))
+    }
 }

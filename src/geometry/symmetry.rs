@@ -10,19 +10,19 @@ use glam::Vec3;
 pub enum Symmetry {
     /// Any turn about the normal.
     Isotropic,
-    /// Mirroring x, and mirroring y: a quarter turn of azimuths of `wo` stands for all.
+    /// Mirroring x, and mirroring y: a quarter turn of azimuths of `wo` represents all of them.
     Quarter,
-    /// Half a turn: so do the azimuths of half a turn.
+    /// Half a turn: the azimuths of half a turn represent all of them.
     Half,
     /// Nothing.
     Whole,
 }
 
 impl Symmetry {
-    /// The first azimuth of those that stand for all, radians.
+    /// The first of the azimuths that represent all of them, radians.
     pub const START: f64 = -PI;
 
-    /// How many radians of azimuth of `wo` stand for all, from [`Self::START`] on; 0 for isotropic.
+    /// The range of azimuths of `wo` that represent all of them, in radians, from [`Self::START`] on; 0 for isotropic.
     pub fn span(self) -> f64 {
         match self {
             Self::Isotropic => 0.0,
@@ -34,13 +34,18 @@ impl Symmetry {
 
     /// The signs that bring `wo` among the azimuths of [`Self::span`], and `wi` with it; all 1 where any azimuth will do.
     pub fn signs(self, wo: Vec3) -> Vec3 {
-        let against = |v: f32| if v.is_sign_negative() { 1.0 } else { -1.0 };
         match self {
             Self::Isotropic | Self::Whole => Vec3::ONE,
-            Self::Half => Vec3::new(against(wo.y), against(wo.y), 1.0),
-            Self::Quarter => Vec3::new(against(wo.x), against(wo.y), 1.0),
+            Self::Half => Vec3::new(opposite_sign(wo.y), opposite_sign(wo.y), 1.0),
+            Self::Quarter => Vec3::new(opposite_sign(wo.x), opposite_sign(wo.y), 1.0),
         }
     }
+}
+
+/// −1 for positive numbers and 1 for negative ones; zeros count by their signs.
+#[inline(always)]
+fn opposite_sign(v: f32) -> f32 {
+    if v.is_sign_negative() { 1.0 } else { -1.0 }
 }
 
 #[cfg(test)]

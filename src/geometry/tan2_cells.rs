@@ -25,6 +25,10 @@ pub(crate) fn start(tan2: f64) -> f64 {
 
 /// Start and end of a cell.
 pub(crate) fn bounds(cell: usize) -> (f64, f64) {
-    let start = |k: u64| f64::from_bits((FIRST + k) << SHIFT);
-    (start(cell as u64), start(cell as u64 + 1))
+    (first_in_cell(cell as u64), first_in_cell(cell as u64 + 1))
+}
+
+/// The least number of a cell.
+fn first_in_cell(cell: u64) -> f64 {
+    f64::from_bits((FIRST + cell) << SHIFT)
 }

@@ -29,8 +29,10 @@ pub fn write_exr(path: &Path, image: &Image, overwrite: Overwrite) -> Result<()>
         });
         let mut file = ExrImage::from_channels((image.width, image.height), channels);
         // UTF-8, as readers of today take it; the bytes of a string are not limited.
-        let text = |comment: &str| Text::from_slice_unchecked(comment.as_bytes());
-        file.layer_data.attributes.comments = image.comment.as_deref().map(text);
+        if let Some(comment) = &image.comment {
+            let text = Text::from_slice_unchecked(comment.as_bytes());
+            file.layer_data.attributes.comments = Some(text);
+        }
         // Parallel compression writes its blocks in the order in which they finish.
         file.write()
             .non_parallel()
@@ -83,22 +85,29 @@ enum ExrChannels {
     Colours(String),
 }
 
+fn contains(names: &[String], name: &str) -> bool {
+    names.iter().any(|n| n == name)
+}
+
 /// The channels to read; their names decide, not their order.
 fn choose_channels(headers: &[Header], path: &Path) -> Result<ExrChannels> {
     let mut prefixes: Vec<String> = Vec::new();
     let mut has_luminance = false;
     for header in headers {
-        let names: Vec<String> = header
-            .channels
-            .list
-            .iter()
-            .map(|c| c.name.to_string())
-            .collect();
-        let has = |name: String| names.contains(&name);
-        has_luminance |= has("Y".into()) && !has("RY".into()) && !has("BY".into());
-        for prefix in names.iter().filter_map(|name| name.strip_suffix('R')) {
+        let mut names = Vec::new();
+        for channel in &header.channels.list {
+            names.push(channel.name.to_string());
+        }
+        // Channels RY and BY are differences of colours, which luminance alone leaves out.
+        has_luminance |=
+            contains(&names, "Y") && !contains(&names, "RY") && !contains(&names, "BY");
+        for name in &names {
+            let Some(prefix) = name.strip_suffix('R') else {
+                continue;
+            };
             let is_layer = prefix.is_empty() || prefix.ends_with('.');
-            let is_whole = has(format!("{prefix}G")) && has(format!("{prefix}B"));
+            let (green, blue) = (format!("{prefix}G"), format!("{prefix}B"));
+            let is_whole = contains(&names, &green) && contains(&names, &blue);
             if is_layer && is_whole && !prefixes.iter().any(|p| p == prefix) {
                 prefixes.push(prefix.to_owned());
             }
@@ -150,14 +159,14 @@ fn no_channels(prefixes: &[String], headers: &[Header], path: &Path) -> Error {
 
 /// Channels `prefix`R, G and B.
 fn read_colours<R: Read + Seek>(source: R, prefix: &str, len: u64, path: &Path) -> Result<Image> {
-    let name = |channel: &str| format!("{prefix}{channel}");
+    let [red, green, blue] = ["R", "G", "B"].map(|channel| format!("{prefix}{channel}"));
     let read = ::exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .specific_channels()
-        .required(name("R").as_str())
-        .required(name("G").as_str())
-        .required(name("B").as_str())
+        .required(red.as_str())
+        .required(green.as_str())
+        .required(blue.as_str())
         .collect_pixels(
             |size, _| (size.width(), vec![Rgb::ZERO; size.width() * size.height()]),
             |(width, pixels): &mut (usize, Vec<Rgb>), at, (r, g, b): (f32, f32, f32)| {
@@ -201,7 +210,7 @@ fn read_luminance<R: Read + Seek>(source: R, len: u64, path: &Path) -> Result<Im
     Image::new(size.width(), size.height(), pixels)
 }
 
-/// Pixels that a byte of a file can stand for: three channels of two bytes, deflated 1032 to 1 with a byte of each three left
+/// Most pixels for each byte of a file: three channels of two bytes, deflated 1032 to 1 with a byte of each three left
 /// out (PXR24), are 229.
 const PIXELS_PER_BYTE: u64 = 256;
 

@@ -1,4 +1,4 @@
-//! Which format a picture has: its first bytes say it, whatever its name is.
+//! The format of a picture, which is recognised by its first bytes and not by its name.
 
 use std::path::Path;
 
@@ -19,14 +19,14 @@ pub(crate) enum PictureFormat {
 /// # Errors
 /// [`Error::Unsupported`] for other formats that are known, by their names; [`Error::Invalid`] for others.
 pub(super) fn recognise(head: &[u8], path: &Path) -> Result<PictureFormat> {
-    let space = |i: usize| head.get(i).is_some_and(u8::is_ascii_whitespace);
     if head.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
         return Ok(PictureFormat::OpenExr);
     }
     if head.starts_with(b"#?") {
         return Ok(PictureFormat::Radiance);
     }
-    if (head.starts_with(b"PF") || head.starts_with(b"Pf")) && space(2) {
+    let is_pfm = matches!(head, [b'P', b'F' | b'f', space, ..] if space.is_ascii_whitespace());
+    if is_pfm {
         return Ok(PictureFormat::Pfm);
     }
     if head.starts_with(b"\x89PNG\r\n\x1a\n") {

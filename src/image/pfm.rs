@@ -22,7 +22,6 @@ pub(super) fn decode_pfm(bytes: &[u8], path: &Path) -> Result<Image> {
     };
     let width = number(bytes, &mut at, path, "a width", |n: &usize| *n > 0)?;
     let height = number(bytes, &mut at, path, "a height", |n: &usize| *n > 0)?;
-    let is_scale = |s: &f32| s.is_finite() && *s != 0.0;
     let scale = number(bytes, &mut at, path, "a scale other than 0", is_scale)?;
     check_size(width, height, path)?;
     // One white space ends the header.
@@ -44,35 +43,48 @@ pub(super) fn decode_pfm(bytes: &[u8], path: &Path) -> Result<Image> {
             fix,
         ));
     }
-    let value = |i: usize| {
-        let four = [0, 1, 2, 3].map(|k| samples[4 * i + k]);
-        let value = if scale < 0.0 {
-            f32::from_le_bytes(four)
-        } else {
-            f32::from_be_bytes(four)
-        };
-        value * scale.abs()
-    };
     Image::from_fn(width, height, |x, y| {
         let first = ((height - 1 - y) * width + x) * channels;
+        let value = sample(samples, first, scale);
         match channels {
-            1 => Rgb::splat(value(first)),
-            _ => Rgb::new(value(first), value(first + 1), value(first + 2)),
+            1 => Rgb::splat(value),
+            _ => Rgb::new(
+                value,
+                sample(samples, first + 1, scale),
+                sample(samples, first + 2, scale),
+            ),
         }
     })
+}
+
+fn is_scale(scale: &f32) -> bool {
+    scale.is_finite() && *scale != 0.0
+}
+
+/// Sample `i` times the magnitude of the scale; a negative scale marks little-endian samples.
+fn sample(samples: &[u8], i: usize, scale: f32) -> f32 {
+    let four = [0, 1, 2, 3].map(|k| samples[4 * i + k]);
+    let value = if scale < 0.0 {
+        f32::from_le_bytes(four)
+    } else {
+        f32::from_be_bytes(four)
+    };
+    value * scale.abs()
 }
 
 /// The next word; it and the white space before it are passed.
 fn next_word<'a>(bytes: &'a [u8], at: &mut usize) -> &'a str {
     let rest = &bytes[*at..];
-    let is_space = |b: &u8| b.is_ascii_whitespace();
-    let blank = rest.iter().take_while(|b| is_space(b)).count();
+    let mut blank = 0;
+    while blank < rest.len() && rest[blank].is_ascii_whitespace() {
+        blank += 1;
+    }
     let word = &rest[blank..];
-    let length = word
-        .iter()
-        .take(LONGEST_WORD)
-        .take_while(|b| !is_space(b))
-        .count();
+    let most = word.len().min(LONGEST_WORD);
+    let mut length = 0;
+    while length < most && !word[length].is_ascii_whitespace() {
+        length += 1;
+    }
     *at += blank + length;
     std::str::from_utf8(&word[..length]).unwrap_or("")
 }

@@ -4,7 +4,6 @@ use std::io::Write;
 use std::path::Path;
 
 use super::Image;
-use crate::color::Rgb;
 use crate::files::{Overwrite, write_new};
 use crate::{Error, Result};
 
@@ -63,8 +62,8 @@ fn write_rgb8(
     comment: Option<&str>,
 ) -> std::result::Result<(), ::png::EncodingError> {
     // A side that has no room in 32 bits has none in the file, and is refused as 0 is.
-    let side = |n: usize| u32::try_from(n).unwrap_or(0);
-    let mut encoder = ::png::Encoder::new(out, side(width), side(height));
+    let [width, height] = [width, height].map(|side| u32::try_from(side).unwrap_or(0));
+    let mut encoder = ::png::Encoder::new(out, width, height);
     encoder.set_color(::png::ColorType::Rgb);
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
@@ -79,9 +78,13 @@ fn write_rgb8(
 /// The picture's pixels as 8-bit sRGB, three bytes each: what [`write_png`] writes.
 pub fn encode_srgb(image: &Image, exposure: f32) -> Vec<u8> {
     let gain = exposure.exp2();
-    let byte = |x: f32| (srgb(tone_map(x * gain)) * 255.0).round() as u8;
-    let pixel = |c: &Rgb| c.to_array().map(byte);
-    image.pixels().iter().flat_map(pixel).collect()
+    let mut bytes = Vec::with_capacity(3 * image.pixels().len());
+    for colour in image.pixels() {
+        for x in colour.to_array() {
+            bytes.push((srgb(tone_map(x * gain)) * 255.0).round() as u8);
+        }
+    }
+    bytes
 }
 
 /// sRGB's transfer function, from linear [0, 1] to encoded [0, 1].
@@ -103,6 +106,7 @@ fn write_error(path: &Path, error: ::png::EncodingError) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::Rgb;
 
     #[test]
     fn the_tone_curve_starts_as_a_line_and_approaches_one() {

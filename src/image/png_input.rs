@@ -149,43 +149,64 @@ fn linear(value: f64, exponent: Option<f64>) -> f64 {
 
 impl PngSamples {
     fn into_image(self, path: &Path) -> Result<Image> {
-        let bits = if self.depth == BitDepth::Sixteen {
-            16
-        } else {
-            8
-        };
-        let largest = (1usize << bits) - 1;
-        let table: Vec<f32> = (0..=largest)
-            .map(|i| linear(i as f64 / largest as f64, self.exponent) as f32)
-            .collect();
-        let sample = |i: usize| match bits {
-            16 => usize::from(self.bytes[2 * i]) << 8 | usize::from(self.bytes[2 * i + 1]),
-            _ => usize::from(self.bytes[i]),
-        };
-        let channels = self.color.samples();
-        if matches!(channels, 2 | 4) {
-            let alpha = |pixel: usize| sample(pixel * channels + channels - 1);
-            if (0..self.width * self.height).any(|pixel| alpha(pixel) < largest) {
-                return Err(Error::Unsupported {
-                    path: path.to_owned(),
-                    what: "a PNG with transparent pixels".into(),
-                    fix: format!(
-                        "fill them: magick {} -background black -alpha remove -alpha off filled.png",
-                        path.display()
-                    ),
-                });
-            }
+        let largest = self.largest();
+        let mut table = Vec::with_capacity(largest + 1);
+        for value in 0..=largest {
+            table.push(linear(value as f64 / largest as f64, self.exponent) as f32);
         }
+        if self.is_transparent() {
+            return Err(Error::Unsupported {
+                path: path.to_owned(),
+                what: "a PNG with transparent pixels".into(),
+                fix: format!(
+                    "fill them: magick {} -background black -alpha remove -alpha off filled.png",
+                    path.display()
+                ),
+            });
+        }
+        let channels = self.color.samples();
         Image::from_fn(self.width, self.height, |x, y| {
             let first = (y * self.width + x) * channels;
             match channels {
-                1 | 2 => Rgb::splat(table[sample(first)]),
+                1 | 2 => Rgb::splat(table[self.sample(first)]),
                 _ => Rgb::new(
-                    table[sample(first)],
-                    table[sample(first + 1)],
-                    table[sample(first + 2)],
+                    table[self.sample(first)],
+                    table[self.sample(first + 1)],
+                    table[self.sample(first + 2)],
                 ),
             }
         })
+    }
+
+    /// The largest value of a sample.
+    fn largest(&self) -> usize {
+        match self.depth {
+            BitDepth::Sixteen => 0xffff,
+            _ => 0xff,
+        }
+    }
+
+    /// Sample `i`; those of sixteen bits have the high byte first.
+    fn sample(&self, i: usize) -> usize {
+        match self.depth {
+            BitDepth::Sixteen => {
+                usize::from(self.bytes[2 * i]) << 8 | usize::from(self.bytes[2 * i + 1])
+            }
+            _ => usize::from(self.bytes[i]),
+        }
+    }
+
+    /// Whether any pixel's alpha is below its largest value. Alpha is the last sample of two or four.
+    fn is_transparent(&self) -> bool {
+        let (channels, largest) = (self.color.samples(), self.largest());
+        if !matches!(channels, 2 | 4) {
+            return false;
+        }
+        for pixel in 0..self.width * self.height {
+            if self.sample(pixel * channels + channels - 1) < largest {
+                return true;
+            }
+        }
+        false
     }
 }

@@ -12,7 +12,7 @@ use crate::{Error, Result};
 /// Three mantissas and their exponent.
 type Rgbe = [u8; 4];
 
-/// Pixels that a byte of a file may stand for: a black row of 8192 in the old encoding is 12 bytes.
+/// Most pixels for each byte of a file: a black row of 8192 in the old encoding is 12 bytes.
 const PIXELS_PER_BYTE: u64 = 1024;
 
 /// Widths that rows of the new encoding may have.
@@ -50,8 +50,8 @@ fn radiance([r, g, b, e]: Rgbe, exposure: f64) -> Rgb {
         return Rgb::ZERO;
     }
     let scale = 2f64.powi(i32::from(e) - 136) / exposure;
-    let channel = |mantissa: u8| (f64::from(mantissa) * scale) as f32;
-    Rgb::new(channel(r), channel(g), channel(b))
+    let [r, g, b] = [r, g, b].map(|mantissa| (f64::from(mantissa) * scale) as f32);
+    Rgb::new(r, g, b)
 }
 
 /// What the line of the resolution says.

@@ -213,7 +213,8 @@ fn mixed_note(measured: &MerlBrdf) -> Option<String> {
 
 /// How much of a table was filled in; `None` if nothing was.
 fn filled_note(measured: &MerlBrdf) -> Option<String> {
-    let (filled, cells) = (measured.table().filled(), measured.table().cells());
+    let filled = measured.table().filled();
+    let cells = measured.table().cells();
     let percent = 100.0 * filled.len() as f64 / cells.len() as f64;
     (!filled.is_empty()).then(|| {
         format!(

@@ -166,7 +166,8 @@ impl Material {
 
 /// Hashes the length that the file had when it was opened, so that one that grows meanwhile has an end.
 fn hash_file(mut file: RegularFile) -> Result<sha2::digest::Output<Sha256>> {
-    let (mut hash, mut buffer) = (Sha256::new(), vec![0; 1 << 16]);
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
     let mut offset = 0;
     while offset < file.len() {
         let piece = (file.len() - offset).min(buffer.len() as u64) as usize;

@@ -56,12 +56,11 @@ impl Film {
     /// # Errors
     /// None for a film that [`super::render()`] returned.
     pub fn to_image(&self) -> Result<Image> {
-        let pixel = |p: &Pixel| p.mean.as_vec3().min(Rgb::splat(f32::MAX));
-        Image::new(
-            self.width,
-            self.height,
-            self.pixels.iter().map(pixel).collect(),
-        )
+        let mut pixels = Vec::with_capacity(self.pixels.len());
+        for pixel in &self.pixels {
+            pixels.push(pixel.mean.as_vec3().min(Rgb::splat(f32::MAX)));
+        }
+        Image::new(self.width, self.height, pixels)
     }
 
     fn pixel(&self, x: usize, y: usize) -> Option<&Pixel> {

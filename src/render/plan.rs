@@ -91,10 +91,13 @@ impl EffectPlan {
     /// The plan that [`super::Scene::build`] makes for the same description and request. Nothing is loaded for it.
     pub fn for_scene(spec: &SceneSpec, request: PlanRequest) -> Self {
         let facts = SceneFacts::gather(spec);
-        let material = |i| facts.decide_material(spec.uses_material(i));
+        let mut materials = Vec::with_capacity(spec.materials.len());
+        for i in 0..spec.materials.len() {
+            materials.push(facts.decide_material(spec.uses_material(i)));
+        }
         let mut plan = Self {
             effects: Effect::ALL.map(|effect| facts.decide(effect)),
-            materials: (0..spec.materials.len()).map(material).collect(),
+            materials,
             lights: spec.lights.iter().map(|l| facts.decide_light(l)).collect(),
         };
         match request {

@@ -56,6 +56,16 @@ struct Object {
     surface: usize,
 }
 
+impl Object {
+    fn new(shape: Arc<dyn Shape>, surface: usize) -> Self {
+        Self {
+            is_convex: shape.is_convex(),
+            shape,
+            surface,
+        }
+    }
+}
+
 /// Where a ray meets an object.
 #[derive(Clone, Copy)]
 pub(super) struct Hit {
@@ -168,20 +178,15 @@ impl Object {
 
 /// The objects in the order of [`SceneSpec::shapes`]; the floor's surface has the position `floor`.
 fn collect_objects(spec: &SceneSpec, floor: usize) -> Vec<Object> {
-    let object = |shape: Arc<dyn Shape>, surface| Object {
-        is_convex: shape.is_convex(),
-        shape,
-        surface,
-    };
     let mut objects = Vec::new();
     for sphere in &spec.spheres {
-        objects.push(object(Arc::new(sphere.shape), sphere.material));
+        objects.push(Object::new(Arc::new(sphere.shape), sphere.material));
     }
     for other in &spec.objects {
-        objects.push(object(other.shape.clone(), other.material));
+        objects.push(Object::new(other.shape.clone(), other.material));
     }
     if spec.floor.is_some() {
-        objects.push(object(Arc::new(Floor), floor));
+        objects.push(Object::new(Arc::new(Floor), floor));
     }
     objects
 }
@@ -202,18 +207,20 @@ fn load_surfaces(
     mut surface: impl FnMut(usize, bool) -> Result<Surface>,
 ) -> Result<Vec<Option<Surface>>> {
     let directions = plan.is_on(Effect::Directions);
-    let load = |(i, name): (usize, &String)| {
+    let mut surfaces = Vec::with_capacity(spec.materials.len());
+    for (i, name) in spec.materials.iter().enumerate() {
         if !plan.materials().get(i).is_some_and(|material| material.on) {
-            return Ok(None);
+            surfaces.push(None);
+            continue;
         }
         let surface = surface(i, directions)?;
         if directions && surface.sampler.is_none() {
             let what = format!("material {name} has no sampler");
             return Err(Error::argument(what, "give one: the plan draws directions"));
         }
-        Ok(Some(surface))
-    };
-    spec.materials.iter().enumerate().map(load).collect()
+        surfaces.push(Some(surface));
+    }
+    Ok(surfaces)
 }
 
 fn load_lights(spec: &SceneSpec, plan: &EffectPlan) -> Result<Vec<Box<dyn Light>>> {
@@ -264,25 +271,21 @@ fn check(spec: &SceneSpec) -> Result<()> {
     Ok(())
 }
 
+fn is_valid(sphere: &SphereSpec, materials: usize) -> bool {
+    let (centre, radius) = (sphere.shape.centre, sphere.shape.radius);
+    centre.is_finite() && radius > 0.0 && radius.is_finite() && sphere.material < materials
+}
+
 fn check_objects(spec: &SceneSpec) -> Result<()> {
-    let sphere_fits = |s: &SphereSpec| {
-        s.shape.centre.is_finite()
-            && s.shape.radius > 0.0
-            && s.shape.radius.is_finite()
-            && s.material < spec.materials.len()
-    };
-    if let Some(i) = spec.spheres.iter().position(|s| !sphere_fits(s)) {
+    let materials = spec.materials.len();
+    if let Some(i) = spec.spheres.iter().position(|s| !is_valid(s, materials)) {
         let what = format!("sphere {i} has no finite centre, no radius or no material");
         return Err(Error::argument(
             what,
             "give a finite centre, a radius > 0 and the index of a material",
         ));
     }
-    if let Some(i) = spec
-        .objects
-        .iter()
-        .position(|o| o.material >= spec.materials.len())
-    {
+    if let Some(i) = spec.objects.iter().position(|o| o.material >= materials) {
         return Err(Error::argument(
             format!("object {i} has no material"),
             "give the index of a material",

@@ -102,7 +102,7 @@ fn half_row(count: usize) -> f64 {
 }
 
 impl SceneSpec {
-    /// A row of unit spheres along x that stand on y = 0, one for each entry of `materials`, framed for a picture of
+    /// A row of unit spheres along x that rest on y = 0, one for each entry of `materials`, framed for a picture of
     /// `aspect` = width over height. Equal names are one material. No light and no floor yet.
     pub fn row(materials: &[String], aspect: f64) -> Self {
         let mut names: Vec<String> = Vec::new();

@@ -22,7 +22,7 @@ impl Settings for CosineSettings {
     }
 }
 
-/// Density cosθ/π, whatever the material (thesis 5.1.1).
+/// Density cosθ/π for every material (thesis 5.1.1).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cosine;
 

@@ -18,7 +18,7 @@ pub enum TableChoice {
     Mixture,
 }
 
-/// The last table stands short of the horizon, where measured values are few and wild.
+/// The angle of the last table, short of the horizon, where measured values are few and wild.
 const LAST: f64 = 89.5 / 180.0 * std::f64::consts::PI;
 
 /// Polar angles of `wo` that have a table: equally spaced from 0 to 90°, the last moved to 89.5°.
@@ -28,7 +28,7 @@ pub(super) struct ThetaKnots {
     choice: TableChoice,
 }
 
-/// One or two tables and the share of the second.
+/// One or two tables and the weight of the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct KnotPair {
     pub first: usize,
@@ -52,7 +52,7 @@ impl ThetaKnots {
         self.count
     }
 
-    /// Angle of knot `k`, radians. A single table stands at normal incidence.
+    /// Angle of knot `k`, radians. A single table is that of normal incidence.
     pub fn theta(self, k: usize) -> f64 {
         if self.count == 1 {
             return 0.0;
@@ -62,16 +62,16 @@ impl ThetaKnots {
 
     /// The knot whose angle is nearest to `theta`, radians; the first for one that is not finite.
     pub fn nearest(self, theta: f64) -> usize {
-        let distance = |k: &usize| {
-            if theta.is_finite() {
-                (self.theta(*k) - theta).abs()
-            } else {
-                *k as f64
+        let mut nearest = 0;
+        let mut least = f64::INFINITY;
+        for k in 0..self.count {
+            // For an angle that is not finite, no distance is below infinity: the first knot remains.
+            let distance = (self.theta(k) - theta).abs();
+            if distance < least {
+                (nearest, least) = (k, distance);
             }
-        };
-        (0..self.count)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .unwrap_or(0)
+        }
+        nearest
     }
 
     /// Tables that serve the upper direction `wo`.
@@ -88,7 +88,7 @@ impl ThetaKnots {
         let step = FRAC_PI_2 / (self.count - 1) as f64;
         let first = ((theta / step) as usize).min(self.count - 2);
         let low = first as f64 * step;
-        // Several knots stand at the last angle if the step is small: between those there is nothing to share.
+        // If the step is small, several knots have the last angle, and the interval between them has no width.
         let width = self.theta(first + 1) - low;
         let share = if width > 0.0 {
             ((theta - low) / width).clamp(0.0, 1.0)

@@ -167,7 +167,7 @@ pub trait Settings:
         self.check_together()
     }
 
-    /// Reads settings, separated by commas: a preset or nothing, then words that stand alone and `key=value`. What is not
+    /// Reads settings, separated by commas: a preset or nothing, then `key=value`, and words that need no key. What is not
     /// named is as in the preset, or as by default. Case does not matter.
     ///
     /// # Errors

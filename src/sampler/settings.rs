@@ -17,7 +17,7 @@ use crate::error::list_words;
 /// Settings with a name.
 #[derive(Clone, Debug)]
 pub struct Preset<S> {
-    /// The word that stands for them, in front of other settings.
+    /// The word that selects them, in front of other settings.
     pub name: &'static str,
     /// What they are, without a full stop.
     pub meaning: String,
@@ -49,7 +49,7 @@ pub struct Field<S> {
     key: &'static str,
     meaning: &'static str,
     domain: String,
-    /// Values that may stand without the key, which is how they are printed.
+    /// Values that may be given without the key, which is how they are printed.
     words: Vec<&'static str>,
     always_shown: bool,
     get: Box<dyn Fn(&S) -> String>,
@@ -167,7 +167,7 @@ impl<S: 'static> Field<S> {
         Self::form(key, list_words(&names), meaning, get, set)
     }
 
-    /// Lets each of these values stand without the key.
+    /// Allows each of these values without the key.
     #[must_use]
     pub fn standing_alone(mut self, words: &[&'static str]) -> Self {
         self.words = words.to_vec();
@@ -273,7 +273,7 @@ pub(super) fn table_choice<S: 'static>(
 pub struct SettingFacts {
     /// The word in front of the `=`.
     pub key: &'static str,
-    /// Values that may stand without the key.
+    /// Values that may be given without the key.
     pub standing_alone: Vec<&'static str>,
     /// What values there are.
     pub domain: String,
@@ -286,7 +286,7 @@ pub struct SettingFacts {
 /// What a list of settings says about a preset.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct PresetFacts {
-    /// The word that stands for the settings.
+    /// The word that selects the settings.
     pub name: &'static str,
     /// What they are.
     pub meaning: String,
@@ -298,11 +298,13 @@ pub(super) fn differing_words<S: 'static>(
     base: &S,
     settings: &S,
 ) -> Vec<String> {
-    fields
-        .iter()
-        .filter(|field| field.always_shown || field.value(base) != field.value(settings))
-        .map(|field| field.text(settings))
-        .collect()
+    let mut words = Vec::new();
+    for field in fields {
+        if field.always_shown || field.value(base) != field.value(settings) {
+            words.push(field.text(settings));
+        }
+    }
+    words
 }
 
 /// The setting that an item of a text names, and the value it gives.
@@ -316,8 +318,12 @@ pub(super) fn find_field<'a, S>(
             .find(|f| f.key.eq_ignore_ascii_case(key.trim()))?;
         return Some((field, value.trim()));
     }
-    let holds = |f: &&Field<S>| f.words.iter().any(|w| w.eq_ignore_ascii_case(item));
-    fields.iter().find(holds).map(|field| (field, item))
+    for field in fields {
+        if field.words.iter().any(|w| w.eq_ignore_ascii_case(item)) {
+            return Some((field, item));
+        }
+    }
+    None
 }
 
 /// The error for an item that names no setting, with what it may have meant.
@@ -358,11 +364,16 @@ pub(super) fn unknown_setting<S>(
 /// The word that is spelt most like `word`, if any is similar at all.
 pub(super) fn most_alike<'a>(word: &str, words: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
-    let likeness = |other: &str| strsim::jaro_winkler(&word, &other.to_lowercase());
-    let best = words
-        .iter()
-        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
-    (likeness(best) > 0.7).then_some(best)
+    let mut best = None;
+    let mut most = 0.7;
+    for &other in words {
+        let likeness = strsim::jaro_winkler(&word, &other.to_lowercase());
+        // The last of equals, if any is above the least likeness that counts.
+        if likeness > 0.7 && likeness >= most {
+            (best, most) = (Some(other), likeness);
+        }
+    }
+    best
 }
 
 /// A number from its text, if it lies within a range.

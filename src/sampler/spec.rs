@@ -39,8 +39,8 @@ const METHODS: &[fn() -> SamplerSpec] = methods![
 
 /// A method and its settings.
 ///
-/// Its text, `NAME` or `NAME:SETTING,SETTING…`, is what users write, what tables and plots are labelled with, and what stands
-/// in JSON; [`Settings::parse_text`] says how settings are read. It prints as the shortest text that is read as the same.
+/// Its text, `NAME` or `NAME:SETTING,SETTING…`, is what users write, the label of tables and plots, and its form in
+/// JSON; [`Settings::parse_text`] says how settings are read. It prints as the shortest text that is read as the same.
 #[derive(Clone)]
 pub struct SamplerSpec(Arc<dyn AnySettings>);
 
@@ -113,11 +113,12 @@ impl SamplerSpec {
             return self.0.check_facts(facts);
         }
         let methods = Self::methods();
-        let others: Vec<&str> = methods
-            .iter()
-            .filter(|other| other.needs().are_met_by(facts))
-            .map(Self::name)
-            .collect();
+        let mut others = Vec::new();
+        for method in &methods {
+            if method.needs().are_met_by(facts) {
+                others.push(method.name());
+            }
+        }
         Err(Error::argument(
             format!(
                 "the sampler {} needs {}, and this material is not one",

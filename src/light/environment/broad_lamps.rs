@@ -16,9 +16,13 @@ pub fn broad_lamps(sampling: SkySampling) -> Environment {
 }
 
 fn radiance(w: DVec3) -> f64 {
-    let lobe = |towards: DVec3, n: i32| w.dot(towards.normalize()).max(0.0).powi(n);
     let gradient = (0.2 + 0.3 * w.y).max(0.05);
     gradient
-        + 4.0 * lobe(DVec3::new(0.5, 0.8, -0.3), 8)
-        + 2.0 * lobe(DVec3::new(-0.8, 0.4, -0.2), 30)
+        + 4.0 * lobe(w, DVec3::new(0.5, 0.8, -0.3), 8)
+        + 2.0 * lobe(w, DVec3::new(-0.8, 0.4, -0.2), 30)
+}
+
+/// max(w·t, 0)ⁿ about the axis `towards`, of any length.
+fn lobe(w: DVec3, towards: DVec3, n: i32) -> f64 {
+    w.dot(towards.normalize()).max(0.0).powi(n)
 }

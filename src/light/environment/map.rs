@@ -189,11 +189,14 @@ impl Environment {
             .max(0.0)
             .min(self.extent.y - 1.0);
         let (column, row) = (x as u32, y as u32);
-        let (s, t) = ((x - f64::from(column)) as f32, (y - f64::from(row)) as f32);
+        let s = (x - f64::from(column)) as f32;
+        let t = (y - f64::from(row)) as f32;
         let stride = self.width + 2;
         let i = row as usize * stride + column as usize;
-        let line = |i: usize| self.pixels[i].lerp(self.pixels[i + 1], s);
-        line(i).lerp(line(i + stride), t).truncate()
+        // Linear along the two rows, then between them.
+        let upper = self.pixels[i].lerp(self.pixels[i + 1], s);
+        let lower = self.pixels[i + stride].lerp(self.pixels[i + stride + 1], s);
+        upper.lerp(lower, t).truncate()
     }
 
     #[inline]
@@ -217,7 +220,8 @@ impl Environment {
             Some(table) => {
                 let at = table.cells.locate(u);
                 // Uniform in solid angle within a row, so that the density is constant in a cell and finite at the poles.
-                let (top, bottom) = (self.cos_edges[at.row], self.cos_edges[at.row + 1]);
+                let top = self.cos_edges[at.row];
+                let bottom = self.cos_edges[at.row + 1];
                 let longitude = (at.column as f64 + at.share.x) / self.extent.x;
                 (longitude, top + at.share.y * (bottom - top))
             }
@@ -229,25 +233,30 @@ impl Environment {
         TAU / self.width as f64 * (self.cos_edges[row] - self.cos_edges[row + 1])
     }
 
-    /// For each cell, the mean luminance of the bilinear map in it, times its solid angle. The mean over a cell of what is
-    /// bilinear between centres weighs the pixel itself and its neighbours 1 : 6 : 1 along each axis; it is positive
-    /// wherever some light is.
+    /// For each cell, the mean luminance of the bilinear map in it, times its solid angle. In the mean over a cell, the pixel
+    /// itself and its neighbours have the weights 1 : 6 : 1 along each axis, since the map is bilinear between centres. It is
+    /// positive for every cell that any light falls into.
     fn weights(&self, pixels: &[Rgb]) -> Vec<f64> {
-        let at = |x: usize, y: usize| f64::from(luminance(pixels[y * self.width + x]));
-        let across = |x: usize, y: usize| {
-            let (w, e) = ((x + self.width - 1) % self.width, (x + 1) % self.width);
-            (at(w, y) + 6.0 * at(x, y) + at(e, y)) / 8.0
-        };
         let mut weights = Vec::with_capacity(pixels.len());
         for y in 0..self.height {
             let (n, s) = (y.saturating_sub(1), (y + 1).min(self.height - 1));
             let solid_angle = self.solid_angle(y);
             for x in 0..self.width {
-                let mean = (across(x, n) + 6.0 * across(x, y) + across(x, s)) / 8.0;
+                let [north, middle, south] = [n, y, s].map(|y| self.mean_across(pixels, x, y));
+                let mean = (north + 6.0 * middle + south) / 8.0;
                 weights.push(mean * solid_angle);
             }
         }
         weights
+    }
+
+    /// The mean luminance in a row over the width of a pixel; the map closes on itself left and right.
+    fn mean_across(&self, pixels: &[Rgb], x: usize, y: usize) -> f64 {
+        let west = (x + self.width - 1) % self.width;
+        let east = (x + 1) % self.width;
+        let [west, middle, east] =
+            [west, x, east].map(|x| f64::from(luminance(pixels[y * self.width + x])));
+        (west + 6.0 * middle + east) / 8.0
     }
 }
 

@@ -134,19 +134,25 @@ fn raise(pixels: &mut [Rgb], width: usize, path: &Path, repairs: &mut Repairs) -
     if pixels.iter().all(|c| c.min_element() >= 0.0) {
         return Ok(());
     }
-    let light = |c: &Rgb| f64::from(luminance(c.max(Rgb::ZERO)));
-    let mean = pixels.iter().map(light).sum::<f64>() / pixels.len() as f64;
-    let most = (RESIDUE_OF_MEAN * mean) as f32;
-    let is_residue = |i: usize| {
-        let depth = -pixels[i].min_element();
-        depth <= most || depth <= RESIDUE_OF_NEIGHBOUR * brightest_nearby(pixels, width, i)
-    };
-    let bad: Vec<usize> = (0..pixels.len()).filter(|&i| !is_residue(i)).collect();
+    // Step 1: the mean luminance, to which residues are compared. Negative channels count as 0.
+    let mut sum = 0.0;
+    for c in pixels.iter() {
+        sum += f64::from(luminance(c.max(Rgb::ZERO)));
+    }
+    let most = (RESIDUE_OF_MEAN * (sum / pixels.len() as f64)) as f32;
+    // Step 2: pixels that are too far below 0, against the mean and against their neighbours, are no residues.
+    let mut bad = Vec::new();
+    let mut lowest = 0f32;
+    for i in 0..pixels.len() {
+        let value = pixels[i].min_element();
+        let is_residue =
+            -value <= most || -value <= RESIDUE_OF_NEIGHBOUR * brightest_nearby(pixels, width, i);
+        if !is_residue {
+            bad.push(i);
+            lowest = lowest.min(value);
+        }
+    }
     if let Some(&first) = bad.first() {
-        let lowest = bad
-            .iter()
-            .map(|&i| pixels[i].min_element())
-            .fold(0.0, f32::min);
         let what = format!("negative radiance, down to {lowest},");
         let fix = format!(
             "that is more than compression or resampling leaves, which would be raised to 0 (up to {most} here, 1 % of the mean, \
@@ -154,6 +160,7 @@ fn raise(pixels: &mut [Rgb], width: usize, path: &Path, repairs: &mut Repairs) -
         );
         return Err(refusal(&what, (first, bad.len()), width, path, fix));
     }
+    // Step 3: raise the residues.
     for pixel in pixels {
         if pixel.min_element() < 0.0 {
             repairs.raised += 1;

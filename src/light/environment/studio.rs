@@ -28,13 +28,15 @@ impl Softbox {
         if depth <= 0.0 {
             return Rgb::ZERO;
         }
-        let inside = |offset: f64, half: f64| {
-            let t = ((half - offset.abs() / depth) / self.edge + 0.5).clamp(0.0, 1.0);
-            t * t * (3.0 - 2.0 * t)
-        };
-        let coverage =
-            inside(direction.dot(across), self.half[0]) * inside(direction.dot(up), self.half[1]);
+        let coverage = self.coverage(direction.dot(across) / depth, self.half[0])
+            * self.coverage(direction.dot(up) / depth, self.half[1]);
         self.radiance * coverage as f32
+    }
+
+    /// 1 inside the box along one of its sides and 0 outside, with a soft edge: 3t² − 2t³ with t from 0 to 1 across the edge.
+    fn coverage(&self, offset: f64, half: f64) -> f64 {
+        let t = ((half - offset.abs()) / self.edge + 0.5).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
     }
 }
 
@@ -52,22 +54,21 @@ pub fn studio(sampling: SkySampling) -> Environment {
 }
 
 fn softboxes() -> [Softbox; 3] {
-    let towards = |x: f64, y: f64, z: f64| DVec3::new(x, y, z).normalize();
     [
         Softbox {
-            towards: towards(-0.75, 0.75, 0.65),
+            towards: DVec3::new(-0.75, 0.75, 0.65).normalize(),
             half: [0.42, 0.32],
             edge: 0.03,
             radiance: Rgb::new(7.0, 6.9, 6.7),
         },
         Softbox {
-            towards: towards(1.0, 0.45, 0.25),
+            towards: DVec3::new(1.0, 0.45, 0.25).normalize(),
             half: [0.12, 0.5],
             edge: 0.03,
             radiance: Rgb::new(4.6, 4.9, 5.3),
         },
         Softbox {
-            towards: towards(0.35, 0.8, -0.9),
+            towards: DVec3::new(0.35, 0.8, -0.9).normalize(),
             half: [0.05, 0.05],
             edge: 0.03,
             radiance: Rgb::new(75.0, 62.0, 45.0),
@@ -77,8 +78,10 @@ fn softboxes() -> [Softbox; 3] {
 
 /// From a light horizon to a darker blue zenith; a dark floor below.
 fn sky(direction: DVec3) -> Rgb {
-    let (horizon, zenith) = (Rgb::new(0.62, 0.66, 0.72), Rgb::new(0.16, 0.24, 0.40));
-    let (near, nadir) = (Rgb::new(0.20, 0.19, 0.18), Rgb::new(0.07, 0.07, 0.07));
+    let horizon = Rgb::new(0.62, 0.66, 0.72);
+    let zenith = Rgb::new(0.16, 0.24, 0.40);
+    let near = Rgb::new(0.20, 0.19, 0.18);
+    let nadir = Rgb::new(0.07, 0.07, 0.07);
     let up = direction.y as f32;
     if up >= 0.0 {
         horizon.lerp(zenith, up.sqrt())

@@ -30,17 +30,20 @@ pub fn read_array(path: &Path, channels_apart: bool) -> Result<MerlTable> {
 
 /// The array of an archive.
 fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>> {
-    let refused = |found: String| Error::invalid(path, 0, "an .npz archive of numpy", found, FIX);
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| refused(e.to_string()))?;
-    let names: Vec<String> = archive
-        .file_names()
-        .flatten()
-        .map(|name| name.into_owned())
-        .collect();
+    let expected = "an .npz archive of numpy";
+    let mut archive = ZipArchive::new(Cursor::new(bytes))
+        .map_err(|e| refuse(path, 0, expected, &e.to_string()))?;
+    let mut names: Vec<String> = Vec::new();
+    for name in archive.file_names().flatten() {
+        names.push(name.into_owned());
+    }
     let name = match names.as_slice() {
         [only] => only.clone(),
         _ if names.iter().any(|name| name == "merl.rgb.npy") => "merl.rgb.npy".into(),
-        _ => return Err(refused(format!("arrays {}", names.join(", ")))),
+        _ => {
+            let found = format!("arrays {}", names.join(", "));
+            return Err(refuse(path, 0, expected, &found));
+        }
     };
     let mut entry = archive.by_name(&name).map_err(|e| {
         let fix = "write the archive with np.savez, which does not compress";
@@ -58,13 +61,78 @@ fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>> {
     Ok(out)
 }
 
+fn refuse(path: &Path, offset: usize, expected: &str, found: &str) -> Error {
+    Error::invalid(path, offset as u64, expected, found, FIX)
+}
+
 /// A table from the bytes of an `.npy` file.
 fn from_npy(bytes: &[u8], channels_apart: bool, path: &Path) -> Result<MerlTable> {
-    let refused = |offset: usize, expected: &str, found: &str| {
-        Error::invalid(path, offset as u64, expected, found, FIX)
+    let head = read_head(bytes, path)?;
+    let header = Header {
+        phi_d_bins: head.phi_d_bins,
     };
+    let (width, cells) = (head.width, header.cells());
+    let values = &bytes[head.end..];
+    if values.len() != 3 * width * cells {
+        let expected = format!("{} bytes of numbers", 3 * width * cells);
+        let found = values.len().to_string();
+        return Err(refuse(path, head.end, &expected, &found));
+    }
+    let mut cell = 0;
+    Ok(MerlTable::collect(header, channels_apart, |_, _, _| {
+        let rgb = [0, 1, 2].map(|channel| {
+            let k = if head.channels_last {
+                3 * cell + channel
+            } else {
+                channel * cells + cell
+            };
+            number(&values[width * k..][..width])
+        });
+        cell += 1;
+        rgb
+    }))
+}
+
+/// A number of four or eight bytes, little-endian.
+fn number(bytes: &[u8]) -> f64 {
+    if let Some(eight) = bytes.first_chunk::<8>() {
+        return f64::from_le_bytes(*eight);
+    }
+    match bytes.first_chunk::<4>() {
+        Some(four) => f64::from(f32::from_le_bytes(*four)),
+        None => f64::NAN,
+    }
+}
+
+/// What the header of an `.npy` file states.
+struct ArrayHead {
+    /// Where the numbers begin, in bytes.
+    end: usize,
+    /// Bytes of a number: 4 or 8.
+    width: usize,
+    phi_d_bins: usize,
+    /// Whether the channel is the last index, and the fastest; else it is the first.
+    channels_last: bool,
+}
+
+/// The numbers between the parentheses of `'shape':(90,90,180,3)`, in a head without blanks; none if there are none.
+fn read_shape(head: &str) -> Vec<usize> {
+    let mut shape = Vec::new();
+    let Some((_, rest)) = head.split_once("'shape':(") else {
+        return shape;
+    };
+    let numbers = rest.split(')').next().unwrap_or_default();
+    for number in numbers.split(',') {
+        if let Ok(number) = number.parse() {
+            shape.push(number);
+        }
+    }
+    shape
+}
+
+fn read_head(bytes: &[u8], path: &Path) -> Result<ArrayHead> {
     if !bytes.starts_with(b"\x93NUMPY") {
-        return Err(refused(0, "an array of numpy", "other bytes"));
+        return Err(refuse(path, 0, "an array of numpy", "other bytes"));
     }
     // Version 1 has a length of two bytes, later ones of four.
     let (start, length): (usize, usize) = match bytes {
@@ -72,10 +140,10 @@ fn from_npy(bytes: &[u8], channels_apart: bool, path: &Path) -> Result<MerlTable
         [_, _, _, _, _, _, _, _, a, b, c, d, ..] => {
             (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize)
         }
-        _ => return Err(refused(bytes.len(), "a head", "the end of the file")),
+        _ => return Err(refuse(path, bytes.len(), "a head", "the end of the file")),
     };
     let Some(head) = bytes.get(start..start.saturating_add(length)) else {
-        return Err(refused(start, "a head", "the end of the file"));
+        return Err(refuse(path, start, "a head", "the end of the file"));
     };
     let head = String::from_utf8_lossy(head).replace(' ', "");
     let width = if head.contains("'descr':'<f4'") {
@@ -83,56 +151,24 @@ fn from_npy(bytes: &[u8], channels_apart: bool, path: &Path) -> Result<MerlTable
     } else if head.contains("'descr':'<f8'") {
         8
     } else {
-        return Err(refused(start, "numbers of type <f4 or <f8", &head));
+        return Err(refuse(path, start, "numbers of type <f4 or <f8", &head));
     };
     if head.contains("'fortran_order':True") {
-        return Err(refused(start, "an array in C order", &head));
+        return Err(refuse(path, start, "an array in C order", &head));
     }
-    let shape = head
-        .split_once("'shape':(")
-        .and_then(|s| s.1.split(')').next());
-    let shape: Vec<usize> = shape
-        .unwrap_or_default()
-        .split(',')
-        .filter_map(|n| n.parse().ok())
-        .collect();
+    let shape = read_shape(&head);
     let (phi_d_bins, channels_last) = match shape.as_slice() {
         [THETA_H_BINS, THETA_D_BINS, n @ (180 | 360), 3] => (*n, true),
         [3, THETA_H_BINS, THETA_D_BINS, n @ (180 | 360)] => (*n, false),
         _ => {
-            return Err(refused(
-                start,
-                "the shape of a table",
-                &format!("{shape:?}"),
-            ));
+            let found = format!("{shape:?}");
+            return Err(refuse(path, start, "the shape of a table", &found));
         }
     };
-    let header = Header { phi_d_bins };
-    let values = &bytes[start + length..];
-    if values.len() != 3 * width * header.cells() {
-        let expected = format!("{} bytes of numbers", 3 * width * header.cells());
-        return Err(refused(
-            start + length,
-            &expected,
-            &values.len().to_string(),
-        ));
-    }
-    let number = |k: usize| match values[width * k..].first_chunk::<8>() {
-        Some(bytes) if width == 8 => f64::from_le_bytes(*bytes),
-        _ => values[width * k..]
-            .first_chunk::<4>()
-            .map_or(f64::NAN, |bytes| f64::from(f32::from_le_bytes(*bytes))),
-    };
-    let mut cell = 0;
-    Ok(MerlTable::collect(header, channels_apart, |_, _, _| {
-        let rgb = [0, 1, 2].map(|channel| {
-            number(if channels_last {
-                3 * cell + channel
-            } else {
-                channel * header.cells() + cell
-            })
-        });
-        cell += 1;
-        rgb
-    }))
+    Ok(ArrayHead {
+        end: start + length,
+        width,
+        phi_d_bins,
+        channels_last,
+    })
 }

@@ -31,14 +31,14 @@ const ANGLES: [(&str, &[&str]); 7] = [
 const COLOURS: [&[&str]; 3] = [&["r", "red"], &["g", "green"], &["b", "blue"]];
 const GREY: &[&str] = &["f", "fr", "brdf", "value", "y", "grey", "gray"];
 
-/// Where in a row each quantity stands.
+/// The position of each quantity in a row.
 #[derive(Clone, Debug)]
 pub(super) struct ListColumns {
-    /// ListColumns of theta_i, phi_i, theta_o, phi_o, theta_h, theta_d and phi_d.
+    /// Columns of theta_i, phi_i, theta_o, phi_o, theta_h, theta_d and phi_d.
     angles: [Option<usize>; 7],
     /// What each column adds to red, green and blue.
     weights: Vec<(usize, DVec3)>,
-    /// ListColumns of a row.
+    /// Number of columns of a row.
     pub count: usize,
     /// The unit that the names of the columns state.
     pub stated_unit: Option<AngleUnit>,
@@ -56,18 +56,20 @@ impl ListColumns {
             stated_unit: None,
             notes: Vec::new(),
         };
-        let (mut rgb, mut grey, mut spectrum) = ([None; 3], None, Vec::new());
+        let mut rgb = [None; 3];
+        let mut grey = None;
+        let mut spectrum = Vec::new();
         for (column, name) in names.iter().enumerate() {
             let (word, unit) = split_unit(name);
             columns.stated_unit = columns.stated_unit.or(unit);
-            let is = |names: &[&str]| names.contains(&word.as_str());
-            if let Some(k) = ANGLES.iter().position(|angle| is(angle.1)) {
+            let word = word.as_str();
+            if let Some(k) = ANGLES.iter().position(|angle| angle.1.contains(&word)) {
                 columns.angles[k] = Some(column);
-            } else if let Some(k) = COLOURS.iter().position(|names| is(names)) {
+            } else if let Some(k) = COLOURS.iter().position(|names| names.contains(&word)) {
                 rgb[k] = Some(column);
-            } else if is(GREY) {
+            } else if GREY.contains(&word) {
                 grey = Some(column);
-            } else if let Some(nm) = wavelength(&word) {
+            } else if let Some(nm) = wavelength(word) {
                 spectrum.push((nm, column));
             }
         }
@@ -87,7 +89,7 @@ impl ListColumns {
         Ok(columns)
     }
 
-    /// ListColumns theta_i, phi_i, theta_o, phi_o, then one a wavelength.
+    /// Columns theta_i, phi_i, theta_o, phi_o, then one for each wavelength.
     pub fn from_wavelengths(wavelengths: &[f32]) -> Result<Self, String> {
         let spectrum = wavelengths.iter().enumerate();
         Ok(Self {
@@ -101,14 +103,10 @@ impl ListColumns {
 
     /// Either both directions or the half and difference angles must be there.
     fn require_angles(&mut self) -> Result<(), String> {
-        let missing = |wanted: &[usize]| -> Vec<&str> {
-            let absent = wanted.iter().filter(|k| self.angles[**k].is_none());
-            absent.map(|k| ANGLES[*k].0).collect()
-        };
-        if missing(&[4, 5, 6]).is_empty() {
+        if self.missing_angles(&[4, 5, 6]).is_empty() {
             return Ok(());
         }
-        let directions = missing(&[0, 2]);
+        let directions = self.missing_angles(&[0, 2]);
         if !directions.is_empty() {
             return Err(format!(
                 "columns theta_i, phi_i, theta_o, phi_o or theta_h, theta_d, phi_d; {} not among them",
@@ -125,6 +123,17 @@ impl ListColumns {
         Ok(())
     }
 
+    /// The names of those of the `wanted` angles that have no column.
+    fn missing_angles(&self, wanted: &[usize]) -> Vec<&'static str> {
+        let mut missing = Vec::new();
+        for &k in wanted {
+            if self.angles[k].is_none() {
+                missing.push(ANGLES[k].0);
+            }
+        }
+        missing
+    }
+
     /// All angles of a row.
     pub fn angles<'a>(&'a self, row: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         self.angles.iter().flatten().map(|&column| row[column])
@@ -132,14 +141,18 @@ impl ListColumns {
 
     /// `wo` and `wi` of a row whose angles are multiplied by `unit` to be radians; `None` unless both are above the horizon.
     pub fn pair(&self, row: &[f64], unit: f64) -> Option<(Vec3, Vec3)> {
-        let angle = |k: usize| self.angles[k].map(|column| row[column] * unit);
-        let (wo, wi) = match [4, 5, 6].map(angle) {
-            [Some(theta_h), Some(theta_d), Some(phi_d)] => pair_of_angles(theta_h, theta_d, phi_d),
-            _ => {
-                let phi_i = angle(1).unwrap_or(0.0);
+        let angles = self
+            .angles
+            .map(|column| column.map(|column| row[column] * unit));
+        let (wo, wi) = match angles {
+            [.., Some(theta_h), Some(theta_d), Some(phi_d)] => {
+                pair_of_angles(theta_h, theta_d, phi_d)
+            }
+            [theta_i, phi_i, theta_o, phi_o, ..] => {
+                let phi_i = phi_i.unwrap_or(0.0);
                 // In the plane of incidence the mirror direction is half a turn away.
-                let phi_o = angle(3).unwrap_or(phi_i + std::f64::consts::PI);
-                (spherical(angle(2)?, phi_o), spherical(angle(0)?, phi_i))
+                let phi_o = phi_o.unwrap_or(phi_i + std::f64::consts::PI);
+                (spherical(theta_o?, phi_o), spherical(theta_i?, phi_i))
             }
         };
         // A height of rounding size is the horizon.
@@ -158,8 +171,8 @@ impl ListColumns {
 
 /// A name in lower case without `_`, blanks and `-`, and the unit that it ends in.
 fn split_unit(name: &str) -> (String, Option<AngleUnit>) {
-    let kept = |c: &char| c.is_alphanumeric() || *c == '.';
-    let word: String = name.to_lowercase().chars().filter(kept).collect();
+    let mut word = name.to_lowercase();
+    word.retain(|c| c.is_alphanumeric() || c == '.');
     for (ending, unit) in [
         ("degrees", AngleUnit::Degrees),
         ("deg", AngleUnit::Degrees),
@@ -192,9 +205,10 @@ fn weights_of_spectrum(mut spectrum: Vec<(f32, usize)>) -> Result<Vec<(usize, DV
         return Err("a wavelength from 380 to 780 nm, which have a colour".into());
     }
     let [red, green, blue] = colour_weights(&wavelengths);
-    let column = |(k, s): (usize, &(f32, usize))| {
+    let mut weights = Vec::with_capacity(spectrum.len());
+    for (k, &(_, column)) in spectrum.iter().enumerate() {
         let weight = Vec3::new(red[k], green[k], blue[k]);
-        (s.1, weight.as_dvec3())
-    };
-    Ok(spectrum.iter().enumerate().map(column).collect())
+        weights.push((column, weight.as_dvec3()));
+    }
+    Ok(weights)
 }

@@ -61,7 +61,8 @@ impl Level {
     fn interpolate(&self, means: &[DVec3], fine: [usize; 3]) -> DVec3 {
         let mut sum = DVec3::ZERO;
         for corner in 0..8 {
-            let (mut weight, mut bin) = (1.0, [0; 3]);
+            let mut weight = 1.0;
+            let mut bin = [0; 3];
             for axis in 0..3 {
                 // The centre of a fine bin is a quarter of a coarse bin away from the coarse centre: weights ¾ and ¼.
                 let own = fine[axis] / 2;

@@ -65,7 +65,8 @@ pub(super) fn interpolate(
     axes: [Neighbours; 3],
     value: impl Fn([usize; 3]) -> DVec3,
 ) -> Option<DVec3> {
-    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+    let mut sum = DVec3::ZERO;
+    let mut total = 0.0;
     for (a, weight_a) in axes[0].weighted() {
         for (b, weight_b) in axes[1].weighted() {
             for (c, weight_c) in axes[2].weighted() {
@@ -83,7 +84,7 @@ pub(super) fn interpolate(
 
 /// The table of a grid, and in words what was changed on the way.
 ///
-/// A MERL table cannot tell the two orders of a pair apart. A cell is their mean, weighted by the cosine of the incident
+/// A MERL table has one value for both orders of a pair. A cell is their mean, weighted by the cosine of the incident
 /// direction, or the one that was measured where the other was not:
 ///
 /// ```text
@@ -112,7 +113,8 @@ pub(super) fn tabulate_grid(grid: &dyn MeasuredGrid, point: BinPoint) -> (MerlTa
 
 /// The mean of both orders of a pair, as in [`tabulate_grid`].
 pub(super) fn reciprocal_value(grid: &dyn MeasuredGrid, wo: Vec3, wi: Vec3) -> Option<DVec3> {
-    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+    let mut sum = DVec3::ZERO;
+    let mut total = 0.0;
     for (wo, wi) in [(wo, wi), (wi, wo)] {
         if let Some(value) = grid.value(wo, wi) {
             sum += f64::from(wi.z) * value;

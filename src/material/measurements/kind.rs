@@ -42,8 +42,8 @@ impl MeasurementKind {
             }
             Err(_) => return None,
         };
-        let printable = |c: char| !c.is_control() || c.is_whitespace();
-        let is_text = !text.is_empty() && text.chars().all(printable) && !text.starts_with('<');
+        let is_printable = text.chars().all(|c| !c.is_control() || c.is_whitespace());
+        let is_text = !text.is_empty() && is_printable && !text.starts_with('<');
         is_text.then_some(Self::List)
     }
 }

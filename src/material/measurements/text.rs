@@ -10,7 +10,7 @@ use std::path::Path;
 use super::columns::{AngleUnit, ListColumns};
 use crate::{Error, Result};
 
-/// A list as it stands: what its columns mean, and its rows.
+/// A list as it was read: what its columns mean, and its rows.
 pub(super) struct List {
     pub columns: ListColumns,
     pub unit: AngleUnit,
@@ -61,7 +61,8 @@ pub(super) fn read_list(text: &str, path: &Path) -> Result<List> {
 
 /// `count` wavelengths over any number of lines, then rows.
 fn read_spectral(lines: &[Line], count: usize, path: &Path) -> Result<List> {
-    let (mut wavelengths, mut next) = (Vec::new(), 1);
+    let mut wavelengths = Vec::new();
+    let mut next = 1;
     while wavelengths.len() < count {
         let Some(line) = lines.get(next) else {
             let found = format!("{} of them", wavelengths.len());
@@ -93,7 +94,8 @@ fn read_spectral(lines: &[Line], count: usize, path: &Path) -> Result<List> {
 }
 
 fn significant_lines(text: &str) -> Vec<Line<'_>> {
-    let (mut out, mut offset) = (Vec::new(), 0);
+    let mut out = Vec::new();
+    let mut offset = 0;
     for line in text.split_inclusive('\n') {
         let trimmed = line.trim();
         if !trimmed.is_empty() && !trimmed.starts_with('#') {

@@ -128,8 +128,15 @@ fn read_values(bytes: &[u8], path: &Path) -> Result<Vec<DVec3>> {
         }
         numbers.push(value);
     }
-    let colour = |k: usize| DVec3::new(numbers[k], numbers[PLANE + k], numbers[2 * PLANE + k]);
-    Ok((0..PLANE).map(colour).collect())
+    let mut values = Vec::with_capacity(PLANE);
+    for k in 0..PLANE {
+        values.push(DVec3::new(
+            numbers[k],
+            numbers[PLANE + k],
+            numbers[2 * PLANE + k],
+        ));
+    }
+    Ok(values)
 }
 
 /// Index into a plane; azimuths are in steps and may be beyond a turn.

@@ -68,7 +68,8 @@ impl MerlBrdf {
     }
 
     fn trilinear(&self, offset: f64, wo: Vec3, wi: Vec3) -> Rgb {
-        let (tables, bins) = (CoordinateTables::get(), self.table.phi_d_bins());
+        let tables = CoordinateTables::get();
+        let bins = self.table.phi_d_bins();
         CellNeighbours::find(
             tables,
             HalfDiffTan2::from_directions(wo, wi),

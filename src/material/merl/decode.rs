@@ -43,7 +43,8 @@ pub(super) fn load_with_access(path: &Path, apart: bool) -> Result<(MerlTable, S
 
 /// Decodes by `read`.
 fn decode_read(file: &mut RegularFile, header: Header, apart: bool) -> Result<MerlTable> {
-    let (cells, mut buffers) = (header.cells(), [const { Vec::new() }; 3]);
+    let cells = header.cells();
+    let mut buffers = [const { Vec::new() }; 3];
     let mut table = TableBuilder::new(header, apart);
     for start in (0..cells).step_by(CHUNK) {
         let count = CHUNK.min(cells - start);
@@ -69,13 +70,18 @@ fn decode_mapped(
     let mut table = TableBuilder::new(header, apart);
     for start in (0..cells).step_by(WINDOW) {
         let count = WINDOW.min(cells - start);
-        let map = |channel| lease.map(plane_offset(header, channel, start), 8 * count);
-        let windows = [map(0)?, map(1)?, map(2)?];
+        let [red, green, blue] = [0, 1, 2].map(|channel| plane_offset(header, channel, start));
+        let bytes = 8 * count;
+        let windows = [
+            lease.map(red, bytes)?,
+            lease.map(green, bytes)?,
+            lease.map(blue, bytes)?,
+        ];
         let planes = windows.each_ref().map(|window| window.bytes());
         note_filled(planes, &mut table);
         decode_cells(planes, |rgb| table.push(rgb));
     }
-    // Somebody who asked for the file waits still, unless the system's patience has ended: better to look again.
+    // The values count only under the lease: the system ends it for a program that has waited too long to write the file.
     if lease.is_held() {
         Ok(table.finish())
     } else {
@@ -91,9 +97,11 @@ fn plane_offset(header: Header, channel: usize, cell: usize) -> u64 {
 /// Notes which of the next cells carry the mark of values that were filled in.
 fn note_filled([red, green, blue]: [&[u8]; 3], table: &mut TableBuilder) {
     let mark = (FILLED_MARK as u16).to_le_bytes();
-    let is_marked = |plane: &[u8], cell: usize| plane[8 * cell..].starts_with(&mark);
     for (cell, bytes) in red.as_chunks::<8>().0.iter().enumerate() {
-        if bytes.starts_with(&mark) && is_marked(green, cell) && is_marked(blue, cell) {
+        let is_filled = bytes.starts_with(&mark)
+            && green[8 * cell..].starts_with(&mark)
+            && blue[8 * cell..].starts_with(&mark);
+        if is_filled {
             table.mark_filled(cell);
         }
     }
@@ -105,7 +113,7 @@ pub(super) fn check_file(path: &Path) -> Result<()> {
 }
 
 fn read_header(file: &mut RegularFile) -> Result<Header> {
-    // More than the header: a file of another kind is told by what it begins with.
+    // More than the header: a file of another kind is recognised by its first bytes.
     let mut head = [0; SIGNATURE_BYTES];
     let there = &mut head[..file.len().min(SIGNATURE_BYTES as u64) as usize];
     file.read_at(0, there)?;
@@ -117,13 +125,8 @@ fn read_header(file: &mut RegularFile) -> Result<Header> {
 ///
 /// Planes start at byte 12 of a file and are unaligned there, so they are read byte-wise rather than cast.
 pub fn decode_cells([red, green, blue]: [&[u8]; 3], mut push: impl FnMut([f64; 3])) {
-    for ((r, g), b) in red
-        .as_chunks::<8>()
-        .0
-        .iter()
-        .zip(green.as_chunks::<8>().0)
-        .zip(blue.as_chunks::<8>().0)
-    {
+    let [red, green, blue] = [red, green, blue].map(|plane| plane.as_chunks::<8>().0);
+    for ((r, g), b) in red.iter().zip(green).zip(blue) {
         push([
             LittleEndian::read_f64(r) * SCALE[0],
             LittleEndian::read_f64(g) * SCALE[1],

@@ -14,7 +14,7 @@ pub struct HardCase {
     pub name: &'static str,
     /// What is difficult about it, in a few words.
     pub about: &'static str,
-    /// Whether light stands in the first bin of θh alone, 0.011° wide.
+    /// Whether it reflects only in the first bin of θh, which is 0.011° wide.
     pub is_narrow: bool,
     /// Whether neighbouring cells differ by 10¹² and more, so that no quadrature settles.
     pub is_torn: bool,

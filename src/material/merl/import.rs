@@ -71,7 +71,7 @@ pub(in crate::material) fn tabulate_pairs(
 /// f̄(wo, wi) = (f(wo, wi)·cosθᵢ + f(wi, wo)·cosθₒ)/(cosθᵢ + cosθₒ)
 /// ```
 ///
-/// A MERL table cannot tell the two orders apart. Measured f_r·cosθᵢ does not vanish at the horizon, so f_r has no bound there;
+/// A MERL table has one value for both orders. Measured f_r·cosθᵢ does not vanish at the horizon, so f_r has no bound there;
 /// the weights leave out what the quotient makes of it, and keep the energy that a grazing `wo` reflects. 0 unless both
 /// directions are above the horizon.
 pub fn reciprocal_mean(brdf: &dyn Brdf, wo: Vec3, wi: Vec3) -> Rgb {

@@ -145,7 +145,7 @@ impl MerlTable {
         self.census
     }
 
-    /// Invalid cells whose lower corner stands for two directions above the horizon, so that a value would be expected.
+    /// Invalid cells whose lower corner is a pair of directions above the horizon, so that a value would be expected.
     pub fn count_gaps(&self) -> u64 {
         let cos_phi: Vec<f64> = (0..self.phi_d_bins())
             .map(|p| (p as f64).to_radians().cos())

@@ -33,7 +33,7 @@ pub struct RglBrdf {
     symmetry: Symmetry,
 }
 
-/// What a file has to say of a `wo`, whatever `wi`.
+/// The part of a look-up that depends on `wo` alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GivenView {
     /// `wo` among the azimuths that the file tabulates.
@@ -71,13 +71,11 @@ impl RglBrdf {
 
     /// Bytes of all tables in memory, those that only draws need among them.
     pub fn table_bytes(&self) -> usize {
-        let area = self
-            .area
-            .iter()
-            .flatten()
-            .map(SliceGrid::bytes)
-            .sum::<usize>();
-        self.warp.bytes() + self.luminance.bytes() + self.colour.bytes() + area
+        let mut bytes = self.warp.bytes() + self.luminance.bytes() + self.colour.bytes();
+        for grid in self.area.iter().flatten() {
+            bytes += grid.bytes();
+        }
+        bytes
     }
 
     /// Everything that depends on `wo` alone; `None` unless it is above the horizon.
@@ -183,7 +181,8 @@ impl RglBrdf {
             UnitDirections::<LANES>::load(wi),
         );
         // Folded wo and half vectors, then their angles in columns.
-        let (mut given, mut halves) = (Columns::splat([0.0; 3]), Columns::splat([0.0; 3]));
+        let mut given = Columns::splat([0.0; 3]);
+        let mut halves = Columns::splat([0.0; 3]);
         for lane in 0..LANES {
             let folded = FoldedView::new(views.get(lane), self.symmetry);
             given.set(lane, folded.wo.to_array());

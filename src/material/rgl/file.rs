@@ -141,7 +141,8 @@ impl BsdfFile {
     /// As [`crate::files::write_new`].
     pub fn write(&self, path: &Path, overwrite: Overwrite) -> Result<u64> {
         let jacobian = [u8::from(self.jacobian)];
-        let (axis_theta, axis_phi) = ([self.theta_i.len()], [self.phi_i.len()]);
+        let axis_theta = [self.theta_i.len()];
+        let axis_phi = [self.phi_i.len()];
         let mut fields = vec![
             ("description", Data::Bytes(self.description.as_bytes())),
             ("jacobian", Data::Bytes(&jacobian)),

@@ -50,7 +50,8 @@ impl RglBrdf {
         let (s, stretch) = self.warp.invert(u_m, &view.tables.blend);
         // sinθm and wo·m of m = (wo + wi)/|wo + wi|.
         let m = half.normalize();
-        let (sin_theta_m, cos_d) = (m.truncate().length(), view.folded.wo.dot(m));
+        let sin_theta_m = m.truncate().length();
+        let cos_d = view.folded.wo.dot(m);
         let jacobian = solid_angle_per_area(u_m[0], sin_theta_m, cos_d);
         // luminance(s)·warp(u_m)/J.
         (self.luminance.density(s, &view.tables.blend) * stretch / jacobian) as f32

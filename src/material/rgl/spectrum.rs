@@ -96,7 +96,7 @@ pub(in crate::material) fn colour_weights(wavelengths: &[f32]) -> [Vec<f32>; 3] 
     std::array::from_fn(|c| sums.iter().map(|s| (s[c] / white[c]) as f32).collect())
 }
 
-/// The two wavelengths about `nm` and their shares.
+/// The two wavelengths about `nm` and their weights.
 fn shares(nm: f64, wavelengths: &[f32]) -> [(usize, f64); 2] {
     let above = wavelengths.partition_point(|&w| f64::from(w) <= nm);
     match (above.checked_sub(1), wavelengths.get(above)) {

@@ -63,13 +63,12 @@ pub fn tabulate(
         .map(|&theta| ViewTables::tabulate(f64::from(theta), size.side, &value))
         .collect();
     let (n, t) = (size.side, theta_i.len());
-    let collect = |shape: &[usize], part: fn(&ViewTables) -> &Vec<f32>| Tensor {
-        shape: shape.to_vec(),
-        values: slices
-            .iter()
-            .flat_map(|s| part(s).iter().copied())
-            .collect(),
-    };
+    let mut luminance = Vec::new();
+    let mut rgb = Vec::new();
+    for slice in &slices {
+        luminance.extend_from_slice(&slice.luminance);
+        rgb.extend_from_slice(&slice.rgb);
+    }
     BsdfFile {
         notes: Vec::new(),
         description,
@@ -77,8 +76,14 @@ pub fn tabulate(
         ndf: Tensor::filled(&[2, 2], 1.0),
         sigma: Tensor::filled(&[2, 2], 0.25),
         vndf: Tensor::filled(&[1, t, 2, 2], 1.0),
-        luminance: collect(&[1, t, n, n], |s| &s.luminance),
-        colour: Colour::Rgb(collect(&[1, t, 3, n, n], |s| &s.rgb)),
+        luminance: Tensor {
+            shape: vec![1, t, n, n],
+            values: luminance,
+        },
+        colour: Colour::Rgb(Tensor {
+            shape: vec![1, t, 3, n, n],
+            values: rgb,
+        }),
         phi_i: vec![0.0],
         theta_i,
     }
@@ -106,8 +111,13 @@ impl BsdfFile {
 /// larger.
 fn angles(count: usize) -> Vec<f32> {
     let last = (count - 1) as f64;
-    let angle = |k: usize| LAST * (1.0 - (1.0 - k as f64 / last).powf(1.25));
-    (0..count).map(|k| angle(k).to_radians() as f32).collect()
+    let mut angles = Vec::with_capacity(count);
+    for k in 0..count {
+        // θ = θ_last (1 − (1 − k/(n − 1))^(5/4)): the exponent above 1 draws the angles together at the end.
+        let degrees = LAST * (1.0 - (1.0 - k as f64 / last).powf(1.25));
+        angles.push(degrees.to_radians() as f32);
+    }
+    angles
 }
 
 /// One given direction's tables.
@@ -121,7 +131,8 @@ struct ViewTables {
 impl ViewTables {
     fn tabulate(theta: f64, side: usize, value: &(impl Fn(Vec3, Vec3) -> Rgb + Sync)) -> Self {
         let wo = spherical(theta, 0.0);
-        let (mut rgb, mut mass) = (vec![0.0; 3 * side * side], Vec::with_capacity(side * side));
+        let mut rgb = vec![0.0; 3 * side * side];
+        let mut mass = Vec::with_capacity(side * side);
         for k in 0..side * side {
             let node = SquareNode::new(k % side, k / side, side, wo);
             // With ndf 1 and sigma ¼ the colour is f_r·cosθᵢ itself.

@@ -137,15 +137,13 @@ impl FieldList {
 
     /// The field of a name.
     pub fn require(&self, name: &str) -> Result<&TensorField> {
-        let missing = || {
-            wrong(
-                &self.path,
-                FIELDS,
-                format!("a field \"{name}\""),
-                "none".into(),
-            )
-        };
-        self.fields.get(name).ok_or_else(missing)
+        match self.fields.get(name) {
+            Some(field) => Ok(field),
+            None => {
+                let expected = format!("a field \"{name}\"");
+                Err(wrong(&self.path, FIELDS, expected, "none".into()))
+            }
+        }
     }
 
     /// The field of a name, of elements of type `dtype` on so many axes.

@@ -22,7 +22,8 @@ impl SliceBlend {
     /// The slices about `phi` and `theta` (radians) on the axes of a file; slices are numbered with theta the faster.
     #[inline(always)]
     pub fn between(phi: f64, theta: f64, phi_i: &[f64], theta_i: &[f64]) -> Self {
-        let ((p, v), (t, w)) = (neighbours(phi, phi_i), neighbours(theta, theta_i));
+        let (p, v) = neighbours(phi, phi_i);
+        let (t, w) = neighbours(theta, theta_i);
         let mut blend = Self {
             parts: [(0, 0.0); 4],
             count: 0,
@@ -73,14 +74,24 @@ impl GridCell {
     /// The cell that holds a point; points outside the square go to its edge.
     #[inline(always)]
     fn containing(point: [f64; 2], width: usize, height: usize) -> Self {
-        let along = |v: f64, n: usize| {
-            let scaled = v.clamp(0.0, 1.0) * (n - 1) as f64;
-            let cell = (scaled as usize).min(n - 2);
-            (cell, scaled - cell as f64)
-        };
-        let ((column, x), (row, y)) = (along(point[0], width), along(point[1], height));
+        let (column, x) = locate(point[0], width);
+        let (row, y) = locate(point[1], height);
         Self { column, row, x, y }
     }
+}
+
+/// The interval between `nodes` even nodes on [0, 1] that holds `v`, which is clamped, and where `v` is inside it, 0 to 1.
+#[inline(always)]
+fn locate(v: f64, nodes: usize) -> (usize, f64) {
+    let scaled = v.clamp(0.0, 1.0) * (nodes - 1) as f64;
+    let interval = (scaled as usize).min(nodes - 2);
+    (interval, scaled - interval as f64)
+}
+
+/// low + (high − low) t of each channel.
+#[inline(always)]
+fn interpolate_linearly<const C: usize>(low: [f64; C], high: [f64; C], t: f64) -> [f64; C] {
+    std::array::from_fn(|c| low[c] + (high[c] - low[c]) * t)
 }
 
 /// Values of `C` channels at the nodes of a square, in each slice. Those of one node lie together, since a look-up wants all.
@@ -96,7 +107,8 @@ impl<const C: usize> SliceGrid<C> {
     /// A tensor whose last two axes, of at least 2 each, are the square; the one before is `C` long, if not 1.
     pub fn new(tensor: &Tensor) -> Self {
         let axes = tensor.shape.len();
-        let (width, height) = (tensor.shape[axes - 1], tensor.shape[axes - 2]);
+        let width = tensor.shape[axes - 1];
+        let height = tensor.shape[axes - 2];
         let plane = width * height;
         let mut nodes = Vec::with_capacity(tensor.values.len() / C);
         for slice in tensor.values.chunks_exact(C * plane) {
@@ -116,7 +128,7 @@ impl<const C: usize> SliceGrid<C> {
     pub fn interpolate(&self, point: [f64; 2], blend: &SliceBlend) -> [f64; C] {
         let cell = GridCell::containing(point, self.width, self.height);
         let [left, right] = self.sides(&cell, blend);
-        std::array::from_fn(|c| left[c] + (right[c] - left[c]) * cell.x)
+        interpolate_linearly(left, right, cell.x)
     }
 
     /// Values on the left and right of a cell, at the height of its point.
@@ -137,11 +149,10 @@ impl<const C: usize> SliceGrid<C> {
             }
         }
         let [low, high] = rows;
-        // Linear from row to row.
-        let side = |k: usize| -> [f64; C] {
-            std::array::from_fn(|c| low[k][c] + (high[k][c] - low[k][c]) * cell.y)
-        };
-        [side(0), side(1)]
+        [
+            interpolate_linearly(low[0], high[0], cell.y),
+            interpolate_linearly(low[1], high[1], cell.y),
+        ]
     }
 
     /// Adds a slice's values at the corners of a cell, times its weight: lower and upper row, left and right.
@@ -191,7 +202,8 @@ impl SquareWarp {
         let axes = tensor.shape.len();
         let (w, h) = (tensor.shape[axes - 1], tensor.shape[axes - 2]);
         let (step_x, step_y) = (0.5 / (w - 1) as f64, 0.5 / (h - 1) as f64);
-        let (mut nodes, mut rows) = (Vec::with_capacity(tensor.values.len()), Vec::new());
+        let mut nodes = Vec::with_capacity(tensor.values.len());
+        let mut rows = Vec::new();
         for slice in tensor.values.chunks_exact(w * h) {
             let sums: Vec<Vec<f64>> = slice
                 .chunks_exact(w)
@@ -306,7 +318,8 @@ impl SquareWarp {
 /// Integral of the linear interpolant up to each value, 0 for the first; `half_step` is half the distance between values.
 fn running(values: &[f32], half_step: f64) -> Vec<f64> {
     let mut sums = Vec::with_capacity(values.len());
-    let (mut sum, mut before) = (0.0, None);
+    let mut sum = 0.0;
+    let mut before = None;
     for &value in values {
         let value = f64::from(value);
         if let Some(before) = before {
@@ -320,7 +333,8 @@ fn running(values: &[f32], half_step: f64) -> Vec<f64> {
 
 /// The number of values for which `is_below` holds, at most `count − 1`; it holds for the first ones.
 fn search(count: usize, is_below: impl Fn(usize) -> bool) -> usize {
-    let (mut low, mut high) = (0, count - 1);
+    let mut low = 0;
+    let mut high = count - 1;
     while low < high {
         let middle = (low + high) / 2;
         if is_below(middle) {

@@ -119,7 +119,9 @@ impl AdaptivePicture {
 
     fn trace_rest(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) {
         let settings = &tracer.settings;
-        let (width, rounds, numbers) = (self.width, self.rounds, &self.numbers);
+        let width = self.width;
+        let rounds = self.rounds;
+        let numbers = &self.numbers;
         let pixels_done = |round| part_done(width as u64, round, rounds) as usize;
         (watch.progress)(settings.height * pixels_done(self.done));
         while self.done < rounds {
@@ -183,8 +185,8 @@ impl AdaptivePicture {
 
 /// Mean of two means, each weighing as its squared error is expected to fall with its number of paths.
 fn combine(look: &RunningMoments, rest: &RunningMoments) -> Pixel {
-    let weight = |moments: &RunningMoments| moments.count().powf(1.0 / POWER - 1.0);
-    let (a, b) = (weight(look), weight(rest));
+    // The weights a and b are n^(1/p − 1) for n paths; the mean is (a x + b y)/(a + b), and its error √(a² δx² + b² δy²)/(a + b).
+    let [a, b] = [look, rest].map(|moments| moments.count().powf(1.0 / POWER - 1.0));
     let (x, y) = (look.pixel(), rest.pixel());
     let error = (x.error * a).powf(2.0) + (y.error * b).powf(2.0);
     Pixel {
@@ -233,7 +235,6 @@ fn pixels_of_colour(colour: usize, width: usize, count: usize) -> Vec<usize> {
 /// Numbers in proportion to `scores` but for those beyond the bounds, with the given mean where they can have it.
 fn in_proportion(scores: &[f64], mean: f64) -> Vec<f64> {
     let (least, most) = (LEAST.min(mean), MOST * mean);
-    let number = |score: f64, scale: f64| (score * scale).clamp(least, most);
     let sum: f64 = scores.iter().sum();
     if !(sum > 0.0 && sum.is_finite()) {
         return vec![mean; scores.len()];
@@ -241,9 +242,10 @@ fn in_proportion(scores: &[f64], mean: f64) -> Vec<f64> {
     // Each round gives what the bounds took or added to those between them.
     let mut scale = mean * scores.len() as f64 / sum;
     for _ in 0..ROUNDS {
-        let (mut rest, mut open) = (mean * scores.len() as f64, 0.0);
+        let mut rest = mean * scores.len() as f64;
+        let mut open = 0.0;
         for &score in scores {
-            let number = number(score, scale);
+            let number = (score * scale).clamp(least, most);
             if number > least && number < most {
                 open += score;
             } else {
@@ -255,7 +257,11 @@ fn in_proportion(scores: &[f64], mean: f64) -> Vec<f64> {
         }
         scale = rest / open;
     }
-    scores.iter().map(|&score| number(score, scale)).collect()
+    let mut numbers = Vec::with_capacity(scores.len());
+    for score in scores {
+        numbers.push((score * scale).clamp(least, most));
+    }
+    numbers
 }
 
 /// After which few pixels still pass a bound.
@@ -273,7 +279,9 @@ fn noise_score(
     dark: f64,
     colour: usize,
 ) -> f64 {
-    let (x, y, height) = (pixel % width, pixel / width, looks.len() / width);
+    let x = pixel % width;
+    let y = pixel / width;
+    let height = looks.len() / width;
     let span =
         |middle: usize, end: usize| middle.saturating_sub(REACH)..(middle + REACH + 1).min(end);
     let (mut variance, mut level, mut count) = (0.0, 0.0, 0.0);

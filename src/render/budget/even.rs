@@ -38,7 +38,7 @@ impl EvenPicture {
         let settings = &tracer.settings;
         let (paths, width) = (self.paths, settings.width as u64);
         let round = paths_a_round(self.moments.len());
-        // Rounds that are done stand for as many pixels as they have paths of all.
+        // Progress counts pixels: of each row, the fraction that the finished rounds are of all paths.
         let pixels_done = |paths_done: u64| part_done(width, paths_done, paths) as usize;
         (watch.progress)(settings.height * pixels_done(self.done));
         while !self.is_finished() {

@@ -73,27 +73,26 @@ impl Refinement {
                 format!("give one of {width} × {height}"),
             ));
         }
-        let mean_and_square = |&i: &usize| {
-            let (x, y) = (i % width, i / width);
-            let mean = truth.mean(x, y);
-            (mean, (film.mean(x, y) - mean).powf(2.0))
-        };
-        Ok(self
-            .tiles
-            .iter()
-            .map(|tile| relative_rmse(tile.pixels.iter().map(mean_and_square)))
-            .collect())
+        let mut errors = Vec::with_capacity(self.tiles.len());
+        for tile in &self.tiles {
+            errors.push(relative_rmse(tile.pixels.iter().map(|i| {
+                let (x, y) = (i % width, i / width);
+                let mean = truth.mean(x, y);
+                (mean, (film.mean(x, y) - mean).powf(2.0))
+            })));
+        }
+        Ok(errors)
     }
 
+    /// √(Σ n e² / Σ n) over tiles of n pixels and error e.
     fn mean_error(&self, errors: impl Iterator<Item = f64>) -> f64 {
-        let pixels = |t: &Tile| t.pixels.len() as f64;
-        let squares: f64 = self
-            .tiles
-            .iter()
-            .zip(errors)
-            .map(|(t, e)| pixels(t) * e * e)
-            .sum();
-        (squares / self.tiles.iter().map(pixels).sum::<f64>().max(1.0)).sqrt()
+        let (mut squares, mut pixels) = (0.0, 0.0);
+        for (tile, error) in self.tiles.iter().zip(errors) {
+            let count = tile.pixels.len() as f64;
+            squares += count * error * error;
+            pixels += count;
+        }
+        (squares / f64::max(pixels, 1.0)).sqrt()
     }
 }
 

@@ -107,14 +107,14 @@ impl<'a> Rendering<'a> {
     /// The picture as it is now. Of an unfinished [`Budget::ToError`], pixels without a path get 16 first; of others that were
     /// never advanced, it is black.
     pub fn into_rendered(self) -> Rendered {
-        let even = |film| Rendered {
+        let film = match self.picture {
+            BudgetPicture::Even(picture) => picture.into_film(&self.settings),
+            BudgetPicture::Adaptive(picture) => picture.into_film(&self.settings),
+            BudgetPicture::ToError(picture) => return picture.into_rendered(&self.tracer),
+        };
+        Rendered {
             film,
             refinement: None,
-        };
-        match self.picture {
-            BudgetPicture::Even(picture) => even(picture.into_film(&self.settings)),
-            BudgetPicture::Adaptive(picture) => even(picture.into_film(&self.settings)),
-            BudgetPicture::ToError(picture) => picture.into_rendered(&self.tracer),
         }
     }
 

@@ -95,13 +95,12 @@ impl OpenTile {
 impl HalfTile {
     /// Every other pixel of `tile`, from the one at position `first` on.
     fn new(tile: &[usize], first: usize) -> Self {
-        let pixels = tile
-            .iter()
-            .skip(first)
-            .step_by(2)
-            .map(|&i| (i, Replicates::default()));
+        let mut pixels = Vec::with_capacity(tile.len().div_ceil(2));
+        for &i in tile.iter().skip(first).step_by(2) {
+            pixels.push((i, Replicates::default()));
+        }
         Self {
-            pixels: pixels.collect(),
+            pixels,
             ..Self::default()
         }
     }

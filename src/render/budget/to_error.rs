@@ -77,8 +77,13 @@ impl ErrorPicture {
     }
 
     fn count_finished(&self) -> usize {
-        let is_finished = |state: &&TileState| matches!(state, TileState::Finished(_));
-        self.states.iter().filter(is_finished).count()
+        let mut count = 0;
+        for state in &self.states {
+            if matches!(state, TileState::Finished(_)) {
+                count += 1;
+            }
+        }
+        count
     }
 
     pub(super) fn describe_progress(&self) -> String {
@@ -169,7 +174,8 @@ impl ErrorPicture {
 /// The pixels of each tile, from which of them show an object.
 fn group_tiles(shown: &[bool], settings: &RenderSettings) -> Vec<Vec<usize>> {
     let RenderSettings { width, height, .. } = *settings;
-    let (mut all, mut open) = (Vec::new(), Vec::new());
+    let mut all = Vec::new();
+    let mut open = Vec::new();
     for top in (0..height).step_by(TILE) {
         let mut row: Vec<Vec<usize>> = Vec::new();
         for left in (0..width).step_by(TILE) {
@@ -218,14 +224,16 @@ struct Refiner<'a> {
 impl Refiner<'_> {
     /// The pixels that show no object; the others are empty.
     fn render_backgrounds(&self, shown: &[bool]) -> Vec<Pixel> {
-        let pixel = |i: usize| {
-            if shown[i] {
-                Pixel::default()
-            } else {
-                self.render_background(i)
-            }
-        };
-        (0..shown.len()).into_par_iter().map(pixel).collect()
+        let pixels = shown.par_iter().enumerate();
+        pixels
+            .map(|(i, &is_shown)| {
+                if is_shown {
+                    Pixel::default()
+                } else {
+                    self.render_background(i)
+                }
+            })
+            .collect()
     }
 
     fn render_background(&self, pixel: usize) -> Pixel {

@@ -37,7 +37,8 @@ struct Range {
 /// RGB of a cell of which some channels alone are invalid, those replaced by the greatest value of the adjacent cells; of any other
 /// cell as it is.
 fn with_greatest_neighbours(table: &MerlTable, cell: usize) -> Rgb {
-    let (mut rgb, valid) = (table.cells()[cell].truncate(), table.valid_channels(cell));
+    let mut rgb = table.cells()[cell].truncate();
+    let valid = table.valid_channels(cell);
     if valid[0] == valid[1] && valid[1] == valid[2] {
         return rgb;
     }
@@ -76,7 +77,8 @@ impl MaxTable {
             values.push(importance.reduce(bound));
         }
         let phi_d_bins = table.phi_d_bins();
-        let (mut levels, mut widths) = (vec![values], vec![phi_d_bins]);
+        let mut levels = vec![values];
+        let mut widths = vec![phi_d_bins];
         while widths[widths.len() - 1] > 1 {
             let width = widths[widths.len() - 1];
             let finer = &levels[levels.len() - 1];
@@ -200,9 +202,11 @@ impl Region {
             low: rect.low - SLACK,
             high: rect.high + SLACK,
         };
-        let height = |r2: f64| (1.0 - r2).max(0.0).sqrt();
+        // z = √(1 − r²) falls with the distance r from the centre of the disc.
         let (near2, far2) = rect.distances_squared(DVec2::ZERO);
-        let z = ((height(far2) - SLACK).max(0.0), height(near2) + SLACK);
+        let lowest = (1.0 - far2).max(0.0).sqrt();
+        let highest = (1.0 - near2).max(0.0).sqrt();
+        let z = ((lowest - SLACK).max(0.0), highest + SLACK);
         // ρ = |wo.xy + wi.xy| is a distance from −wo.xy.
         let rho2 = rect.distances_squared(DVec2::new(-wo.x, 0.0));
         let tan2_theta_h = (
@@ -213,7 +217,8 @@ impl Region {
             wo.x * rect.low.x + wo.z * z.0 - SLACK,
             wo.x * rect.high.x + wo.z * z.1 + SLACK,
         );
-        let (low, high) = (cosine.0.clamp(-1.0, 1.0), cosine.1.clamp(-1.0, 1.0));
+        let low = cosine.0.clamp(-1.0, 1.0);
+        let high = cosine.1.clamp(-1.0, 1.0);
         // tan²θd = (1 − c)/(1 + c) falls with c, the cosine between the directions.
         let tan2_theta_d = (
             (1.0 - high) / (1.0 + high),

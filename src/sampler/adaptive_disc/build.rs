@@ -29,8 +29,8 @@ const NORMALISER_TOLERANCE: f64 = 1e-4;
 const DIVISION_TOLERANCE: f64 = 5e-3;
 /// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
 const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
-/// Most trials a draw may need on average. A tree that is not allowed to be deep enough for its material stands for the
-/// uniform disc instead.
+/// Most trials a draw may need on average. A tree that is not allowed to be deep enough for its material is replaced by
+/// the uniform disc.
 pub(super) const MOST_TRIALS: f64 = 1000.0;
 /// Leaves kept free for the squares that are open when a tree is full: three a level.
 const SPARE: usize = 20;
@@ -250,10 +250,12 @@ struct DiscImage {
 impl DiscImage {
     fn new(slice: &Slice<'_>, side: u32) -> Self {
         let n = side as usize;
-        let at = |i: usize| (i as f64 + 0.5) / n as f64 * 2.0 - 1.0;
-        let values: Vec<f32> = (0..n * n)
-            .map(|k| slice.value_on_disc(DVec2::new(at(k % n), at(k / n))) as f32)
-            .collect();
+        let mut values = Vec::with_capacity(n * n);
+        for k in 0..n * n {
+            // Pixel i has its centre at 2 (i + ½)/n − 1.
+            let [x, y] = [k % n, k / n].map(|i| (i as f64 + 0.5) / n as f64 * 2.0 - 1.0);
+            values.push(slice.value_on_disc(DVec2::new(x, y)) as f32);
+        }
         let total = values.iter().map(|&v| f64::from(v)).sum::<f64>() * (2.0 / n as f64).powi(2);
         Self {
             side: n,
@@ -264,8 +266,13 @@ impl DiscImage {
 
     /// Pixels whose centres lie in [low, low + side) of one axis.
     fn pixels(&self, low: f64, side: f64) -> std::ops::Range<usize> {
-        let position = |x: f64| ((x + 1.0) * 0.5 * self.side as f64 - 0.5).ceil().max(0.0) as usize;
-        position(low)..position(low + side).min(self.side)
+        self.first_pixel(low)..self.first_pixel(low + side).min(self.side)
+    }
+
+    /// The first pixel whose centre is not below `x` on one axis.
+    fn first_pixel(&self, x: f64) -> usize {
+        let position = (x + 1.0) * 0.5 * self.side as f64 - 0.5;
+        position.ceil().max(0.0) as usize
     }
 }
 

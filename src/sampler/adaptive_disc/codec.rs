@@ -62,32 +62,33 @@ fn read_warps(tensors: &Tensors, tables: usize) -> Result<Warps> {
         let expected = format!("starts that partition {} nodes", first.len());
         return Err(tensors.invalid_in("tree.start", 0, &expected, "others"));
     }
-    let nodes: Vec<Node> = split
-        .chunks_exact(3)
-        .zip(&inner)
-        .zip(&first)
-        .map(|((s, &inner), &first)| Node {
-            split: [s[0], s[1], s[2]],
-            inner,
-            first,
-        })
-        .collect();
+    let mut nodes = Vec::with_capacity(first.len());
+    for (i, split) in split.as_chunks::<3>().0.iter().enumerate() {
+        nodes.push(Node {
+            split: *split,
+            inner: inner[i],
+            first: first[i],
+        });
+    }
     for (k, range) in starts.windows(2).enumerate() {
-        let sound = |i: u32| {
+        for i in range[0]..range[1] {
             let node = &nodes[i as usize];
-            let children =
-                u64::from(node.first)..u64::from(node.first) + u64::from(node.inner.count_ones());
-            let inside =
-                children.is_empty() || (node.first > i && children.end <= u64::from(range[1]));
-            node.inner < 16 && inside
-        };
-        if let Some(i) = (range[0]..range[1]).find(|&i| !sound(i)) {
-            let found = format!("{:?}", nodes[i as usize]);
-            let expected = format!("a sound node {i} of tree {k}");
-            return Err(tensors.invalid_in("node.first", i as usize, &expected, found));
+            if !is_sound_node(node, i, range[1]) {
+                let expected = format!("a sound node {i} of tree {k}");
+                let found = format!("{node:?}");
+                return Err(tensors.invalid_in("node.first", i as usize, &expected, found));
+            }
         }
     }
     Ok(Warps { nodes, starts })
+}
+
+/// Whether the children of node `i` follow it in its tree, which ends before node `end`.
+fn is_sound_node(node: &Node, i: u32, end: u32) -> bool {
+    let children = node.inner.count_ones();
+    let last = u64::from(node.first) + u64::from(children);
+    let is_inside = children == 0 || (node.first > i && last <= u64::from(end));
+    node.inner < 16 && is_inside
 }
 
 fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
@@ -110,12 +111,14 @@ fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
         let expected = format!("starts that partition {} leaves", upper.len());
         return Err(tensors.invalid_in("tree.start", 0, &expected, "others"));
     }
-    let leaves: Vec<Leaf> = upper
-        .iter()
-        .zip(&bound)
-        .zip(&code)
-        .map(|((&upper, &bound), &code)| Leaf { upper, bound, code })
-        .collect();
+    let mut leaves = Vec::with_capacity(upper.len());
+    for (i, &upper) in upper.iter().enumerate() {
+        leaves.push(Leaf {
+            upper,
+            bound: bound[i],
+            code: code[i],
+        });
+    }
     for (k, (range, &integral)) in starts.windows(2).zip(&integrals).enumerate() {
         check_tree(
             tensors,
@@ -126,6 +129,14 @@ fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
         )?;
     }
     Ok(Forest::new(leaves, starts, integrals))
+}
+
+/// Whether the square of a leaf is one of its depth, and draws under its bound can be accepted.
+fn is_sound_leaf(leaf: &Leaf) -> bool {
+    let depth = leaf.code >> 28;
+    let (column, row) = (leaf.code >> 14 & 0x3fff, leaf.code & 0x3fff);
+    let is_bounded = leaf.bound.is_finite() && leaf.bound > 0.0;
+    is_bounded && depth <= DEEPEST && column >> depth == 0 && row >> depth == 0
 }
 
 /// Leaves, of which `first` is the first, that can be drawn and whose draws can be accepted.
@@ -151,12 +162,7 @@ fn check_tree(
             format!("{} leaves", leaves.len()),
         ));
     }
-    let sound = |l: &Leaf| {
-        let (depth, places) = (l.code >> 28, [l.code >> 14 & 0x3fff, l.code & 0x3fff]);
-        let bound = l.bound.is_finite() && l.bound > 0.0;
-        bound && depth <= DEEPEST && places.iter().all(|&p| p >> depth == 0)
-    };
-    if let Some(i) = leaves.iter().position(|l| !sound(l)) {
+    if let Some(i) = leaves.iter().position(|leaf| !is_sound_leaf(leaf)) {
         let expected = format!("a sound leaf {i} of tree {k}");
         return Err(tensors.invalid_in(
             "leaf.bound",

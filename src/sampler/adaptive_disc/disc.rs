@@ -34,7 +34,7 @@ pub struct AdaptiveDisc {
 /// tree that needs more than [`build::MOST_TRIALS`] is kept, so that one draw in 10⁸ is lost at most.
 pub(super) const MAX_TRIALS: u32 = 20_000;
 
-/// Share of its density that a draw must keep when it is carried over and rounded to f32. The change of angles alone leaves
+/// Fraction of its density that a draw must keep when it is carried over and rounded to f32. The change of angles alone leaves
 /// more than a hundredth.
 const LEAST_LEFT: f64 = 1e-4;
 
@@ -89,11 +89,11 @@ impl AdaptiveDisc {
         knots: ThetaKnots,
         trees: Trees,
     ) -> Self {
-        let direction = |k| {
+        let mut directions = Vec::with_capacity(knots.count());
+        for k in 0..knots.count() {
             let (sin, cos) = knots.theta(k).sin_cos();
-            [sin as f32, cos as f32]
-        };
-        let directions = (0..knots.count()).map(direction).collect();
+            directions.push([sin as f32, cos as f32]);
+        }
         Self {
             brdf,
             settings,
@@ -131,8 +131,8 @@ impl AdaptiveDisc {
         f64::from(self.settings.importance.reduce(f))
     }
 
-    /// Density per solid angle of the tree at knot `k`, for the knot's own direction. A tree without mass stands for the
-    /// uniform disc.
+    /// Density per solid angle of the tree at knot `k`, for the knot's own direction. A tree without mass has the density
+    /// of the uniform disc.
     #[inline]
     fn knot_density(&self, k: usize, turn: DVec2, wi: Vec3) -> f64 {
         let projected = match &self.trees {
@@ -155,19 +155,26 @@ impl AdaptiveDisc {
             return self.knot_density(k, view.turn, wi);
         }
         let knot = self.knot_direction(k, view.turn);
-        let came_from = |sum: DVec3| {
-            // dσ(wi) = 4 |wo·h| dσ(h) on either side, and h is along wo + wi, or, beyond the horizon, against it.
-            let ratio = 2.0 * knot.dot(sum) / sum.length_squared();
-            let there = ratio * sum - knot;
-            if there.z > 0.0 {
-                ratio.abs() * self.knot_density(k, view.turn, there.as_vec3())
-            } else {
-                0.0
-            }
-        };
         let wi = wi.as_dvec3();
-        let turned_up = turned_up_sum(view.wo, wi).map_or(0.0, came_from);
-        came_from(view.wo + wi) + turned_up
+        let turned_up = match turned_up_sum(view.wo, wi) {
+            Some(sum) => self.carried_density(k, view.turn, knot, sum),
+            None => 0.0,
+        };
+        self.carried_density(k, view.turn, knot, view.wo + wi) + turned_up
+    }
+
+    /// Density of draws whose half vector lies along `sum`: the direction that was drawn for the knot is the reflection of the
+    /// knot's own about it.
+    #[inline]
+    fn carried_density(&self, k: usize, turn: DVec2, knot: DVec3, sum: DVec3) -> f64 {
+        // dσ(wi) = 4 |wo·h| dσ(h) on either side, and h is along wo + wi, or, beyond the horizon, against it.
+        let ratio = 2.0 * knot.dot(sum) / sum.length_squared();
+        let drawn = ratio * sum - knot;
+        if drawn.z > 0.0 {
+            ratio.abs() * self.knot_density(k, turn, drawn.as_vec3())
+        } else {
+            0.0
+        }
     }
 
     /// A direction drawn for knot `k`, carried over to the `wo` of `view`.

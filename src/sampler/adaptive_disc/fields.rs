@@ -96,7 +96,7 @@ impl Settings for AdaptiveDiscSettings {
     }
 }
 
-/// The setting of how leaves are drawn, of which the one that does not reject stands alone.
+/// The setting of how leaves are drawn. The word for draws without rejection may be given without the key.
 fn leaves() -> Field<AdaptiveDiscSettings> {
     Field::choice(
         "leaves",

@@ -56,7 +56,7 @@ impl QuadCell {
 
     /// Bounding rectangle of the part inside the unit disc; `None` if there is none.
     ///
-    /// The thesis (6.3.4) tells eight cases apart by which corners lie inside; this is all of them: the square reaches as
+    /// The thesis (6.3.4) has eight cases, by which corners lie inside. One rule covers all of them: the square reaches as
     /// far along x as the circle does at its y nearest to 0, and the same the other way round.
     #[inline]
     pub fn inside_disc(self) -> Option<Rect> {

@@ -17,17 +17,17 @@ pub enum Construction {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LeafChoice {
-    /// Its bound times its area; a rejection starts again from the root. Draws are proportional to f_r whatever the error
-    /// of the leaves' integrals.
+    /// Its bound times its area; a rejection starts again from the root. Draws are proportional to f_r even where
+    /// the leaves' integrals are inexact.
     Envelope,
-    /// Its integral; a rejection stays in the leaf (thesis 6.2.2). An error in a leaf's integral is an error of its share.
+    /// Its integral; a rejection stays in the leaf (thesis 6.2.2). An error in a leaf's integral is an error of its probability.
     Integral,
     /// Without rejection: a hierarchical warp to the leaf and to the place in it, so that two numbers are enough and
     /// well-spread points stay well spread. The density is that of the warp, constant in each leaf.
     Warp,
 }
 
-/// What keeps its place when a tree serves a `wo` beside its own.
+/// What keeps its place when a tree serves a `wo` other than its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Carry {
@@ -47,8 +47,8 @@ pub struct AdaptiveDiscSettings {
     pub n_max: f64,
     /// Subdivisions from the whole disc to the smallest leaf, 0 to 14; without any, draws are rejected on the whole disc.
     pub depth: u32,
-    /// A leaf is not split when the trials it wastes are less than this share of the whole tree's, or, with
-    /// [`LeafChoice::Warp`], when it adds less than a hundredth of this share to the squared relative deviation of weights; 0
+    /// A leaf is not split when the trials it wastes are less than this fraction of the whole tree's, or, with
+    /// [`LeafChoice::Warp`], when it adds less than a hundredth of it to the squared relative deviation of weights; 0
     /// splits by `n_max` alone.
     pub waste: f64,
     /// Where values and bounds come from.
@@ -59,7 +59,7 @@ pub struct AdaptiveDiscSettings {
     pub choice: TableChoice,
     /// What keeps its place between trees.
     pub carry: Carry,
-    /// Share of draws that ignore the BRDF and follow the cosine, so that no direction is left out; 0 to 1.
+    /// Fraction of draws that ignore the BRDF and follow the cosine, so that no direction is left out; 0 to 1.
     pub floor: f64,
     /// The scalar that draws are proportional to.
     pub importance: Importance,

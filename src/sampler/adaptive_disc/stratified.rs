@@ -12,7 +12,7 @@ use crate::points::{PointSet, Stream};
 
 impl AdaptiveDisc {
     /// Draws `count` directions for one `wo` whose numbers in every node of the tree are their expectation, rounded at random:
-    /// one descent shares them over the leaves (thesis 6.3.2, algorithms 17 and 18). Trees that are warped instead are drawn
+    /// one descent distributes them over the leaves (thesis 6.3.2, algorithms 17 and 18). Trees that are warped instead are drawn
     /// from by [`draw_stratified`]. Each draw alone has the density `pdf`; `None` is a failed draw.
     pub fn draw_stratified(
         &self,
@@ -59,12 +59,14 @@ fn share_draws(
     batch.out
 }
 
-/// Integers that sum to `count`, each its share rounded up or down at random with the share as expectation.
+/// Integers that sum to `count`: each is its part of it by weight, rounded up or down at random so that its expectation is exact.
 ///
 /// Systematic sampling: one random offset for all, where algorithm 17 draws the remainders one by one.
 fn share_out<const N: usize>(count: usize, weights: [f64; N], random: &mut Stream) -> [usize; N] {
     let total: f64 = weights.iter().sum();
-    let (offset, mut cumulated, mut given) = (random.next_f64(), 0.0, 0);
+    let offset = random.next_f64();
+    let mut cumulated = 0.0;
+    let mut given = 0;
     std::array::from_fn(|i| {
         cumulated += weights[i];
         let until = if i + 1 == N {
@@ -114,7 +116,7 @@ impl Batch<'_> {
         self.out.resize(goal, None);
     }
 
-    /// Shares `count` draws of up to `trials` trials over the leaves: one every 1/count of their CDF, from one random offset
+    /// Distributes `count` draws of up to `trials` trials over the leaves: one every 1/count of their CDF, from one random offset
     /// on, so that every square of the tree gets its expected number, rounded.
     fn shares(&mut self, k: usize, count: usize, trials: u32) {
         let offset = self.random.next_f64();

@@ -11,14 +11,14 @@ use super::trees::Trees;
 use super::warp::Warps;
 use crate::geometry::concentric_disc;
 
-/// A leaf of a tree, or a square beside them in which nothing is drawn.
+/// A leaf of a tree, or a square outside all leaves, in which nothing is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// Lower corner in [−1, 1]².
     pub corner: DVec2,
     /// Side, 2 for a tree that is one leaf.
     pub side: f64,
-    /// Probability that a draw from the tree falls into it; with rejection, that a trial does. 0 beside the leaves.
+    /// Probability that a draw from the tree falls into it; with rejection, that a trial does. 0 outside the leaves.
     pub share: f64,
 }
 
@@ -27,7 +27,7 @@ pub struct Cell {
 pub struct Subdivision {
     /// Polar angle of `wo` that the tree was built for, radians.
     pub theta_o: f64,
-    /// The squares; a single one without share for a material without light.
+    /// The squares; for a material without light, a single one of probability 0.
     pub cells: Vec<Cell>,
     /// Whether the squares are mapped to the disc by the concentric map rather than laid over it.
     warped: bool,
@@ -46,12 +46,15 @@ impl Subdivision {
         }
         // A side is bent where it crosses a diagonal only, and by less the shorter it is.
         let bends = ((BENDS as f64 * cell.side).ceil() as usize).max(2);
-        let side = |i: usize| {
+        let mut outline = Vec::with_capacity(4 * bends);
+        for i in 0..4 {
             let (from, to) = (corners[i], corners[(i + 1) % 4]);
-            (0..bends)
-                .map(move |j| concentric_disc((from.lerp(to, j as f64 / bends as f64) + 1.0) * 0.5))
-        };
-        (0..4).flat_map(side).collect()
+            for j in 0..bends {
+                let point = from.lerp(to, j as f64 / bends as f64);
+                outline.push(concentric_disc((point + 1.0) * 0.5));
+            }
+        }
+        outline
     }
 }
 
@@ -73,18 +76,21 @@ impl AdaptiveDisc {
 
 /// The leaves of a tree, and the largest squares of the quadtree that hold none.
 fn laid(forest: &Forest, k: usize) -> Vec<Cell> {
-    let (mut leaves, mut parents) = (BTreeMap::new(), BTreeSet::new());
+    let mut leaves = BTreeMap::new();
+    let mut parents = BTreeSet::new();
     let mut below = 0;
     for leaf in forest.tree(k) {
         let share = f64::from(leaf.upper.saturating_sub(below)) / f64::from(WHOLE);
         below = leaf.upper;
         leaves.insert(leaf.code, share);
-        let (mut code, mut depth) = (leaf.code, leaf.code >> 28);
+        let mut code = leaf.code;
+        let mut depth = leaf.code >> 28;
         while depth > 0 && parents.insert(parent(code)) {
             (code, depth) = (parent(code), depth - 1);
         }
     }
-    let (mut open, mut cells) = (vec![QuadCell::ROOT], Vec::new());
+    let mut open = vec![QuadCell::ROOT];
+    let mut cells = Vec::new();
     while let Some(square) = open.pop() {
         let code = square.code();
         if !leaves.contains_key(&code) && parents.contains(&code) {

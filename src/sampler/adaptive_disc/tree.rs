@@ -60,7 +60,7 @@ impl Grown {
 pub(super) struct Drawn {
     pub rect: Rect,
     pub bound: f32,
-    /// Position of the number drawn within the leaf's share, uniform in [0, 1).
+    /// Position of the number drawn within the leaf's probability, uniform in [0, 1).
     pub rest: f64,
 }
 
@@ -81,7 +81,8 @@ impl Forest {
 
     /// Puts trees together, each given by its leaves in Z-order and its integral.
     pub(super) fn join(trees: &[(Vec<Grown>, f64)]) -> Self {
-        let (mut leaves, mut starts) = (Vec::new(), vec![0]);
+        let mut leaves = Vec::new();
+        let mut starts = vec![0];
         for (grown, _) in trees {
             let total: f64 = grown.iter().map(|g| g.weight).sum();
             let mut sum = 0.0;

@@ -5,8 +5,8 @@
 //! a leaf, where what is left places the point. The map is continuous along each axis and takes two numbers in all, so
 //! well-spread points stay well spread. The square is mapped to the disc rather than laid over it: that way the rim is an
 //! edge of the quadtree, and no leaf loses draws outside the disc. The concentric map preserves area, so a leaf's density per
-//! projected solid angle is its probability over its area. It is what draws have, whatever the error of the masses it came
-//! from.
+//! projected solid angle is its probability over its area. Draws have exactly this density, even where the masses that
+//! the probabilities came from are inexact.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -22,7 +22,7 @@ use crate::sampler::knots::split_unit;
 /// A square divided into four, twelve bytes. Child 0..4: bit 0 is the upper half in x, bit 1 in y.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::sampler) struct Node {
-    /// In units of 1/65535: the share of the lower half in x, and of the lower half in y within the lower and upper x.
+    /// Probabilities in units of 1/65535: of the lower half in x, and of the lower half in y within the lower and the upper x.
     pub split: [u16; 3],
     /// Which children are nodes, one bit each; the others are leaves.
     pub inner: u16,
@@ -35,7 +35,7 @@ const RIM: f64 = 1e-12;
 const SHARE: f64 = 1.0 / u16::MAX as f64;
 
 impl Node {
-    /// Lower share in x, or in y within half `x`.
+    /// Probability of the lower half in x (axis 0), or in y within the lower (1) or upper half (2) in x.
     #[inline]
     fn share(&self, axis: usize) -> f64 {
         f64::from(self.split[axis]) * SHARE
@@ -43,8 +43,11 @@ impl Node {
 
     /// Probability of child `i` within the node.
     pub(super) fn child_share(&self, i: usize) -> f64 {
-        let part = |upper: usize, lower: f64| if upper == 1 { 1.0 - lower } else { lower };
-        part(i & 1, self.share(0)) * part(i >> 1, self.share(1 + (i & 1)))
+        let (right, upper) = (i & 1, i >> 1);
+        let (lower_x, lower_y) = (self.share(0), self.share(1 + right));
+        let x = if right == 1 { 1.0 - lower_x } else { lower_x };
+        let y = if upper == 1 { 1.0 - lower_y } else { lower_y };
+        x * y
     }
 
     /// The node of child `i`, if it is one.
@@ -76,7 +79,8 @@ impl Warps {
     /// Point of the disc at `u` in [0, 1)². The tree must not be void.
     #[inline]
     pub fn draw(&self, k: usize, mut u: DVec2) -> DVec2 {
-        let (mut corner, mut side) = (DVec2::ZERO, 1.0);
+        let mut corner = DVec2::ZERO;
+        let mut side = 1.0;
         let mut node = Some(self.starts[k] as usize);
         while let Some(n) = node.map(|n| self.nodes[n]) {
             let (left, x) = split_unit(u.x, n.share(0));
@@ -129,17 +133,19 @@ impl Warps {
     }
 }
 
-/// Shares of the lower halves; whatever has mass keeps at least one unit.
+/// Probabilities of the lower halves, in x and then in y within each half.
 fn splits(mass: &[f64; 4]) -> [u16; 3] {
-    let share = |low: f64, high: f64| {
-        let units = (low / (low + high) * f64::from(u16::MAX)).round() as u16;
-        units.clamp(u16::from(low > 0.0), u16::MAX - u16::from(high > 0.0))
-    };
     [
-        share(mass[0] + mass[2], mass[1] + mass[3]),
-        share(mass[0], mass[2]),
-        share(mass[1], mass[3]),
+        split(mass[0] + mass[2], mass[1] + mass[3]),
+        split(mass[0], mass[2]),
+        split(mass[1], mass[3]),
     ]
+}
+
+/// Probability of the lower of two halves in units of 1/`u16::MAX`; a half that has mass keeps at least one unit.
+fn split(low: f64, high: f64) -> u16 {
+    let units = (low / (low + high) * f64::from(u16::MAX)).round() as u16;
+    units.clamp(u16::from(low > 0.0), u16::MAX - u16::from(high > 0.0))
 }
 
 /// A tree as it grows.
@@ -150,7 +156,7 @@ pub(super) struct Tree {
 
 impl Tree {
     /// A tree without mass.
-    pub fn void() -> Self {
+    pub const fn void() -> Self {
         Self {
             mass: 0.0,
             children: None,
@@ -179,7 +185,7 @@ pub(super) struct WarpGrower<'a> {
     pub integral: f64,
 }
 
-/// What a tree may still grow by.
+/// The bounds that a tree must keep as it grows; `nodes` is what is left of them.
 struct Allowance {
     waste: f64,
     depth: u32,
@@ -188,40 +194,27 @@ struct Allowance {
 
 impl WarpGrower<'_> {
     pub fn grow(&self) -> Tree {
-        let (root, depth) = (
-            Rect {
-                low: DVec2::ZERO,
-                high: DVec2::ONE,
-            },
-            self.settings.depth.min(DEEPEST),
-        );
-        let waste = |raise: i32| match raise {
-            0 => self.settings.waste,
-            _ => self.settings.waste.max(1e-6) * 4f64.powi(raise),
+        let root = Rect {
+            low: DVec2::ZERO,
+            high: DVec2::ONE,
         };
-        (0..=RAISES)
-            .map(|raise| {
-                (
-                    waste(raise),
-                    if raise < RAISES {
-                        depth
-                    } else {
-                        depth.min(FULL)
-                    },
-                )
-            })
-            .find_map(|(waste, depth)| {
-                self.visit(
-                    root,
-                    0,
-                    &mut Allowance {
-                        waste,
-                        depth,
-                        nodes: MOST_NODES,
-                    },
-                )
-            })
-            .unwrap_or(Tree::void())
+        // The waste is raised fourfold until the nodes are enough; at the last, the depth is held to that of a full tree.
+        for raise in 0..=RAISES {
+            let waste = match raise {
+                0 => self.settings.waste,
+                _ => self.settings.waste.max(1e-6) * 4f64.powi(raise),
+            };
+            let deepest = if raise < RAISES { DEEPEST } else { FULL };
+            let mut left = Allowance {
+                waste,
+                depth: self.settings.depth.min(DEEPEST).min(deepest),
+                nodes: MOST_NODES,
+            };
+            if let Some(tree) = self.visit(root, 0, &mut left) {
+                return tree;
+            }
+        }
+        Tree::void()
     }
 
     /// The tree of a cell; `None` if the nodes run out.
@@ -238,18 +231,12 @@ impl WarpGrower<'_> {
         }
         left.nodes = left.nodes.checked_sub(1)?;
         let half = (cell.high - cell.low) * 0.5;
-        let mut child = |i: u32| {
+        let mut children = [const { Tree::void() }; 4];
+        for (i, child) in (0u32..).zip(&mut children) {
             let low = cell.low + half * DVec2::new(f64::from(i & 1), f64::from(i >> 1));
-            self.visit(
-                Rect {
-                    low,
-                    high: low + half,
-                },
-                depth + 1,
-                left,
-            )
-        };
-        let children = [child(0)?, child(1)?, child(2)?, child(3)?];
+            let high = low + half;
+            *child = self.visit(Rect { low, high }, depth + 1, left)?;
+        }
         Some(Tree {
             mass: children.iter().map(|c| c.mass).sum(),
             children: Some(Box::new(children)),
@@ -301,16 +288,8 @@ fn box_on_disc(cell: Rect) -> Rect {
     let (a, b) = (centred.low * sign, centred.high * sign);
     let (near, far) = (a.min(b), a.max(b));
     // The azimuth rises with y and falls with x.
-    let azimuth = |x: f64, y: f64| {
-        if x > y {
-            FRAC_PI_4 * y / x
-        } else if y > 0.0 {
-            FRAC_PI_2 - FRAC_PI_4 * x / y
-        } else {
-            0.0
-        }
-    };
-    let (least, most) = (azimuth(far.x, near.y), azimuth(near.x.max(1e-300), far.y));
+    let least = concentric_azimuth(far.x, near.y);
+    let most = concentric_azimuth(near.x.max(1e-300), far.y);
     let (inside, outside) = (near.max_element(), far.max_element());
     let low = inside * DVec2::new(most.cos().max(0.0), least.sin());
     let high = outside * DVec2::new(least.cos(), most.sin());
@@ -318,6 +297,17 @@ fn box_on_disc(cell: Rect) -> Rect {
     Rect {
         low: low.min(high),
         high: low.max(high),
+    }
+}
+
+/// Azimuth on the disc of a point of the first quadrant of the square: π/4 · y/x below the diagonal, π/2 − π/4 · x/y above.
+fn concentric_azimuth(x: f64, y: f64) -> f64 {
+    if x > y {
+        FRAC_PI_4 * y / x
+    } else if y > 0.0 {
+        FRAC_PI_2 - FRAC_PI_4 * x / y
+    } else {
+        0.0
     }
 }
 

@@ -32,15 +32,14 @@ pub(super) fn tables(
         .into_par_iter()
         .map(|k| {
             let wo = spherical(knots.theta(k), 0.0).as_vec3();
-            let value = |h| contribution(brdf, settings.importance, wo, h);
-            curves(
-                &masses([settings.theta_h, settings.phi_h], axis, value),
-                axis,
-                settings.tolerance,
-            )
+            let masses = masses([settings.theta_h, settings.phi_h], axis, |h| {
+                contribution(brdf, settings.importance, wo, h)
+            });
+            curves(&masses, axis, settings.tolerance)
         })
         .collect();
-    let (mut marginal, mut conditional) = (Curves::new(), Curves::new());
+    let mut marginal = Curves::new();
+    let mut conditional = Curves::new();
     for (m, c) in &each {
         marginal.append(m);
         conditional.append(c);
@@ -87,7 +86,8 @@ pub(in crate::sampler) fn masses(
 /// at `start` steps.
 fn split(start: f64, edges: &[f64], steps: f64) -> Vec<[f64; 2]> {
     let first = edges.partition_point(|&edge| edge * steps - start <= LEAST_PART);
-    let (mut low, mut parts) = (0.0, Vec::with_capacity(2));
+    let mut low = 0.0;
+    let mut parts = Vec::with_capacity(2);
     for edge in &edges[first..] {
         let high = edge * steps - start;
         if high >= 1.0 - LEAST_PART {
@@ -121,7 +121,8 @@ pub(in crate::sampler) fn contribution(
 /// Conditionals are sums over the rows that a piece of the marginal spans, so the density drawn from is the derivative of
 /// the curves as stored.
 fn curves(masses: &Array2<f64>, axis: ThetaAxis, tolerance: Option<f64>) -> (Curves, Curves) {
-    let (mut marginal, mut conditional) = (Curves::new(), Curves::new());
+    let mut marginal = Curves::new();
+    let mut conditional = Curves::new();
     let marginal_sums = cumulated(masses.sum_axis(Axis(1)));
     let jumps = jumps(&marginal_sums, axis);
     let knots = push(&mut marginal, &marginal_sums, &jumps, tolerance);
@@ -181,7 +182,8 @@ fn push(
         }
         Some(tolerance) => {
             let total = cumulated.last().copied().unwrap_or(0.0);
-            let (mut knots, mut start) = (vec![0], 0);
+            let mut knots = vec![0];
+            let mut start = 0;
             for &end in kept.iter().chain([&(cumulated.len() - 1)]) {
                 if end > start {
                     let piece = simplify(&cumulated[start..=end], tolerance * total);

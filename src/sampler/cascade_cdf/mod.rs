@@ -29,7 +29,7 @@ use super::{Method, Needs, Settings};
 use crate::Result;
 use crate::brdf::Brdf;
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
-use crate::distribution::Curves;
+use crate::distribution::Segment;
 use crate::geometry::{approx, cosine_hemisphere, is_upper, reflect_about, unit_upper};
 use crate::material::Loaded;
 use tables::Tables;
@@ -81,16 +81,11 @@ impl CascadeCdf {
     /// Grid coordinates (θh, φh) drawn from table `k`, which must not be void.
     #[inline]
     fn draw(&self, k: usize, u: DVec2) -> DVec2 {
-        let invert = |curves: &Curves, curve: usize, u: f64| {
-            let s = curves.find(curve, u);
-            (
-                s,
-                s.x0 + ((u - s.c0) / (s.c1 - s.c0)).clamp(0.0, 1.0) * (s.x1 - s.x0),
-            )
-        };
-        let (piece, x) = invert(&self.tables.marginal, k, u.x);
-        let conditional = self.tables.first[k] as usize + piece.index;
-        DVec2::new(x, invert(&self.tables.conditional, conditional, u.y).1)
+        // First θh from the marginal curve, then φh from the conditional curve of its piece.
+        let row = self.tables.marginal.find(k, u.x);
+        let conditional = self.tables.first[k] as usize + row.index;
+        let column = self.tables.conditional.find(conditional, u.y);
+        DVec2::new(position_in(&row, u.x), position_in(&column, u.y))
     }
 
     /// Density of table `k` per unit of the square (θh, φh), each axis scaled to 0..1.
@@ -105,6 +100,16 @@ impl CascadeCdf {
         // One division for both densities: it is what takes time here.
         (piece.c1 - piece.c0) * (within.c1 - within.c0) * cells
             / ((piece.x1 - piece.x0) * (within.x1 - within.x0))
+    }
+
+    /// Density of table `k` per solid angle; that of the cosine for a void table.
+    #[inline(always)]
+    fn knot_density(&self, k: usize, at: DVec2, to_solid_angle: f64, cosine: f64) -> f64 {
+        if self.tables.marginal.is_void(k) {
+            cosine
+        } else {
+            self.square_density(k, at) * to_solid_angle
+        }
     }
 
     fn density(&self, near: KnotPair, wo: DVec3, wi: DVec3) -> f32 {
@@ -125,24 +130,18 @@ impl CascadeCdf {
         let length = sum.length();
         let to_solid_angle = 1.0 / (TAU * self.axis.solid_angle(a, rho / length) * 2.0 * length);
         let cosine = wi.z * FRAC_1_PI;
-        let of = |k: usize| {
-            if self.tables.marginal.is_void(k) {
-                cosine
-            } else {
-                self.square_density(k, at) * to_solid_angle
-            }
-        };
+        // The knots' densities by their weights; a knot without weight is not looked up.
         let first = if near.share < 1.0 {
-            (1.0 - near.share) * of(near.first)
+            (1.0 - near.share) * self.knot_density(near.first, at, to_solid_angle, cosine)
         } else {
             0.0
         };
-        let tables = first
-            + if near.share > 0.0 {
-                near.share * of(near.second)
-            } else {
-                0.0
-            };
+        let second = if near.share > 0.0 {
+            near.share * self.knot_density(near.second, at, to_solid_angle, cosine)
+        } else {
+            0.0
+        };
+        let tables = first + second;
         let floor = self.settings.floor;
         ((1.0 - floor) * tables + floor * cosine).min(f64::from(f32::MAX)) as f32
     }
@@ -156,6 +155,12 @@ impl CascadeCdf {
         let turn = wo.truncate().as_dvec2().try_normalize().unwrap_or(DVec2::X);
         (turn.rotate(DVec2::new(c, s)) * sin).extend(cos)
     }
+}
+
+/// Where in its piece of a curve a probability is reached, in grid units: x0 + (u − c0)/(c1 − c0) · (x1 − x0).
+#[inline(always)]
+fn position_in(piece: &Segment, u: f64) -> f64 {
+    piece.x0 + ((u - piece.c0) / (piece.c1 - piece.c0)).clamp(0.0, 1.0) * (piece.x1 - piece.x0)
 }
 
 impl Method for CascadeCdf {

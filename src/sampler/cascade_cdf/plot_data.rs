@@ -22,7 +22,8 @@ impl CascadeCdf {
     /// The marginal over θh of the table whose angle is nearest to the polar angle `theta_o`, radians; an angle that is not
     /// finite counts as 0.
     pub fn marginal(&self, theta_o: f64) -> CdfCurve {
-        let (k, cells) = (self.knots.nearest(theta_o), self.settings.theta_h);
+        let k = self.knots.nearest(theta_o);
+        let cells = self.settings.theta_h;
         let (curve, knots) = shown(&self.tables.marginal, k, cells, |cell| self.theta_h(cell));
         CdfCurve {
             theta_o: self.knots.theta(k),
@@ -45,7 +46,8 @@ impl CascadeCdf {
                 knots: Vec::new(),
             };
         }
-        let (piece, cells) = (self.tables.marginal.find(k, 0.5), self.settings.phi_h);
+        let piece = self.tables.marginal.find(k, 0.5);
+        let cells = self.settings.phi_h;
         let conditional = self.tables.first[k] as usize + piece.index;
         let phi = |cell: f64| cell / cells as f64 * TAU;
         let (curve, knots) = shown(&self.tables.conditional, conditional, cells, phi);
@@ -75,14 +77,18 @@ fn shown(
     if curves.is_void(k) {
         return (Vec::new(), Vec::new());
     }
-    let ends = (0..curves.segments(k))
-        .map(|i| curves.segment(k, i))
-        .map(|piece| (angle(piece.x1), piece.c1));
-    let at = |cell: f64| {
+    let mut knots = vec![(angle(0.0), 0.0)];
+    for i in 0..curves.segments(k) {
+        let piece = curves.segment(k, i);
+        knots.push((angle(piece.x1), piece.c1));
+    }
+    // Between knots the curve is linear: (1 − t) c0 + t c1.
+    let mut curve = Vec::with_capacity(cells + 1);
+    for cell in 0..=cells {
+        let cell = cell as f64;
         let piece = curves.find_segment(k, cell);
         let t = (cell - piece.x0) / (piece.x1 - piece.x0);
-        (angle(cell), piece.c0 * (1.0 - t) + piece.c1 * t)
-    };
-    let knots = std::iter::once((angle(0.0), 0.0)).chain(ends).collect();
-    ((0..=cells).map(|cell| at(cell as f64)).collect(), knots)
+        curve.push((angle(cell), piece.c0 * (1.0 - t) + piece.c1 * t));
+    }
+    (curve, knots)
 }

@@ -20,7 +20,7 @@ pub struct CascadeCdfSettings {
     pub tolerance: Option<f64>,
     /// What serves a `wo` between two tables.
     pub choice: TableChoice,
-    /// Share of draws that ignore the tables and follow the cosine, so that no direction is left out; 0 to 1.
+    /// Fraction of draws that ignore the tables and follow the cosine, so that no direction is left out; 0 to 1.
     pub floor: f64,
     /// The scalar that draws are proportional to.
     pub importance: Importance,

@@ -20,7 +20,7 @@ const ROUNDS: usize = 80;
 /// What is tried when the factors are not given: J, K, and cells over φw. θw has one cell a bin of MERL's.
 const TRIED: ([usize; 4], [usize; 3], [usize; 2]) = ([1, 2, 4, 8], [1, 2, 4], [16, 32]);
 const THETA: usize = 90;
-/// The share of cosine that those are tried with, and what is tried for the best of them.
+/// The fraction of cosine that those are tried with, and what is tried for the best of them.
 const FIRST_FLOOR: f64 = 0.01;
 const FLOORS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
 
@@ -68,35 +68,62 @@ fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factored> {
     if nodes.is_empty() {
         return Ok(smallest);
     }
-    let rate = |factors: Factors, terms: Terms| {
-        let settings = FactoredSettings {
-            factors: Some(factors),
-            ..settings
-        };
-        let sampler = Factored::from_parts(settings, terms)?;
-        Ok((nodes.unevenness(|wo, wi| sampler.density(wo, wi)), sampler))
+    let trial = Trial {
+        settings,
+        nodes: &nodes,
     };
+    // Step 1: every grid and rank with its best inner rank, in parallel; then the best of these.
     let grids = grids(brdf, &settings, least)?;
     let jobs: Vec<_> = grids
         .iter()
         .flat_map(|grid| TRIED.0.map(|outer| (grid, outer)))
         .collect();
-    let of_job = |&((base, grid), outer): &(&(Factors, Array2<f64>), usize)| {
+    let each: Vec<Result<Option<(f64, Factored)>>> = jobs
+        .par_iter()
+        .map(|((base, grid), outer)| trial.find_inner(base, grid, *outer))
+        .collect();
+    let chosen = first_least(each.into_iter().filter_map(Result::transpose))?;
+    let Factored { factors, terms, .. } = chosen.map_or(smallest, |best| best.1);
+    // Step 2: the best floor for them.
+    let floors = FLOORS.map(|floor| trial.rate(Factors { floor, ..factors }, terms.clone()));
+    match first_least(floors.into_iter())? {
+        Some((_, sampler)) => Ok(sampler),
+        None => trial.rate(factors, terms).map(|rated| rated.1),
+    }
+}
+
+/// What samplers of other factors are tried with.
+struct Trial<'a> {
+    settings: FactoredSettings,
+    nodes: &'a Nodes,
+}
+
+impl Trial<'_> {
+    /// How uneven the weights of a sampler are, and the sampler.
+    fn rate(&self, factors: Factors, terms: Terms) -> Result<(f64, Factored)> {
+        let settings = FactoredSettings {
+            factors: Some(factors),
+            ..self.settings
+        };
+        let sampler = Factored::from_parts(settings, terms)?;
+        let unevenness = self.nodes.unevenness(|wo, wi| sampler.density(wo, wi));
+        Ok((unevenness, sampler))
+    }
+
+    /// The best inner rank for a grid that is factored with rank `outer`.
+    fn find_inner(
+        &self,
+        base: &Factors,
+        grid: &Array2<f64>,
+        outer: usize,
+    ) -> Result<Option<(f64, Factored)>> {
         let found = Factorisation::factorise(grid, outer);
         let each = TRIED.1.map(|inner| Factors {
             outer,
             inner,
             ..*base
         });
-        first_least(each.into_iter().map(|f| rate(f, terms(&found, &f))))
-    };
-    let each: Vec<Result<Option<(f64, Factored)>>> = jobs.par_iter().map(of_job).collect();
-    let chosen = first_least(each.into_iter().filter_map(Result::transpose))?;
-    let Factored { factors, terms, .. } = chosen.map_or(smallest, |best| best.1);
-    let floors = FLOORS.map(|floor| rate(Factors { floor, ..factors }, terms.clone()));
-    match first_least(floors.into_iter())? {
-        Some((_, sampler)) => Ok(sampler),
-        None => rate(factors, terms).map(|rated| rated.1),
+        first_least(each.into_iter().map(|f| self.rate(f, terms(&found, &f))))
     }
 }
 
@@ -125,7 +152,7 @@ fn first_least<T>(mut rated: impl Iterator<Item = Result<(f64, T)>>) -> Result<O
     })
 }
 
-/// Shares of ∫ f·cosθ over the cells of w, `[table][theta · phi]`; a row adds up to 1, or to 0 where the material is black.
+/// Fractions of ∫ f·cosθ over the cells of w, `[table][theta · phi]`; a row adds up to 1, or to 0 where the material is black.
 fn grid(brdf: &dyn Brdf, settings: &FactoredSettings, factors: &Factors) -> Result<Array2<f64>> {
     let knots = ThetaKnots::new(settings.tables, TableChoice::Mixture)?;
     let axis = ThetaAxis::new(ThetaSpacing::Merl, factors.theta);
@@ -199,7 +226,7 @@ fn ratio(matrix: &Array2<f64>, product: &Array2<f64>) -> Array2<f64> {
         .map_collect(|&m, &p| if m > 0.0 && p > 0.0 { m / p } else { 0.0 })
 }
 
-/// Divisors: 1 in place of 0, over which only 0 stands.
+/// Divisors: 1 in place of 0, which divides nothing but 0.
 fn positive(sums: Array1<f64>) -> Array1<f64> {
     sums.mapv(|s| if s > 0.0 { s } else { 1.0 })
 }
@@ -208,7 +235,8 @@ fn positive(sums: Array1<f64>) -> Array1<f64> {
 fn terms(outer: &Factorisation, factors: &Factors) -> Terms {
     let tables = outer.left.nrows();
     let mut weights: Array2<f64> = Array2::zeros((tables, factors.terms()));
-    let (mut theta, mut phi) = (Curves::new(), Curves::new());
+    let mut theta = Curves::new();
+    let mut phi = Curves::new();
     for (j, function) in outer.right.outer_iter().enumerate() {
         let cells = Array2::from_shape_fn((factors.theta, factors.phi), |(a, b)| {
             function[a * factors.phi + b]

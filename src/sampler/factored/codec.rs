@@ -44,19 +44,24 @@ pub(super) fn read(tensors: &Tensors, settings: &FactoredSettings) -> Result<Ter
             return Err(tensors.invalid_in(name, 0, &expected, found.to_string()));
         }
     }
+    check_weights(tensors, &terms, count)?;
+    Ok(terms)
+}
+
+/// Rows of `count` weights: none is outside [0, 1] or that of a void term, and their sum is at most 1.
+fn check_weights(tensors: &Tensors, terms: &Terms, count: usize) -> Result<()> {
     for (k, row) in terms.weights.chunks_exact(count).enumerate() {
-        let drawn = |l: usize| !terms.theta.is_void(l) && !terms.phi.is_void(l);
-        let sound = |l: usize| row[l] == 0.0 || (row[l] > 0.0 && row[l] <= 1.0 && drawn(l));
-        let whole = row.iter().map(|&w| f64::from(w)).sum::<f64>() <= 1.0 + 1e-6;
-        if let Some(l) = (0..count).find(|&l| !sound(l) || !whole) {
-            let expected = format!("shares of table {k} within 0..1, of terms that can be drawn,");
-            return Err(tensors.invalid_in(
-                "term.weight",
-                k * count + l,
-                &expected,
-                format!("{row:?}"),
-            ));
+        let sum: f64 = row.iter().map(|&weight| f64::from(weight)).sum();
+        for (l, &weight) in row.iter().enumerate() {
+            let is_drawn = !terms.theta.is_void(l) && !terms.phi.is_void(l);
+            let is_sound = weight == 0.0 || (weight > 0.0 && weight <= 1.0 && is_drawn);
+            if !is_sound || sum > 1.0 + 1e-6 {
+                let expected =
+                    format!("shares of table {k} within 0..1, of terms that can be drawn,");
+                let found = format!("{row:?}");
+                return Err(tensors.invalid_in("term.weight", k * count + l, &expected, found));
+            }
         }
     }
-    Ok(terms)
+    Ok(())
 }

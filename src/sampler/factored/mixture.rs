@@ -57,11 +57,13 @@ impl Factored {
         &self.settings
     }
 
-    /// Share of term `l` at `wo`, before the floor.
+    /// Probability of term `l` at `wo`, before the floor.
     #[inline]
     fn share(&self, near: KnotPair, l: usize) -> f64 {
-        let of = |table: usize| f64::from(self.terms.weights[table * self.factors.terms() + l]);
-        (1.0 - near.share) * of(near.first) + near.share * of(near.second)
+        let count = self.factors.terms();
+        let first = f64::from(self.terms.weights[near.first * count + l]);
+        let second = f64::from(self.terms.weights[near.second * count + l]);
+        (1.0 - near.share) * first + near.share * second
     }
 
     pub(super) fn density(&self, wo: Vec3, wi: Vec3) -> f64 {
@@ -73,11 +75,6 @@ impl Factored {
         let a = self.axis.coordinate(theta);
         let b = (azimuth * (1.0 / TAU)).rem_euclid(1.0);
         let cells = [self.factors.theta as f64, self.factors.phi as f64];
-        let slope = |curves: &Curves, l: usize, x: f64| {
-            // Every cell has a knot, so that pieces are one wide.
-            let piece = curves.find_segment(l, x);
-            piece.c1 - piece.c0
-        };
         let (mut sum, mut shares) = (0.0, 0.0);
         for l in 0..self.factors.terms() {
             let share = self.share(near, l);
@@ -98,12 +95,8 @@ impl Factored {
 
     /// The direction w of a draw from term `l`, whose curves must not be void, in the frame of `wo`.
     fn draw(&self, wo: DVec3, l: usize, u: DVec2) -> DVec3 {
-        let invert = |curves: &Curves, u: f64| {
-            let s = curves.find(l, u);
-            s.x0 + ((u - s.c0) / (s.c1 - s.c0)).clamp(0.0, 1.0)
-        };
-        let a = invert(&self.terms.theta, u.x) / self.factors.theta as f64;
-        let b = invert(&self.terms.phi, u.y) / self.factors.phi as f64;
+        let a = invert(&self.terms.theta, l, u.x) / self.factors.theta as f64;
+        let b = invert(&self.terms.phi, l, u.y) / self.factors.phi as f64;
         turned(spherical(self.axis.theta(a), b * TAU), wo, 1.0)
     }
 
@@ -131,6 +124,20 @@ fn turned(w: DVec3, wo: DVec3, sign: f64) -> DVec3 {
     DVec2::new(turn.x, sign * turn.y)
         .rotate(w.truncate())
         .extend(w.z)
+}
+
+/// Density of curve `l` at a coordinate, per cell. Every cell has a knot, so that pieces are one wide.
+#[inline(always)]
+fn slope(curves: &Curves, l: usize, x: f64) -> f64 {
+    let piece = curves.find_segment(l, x);
+    piece.c1 - piece.c0
+}
+
+/// The coordinate at which curve `l` reaches `u`, in cells.
+#[inline(always)]
+fn invert(curves: &Curves, l: usize, u: f64) -> f64 {
+    let piece = curves.find(l, u);
+    piece.x0 + ((u - piece.c0) / (piece.c1 - piece.c0)).clamp(0.0, 1.0)
 }
 
 impl DirectionSampler for Factored {

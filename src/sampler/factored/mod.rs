@@ -1,7 +1,7 @@
 //! The factored BRDF (Lawrence, Rusinkiewicz, Ramamoorthi 2004; thesis 5.5): f_r·cosθ ≈ Σ_j F_j(wo) Σ_k u_jk(θw) v_jk(φw), a
 //! sum of products of non-negative functions of one angle each, where w is the half vector or `wi`.
 //!
-//! A draw chooses a term (j, k) by its share at `wo` and inverts the CDFs of its two factors. The density is the derivative of
+//! A draw chooses a term (j, k) by its probability at `wo` and inverts the CDFs of its two factors. The density is the derivative of
 //! what is drawn; half vectors that reflect `wo` below the horizon make a draw fail. Azimuths count from that of `wo`, and
 //! F_j is interpolated between the angles of `wo` that have a table.
 

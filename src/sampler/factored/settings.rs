@@ -15,7 +15,7 @@ pub struct Factors {
     pub phi: usize,
     /// Whether w is the half vector, or else `wi` itself.
     pub half: bool,
-    /// Share of draws that follow the cosine, so that no direction is left out; 0 to 1.
+    /// Fraction of draws that follow the cosine, so that no direction is left out; 0 to 1.
     pub floor: f64,
 }
 

@@ -109,7 +109,8 @@ impl ByAzimuth {
         let folded = with_azimuth(wo * signs);
         let chart = HalfVectorChart::new(folded);
         // Its azimuth in steps between tables: the table below it, and the weight of the one above.
-        let (count, step) = (self.tables.len(), step(self.symmetry, self.tables.len()));
+        let count = self.tables.len();
+        let step = step(self.symmetry, self.tables.len());
         let azimuth = f64::from(folded.y).atan2(f64::from(folded.x)) - Symmetry::START;
         let steps = (azimuth / step).max(0.0);
         // Rounding may pass the last azimuth; where they go round, behind it comes the first.

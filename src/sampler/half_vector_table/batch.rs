@@ -366,8 +366,11 @@ impl<const NODES: usize> InterpolatedTable for &PremixedTable<NODES> {
     #[inline(always)]
     fn find_segment_index(&self, row: usize, target: u32) -> (usize, u32) {
         let sums = &self.sums[row * self.segments..][..self.segments];
-        let passed = |sum: &u32| u32::from(*sum <= target);
-        let index = sums[..self.segments - 1].iter().map(passed).sum::<u32>() as usize;
+        let mut passed = 0u32;
+        for sum in &sums[..self.segments - 1] {
+            passed += u32::from(*sum <= target);
+        }
+        let index = passed as usize;
         (index, if index > 0 { sums[index - 1] } else { 0 })
     }
 

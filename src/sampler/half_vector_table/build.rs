@@ -11,7 +11,7 @@ use super::tables::{SLOPE_UNIT, STEEPEST, Stored};
 use super::tabulate::{Tabulated, choose_row_edges, columns, slope_of, tabulate};
 use crate::brdf::Brdf;
 
-/// The last table stands short of the horizon.
+/// The angle of the last table, short of the horizon.
 const LAST_KNOT: f64 = 89.0 / 180.0 * PI;
 
 /// Cosines of the angles that have a table: 0° to 89°, denser towards the horizon, and the more so the fewer there are.
@@ -41,17 +41,19 @@ pub(super) fn build_tables(brdf: &dyn Brdf, settings: &HalfVectorSettings) -> St
                 .collect()
         })
         .collect();
+    let (mut rows, mut slopes, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
+    for table in &each {
+        let masses: Vec<f64> = table.iter().map(|row| row.mass).collect();
+        rows.extend(quantise_rows(&masses));
+        for row in table {
+            slopes.push(row.slope);
+            nodes.extend(quantise_nodes(&row.density));
+        }
+    }
     Stored {
-        rows: each
-            .iter()
-            .flat_map(|table| quantise_rows(&table.iter().map(|r| r.mass).collect::<Vec<_>>()))
-            .collect(),
-        slopes: each.iter().flatten().map(|r| r.slope).collect(),
-        nodes: each
-            .iter()
-            .flatten()
-            .flat_map(|r| quantise_nodes(&r.density))
-            .collect(),
+        rows,
+        slopes,
+        nodes,
         edges: edges.into_iter().map(|e| e as u16).collect(),
         cosines,
         width: settings.segments + 1,
@@ -143,19 +145,22 @@ impl Fit {
 
 /// Cumulative probabilities of `masses`, which sum to 1 and are ≥ 0, each at least one unit: nothing is left out.
 pub fn quantise_rows(masses: &[f64]) -> Vec<u16> {
-    let (n, mut sum, mut last) = (masses.len(), 0.0, 0u32);
-    let room = |i: usize| u32::from(ONE) - (n - 1 - i) as u32;
-    let step = |(i, mass): (usize, &f64)| {
+    let count = masses.len();
+    let mut sum = 0.0;
+    let mut last = 0u32;
+    let mut cumulative = Vec::with_capacity(count);
+    for (i, mass) in masses.iter().enumerate() {
         sum += mass;
-        let at = if i + 1 == n {
+        let rounded = if i + 1 == count {
             u32::from(ONE)
         } else {
             (sum * f64::from(ONE)).round() as u32
         };
-        last = at.clamp(last + 1, room(i));
-        last as u16
-    };
-    masses.iter().enumerate().map(step).collect()
+        // At least one unit above the row before, and one unit left for each row that follows.
+        last = rounded.clamp(last + 1, u32::from(ONE) - (count - 1 - i) as u32);
+        cumulative.push(last as u16);
+    }
+    cumulative
 }
 
 /// Nodes of a density, ≥ 0 and not all 0, scaled to [`NODE_SUM`] and each at least one unit.
@@ -163,13 +168,14 @@ pub fn quantise_nodes(density: &[f64]) -> Vec<u16> {
     let last = density.len() - 1;
     // The two ends count once, the others twice.
     let weight = |i: usize| if i == 0 || i == last { 1 } else { 2 };
-    let sum: f64 = density
-        .iter()
-        .enumerate()
-        .map(|(i, d)| d * f64::from(weight(i)))
-        .sum();
+    let mut sum = 0.0;
+    for (i, d) in density.iter().enumerate() {
+        sum += d * f64::from(weight(i));
+    }
     let scale = f64::from(NODE_SUM) / sum;
-    let (mut nodes, mut spent, mut exact) = (Vec::with_capacity(last + 1), 0u32, 0.0);
+    let mut nodes = Vec::with_capacity(last + 1);
+    let mut spent = 0u32;
+    let mut exact = 0.0;
     for (i, d) in density[..last].iter().enumerate() {
         let w = f64::from(weight(i));
         exact += d * scale * w;

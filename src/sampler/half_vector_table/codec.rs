@@ -58,7 +58,8 @@ fn read_nth(
     k: usize,
     count: usize,
 ) -> Result<HalfVectorTable> {
-    let (rows, width) = (settings.tables * settings.rows, settings.segments + 1);
+    let rows = settings.tables * settings.rows;
+    let width = settings.segments + 1;
     let tables = Stored {
         cosines: tensors.get_nth("knot.cosine", settings.tables, k, count)?,
         edges: tensors.get_nth("row.edge", settings.rows + 1, k, count)?,
@@ -73,6 +74,20 @@ fn read_nth(
     }
 }
 
+/// Whether cumulative probabilities rise from above 0 to 1.
+fn is_cumulative(table: &[u16]) -> bool {
+    table[0] > 0 && table[table.len() - 1] == ONE && table.is_sorted_by(|a, b| a < b)
+}
+
+/// Whether all nodes of a row are above 0, and the trapezia between them add up to [`NODE_SUM`].
+fn is_normalised(row: &[u16]) -> bool {
+    let mut sum = 0;
+    for pair in row.windows(2) {
+        sum += u32::from(pair[0]) + u32::from(pair[1]);
+    }
+    row.iter().all(|&n| n > 0) && sum == NODE_SUM
+}
+
 /// The tensor of a half-vector table whose values are not what they must be, and what that is.
 fn broken_rule(tables: &Stored) -> Option<(&'static str, &'static str)> {
     let c = &tables.cosines;
@@ -81,13 +96,6 @@ fn broken_rule(tables: &Stored) -> Option<(&'static str, &'static str)> {
     let ends = [tables.edges[0], tables.edges[rows]].map(usize::from) == [0, PARTS];
     let hinge = tables.edges.contains(&(MERL_PARTS as u16));
     let edges = ends && hinge && tables.edges.is_sorted_by(|a, b| a < b);
-    let rise = |t: &[u16]| t[0] > 0 && t[t.len() - 1] == ONE && t.is_sorted_by(|a, b| a < b);
-    let sum = |row: &[u16]| {
-        row.windows(2)
-            .map(|p| u32::from(p[0]) + u32::from(p[1]))
-            .sum::<u32>()
-    };
-    let whole = |row: &[u16]| row.iter().all(|&n| n > 0) && sum(row) == NODE_SUM;
     [
         (
             cosines,
@@ -100,7 +108,7 @@ fn broken_rule(tables: &Stored) -> Option<(&'static str, &'static str)> {
             "values that rise from 0 to 79 by way of 63",
         ),
         (
-            tables.rows.chunks(rows).all(rise),
+            tables.rows.chunks(rows).all(is_cumulative),
             "row.cdf",
             "tables that rise from above 0 to 65535",
         ),
@@ -113,7 +121,7 @@ fn broken_rule(tables: &Stored) -> Option<(&'static str, &'static str)> {
             "values within ±122",
         ),
         (
-            tables.nodes.chunks(tables.width).all(whole),
+            tables.nodes.chunks(tables.width).all(is_normalised),
             "row.density",
             "rows above 0 that are normalised",
         ),

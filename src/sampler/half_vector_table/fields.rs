@@ -53,14 +53,15 @@ impl Settings for HalfVectorSettings {
     }
 
     fn presets() -> Vec<Preset<Self>> {
-        let preset = |(name, settings): (&'static str, Self)| {
+        let mut presets = Vec::new();
+        for (name, settings) in Self::PRESETS {
             let folded = if settings.fold { ", folded" } else { "" };
             let meaning = format!(
                 "{} tables of {} rows by {} segments{folded}",
                 settings.tables, settings.rows, settings.segments
             );
-            Preset::new(name, meaning, settings)
-        };
-        Self::PRESETS.map(preset).to_vec()
+            presets.push(Preset::new(name, meaning, settings));
+        }
+        presets
     }
 }

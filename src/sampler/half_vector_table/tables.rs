@@ -82,16 +82,17 @@ impl IndexedTables {
             stored.edges[1..].partition_point(|&e| usize::from(e) <= part) as u8
         });
         let block_count = blocks_of(stored.width - 1);
-        let sums = |row: &[u16]| {
+        // In each row, the sums of the nodes' pairs up to the end of each block.
+        let mut blocks = Vec::with_capacity(stored.nodes.len() / stored.width * block_count);
+        for row in stored.nodes.chunks(stored.width) {
             let mut sum = 0;
-            let add = |block: usize| {
-                let nodes = &row[block * BLOCK..=(block + 1) * BLOCK];
-                sum += nodes.windows(2).map(|pair| pair[0] + pair[1]).sum::<u16>();
-                sum
-            };
-            (0..block_count).map(add).collect::<Vec<u16>>()
-        };
-        let blocks = stored.nodes.chunks(stored.width).flat_map(sums).collect();
+            for block in 0..block_count {
+                for k in block * BLOCK..(block + 1) * BLOCK {
+                    sum += row[k] + row[k + 1];
+                }
+                blocks.push(sum);
+            }
+        }
         Self {
             stored,
             fold,
@@ -183,11 +184,9 @@ impl TablePair<'_> {
         row: usize,
         width: usize,
     ) -> (&'b [T], &'b [T]) {
-        let at = |table: usize| (table * rows + row) * width;
-        (
-            &values[at(self.first)..][..width],
-            &values[at(self.second)..][..width],
-        )
+        let first = (self.first * rows + row) * width;
+        let second = (self.second * rows + row) * width;
+        (&values[first..][..width], &values[second..][..width])
     }
 
     /// Nodes of a row of both tables.
@@ -243,7 +242,8 @@ impl InterpolatedTable for TablePair<'_> {
         let n = self.tables.row_count();
         let (first, second) = self.rows(&self.tables.stored.rows, 1, 0, n);
         // Bisection of as many steps for every draw: nothing to mispredict, and draws of a batch don't wait for each other.
-        let (mut index, mut left) = (0, n);
+        let mut index = 0;
+        let mut left = n;
         while left > 1 {
             let half = left / 2;
             let last = index + half - 1;
@@ -284,7 +284,8 @@ impl InterpolatedTable for TablePair<'_> {
         // Step 12: the block, then the segment within it.
         let (block, mut below) = self.find_block(row, target);
         let mut index = block * BLOCK;
-        let (mut low, mut sum) = (self.mix(first[index], second[index]), below);
+        let mut low = self.mix(first[index], second[index]);
+        let mut sum = below;
         let others = (first.len() - 1 - index).min(BLOCK) - 1;
         for i in index + 1..=index + others {
             let high = self.mix(first[i], second[i]);

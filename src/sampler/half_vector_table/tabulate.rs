@@ -36,17 +36,22 @@ pub(super) fn columns(settings: &HalfVectorSettings) -> usize {
 pub(super) fn tabulate(brdf: &dyn Brdf, settings: &HalfVectorSettings, theta_o: f64) -> Tabulated {
     let wo = spherical(theta_o, 0.0).as_vec3();
     let chart = HalfVectorChart::new(wo);
-    let edge = |e: usize| f64::from(chart.edge_cap(ChartEdge::new(e)));
-    let width: Vec<f64> = (0..PARTS).map(|p| edge(p + 1) - edge(p)).collect();
+    let mut edges = [0.0; PARTS + 1];
+    for (e, edge) in edges.iter_mut().enumerate() {
+        *edge = f64::from(chart.edge_cap(ChartEdge::new(e)));
+    }
+    let width: Vec<f64> = edges.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // Sums of f·cosθi and of cosθi alone, by part and column.
     let mut sums = [(); 2].map(|()| Sums::new(columns(settings)));
-    let (mut wi, mut jacobians, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    let mut wi = Vec::new();
+    let mut jacobians = Vec::new();
+    let mut values = Vec::new();
     for (part, &width) in width.iter().enumerate() {
         wi.clear();
         jacobians.clear();
         for x in cap_points() {
             let azimuths = azimuths(columns(settings), settings.fold, x as f32);
-            chart.for_each_azimuth((edge(part) + width * x) as f32, azimuths, |w, jacobian| {
+            chart.for_each_azimuth((edges[part] + width * x) as f32, azimuths, |w, jacobian| {
                 wi.push(w);
                 jacobians.push(jacobian);
             });
@@ -210,14 +215,16 @@ impl<'a> CoarseTabulation<'a> {
 
     /// ∫ f²/p over a row of parts, less its mass, which is what p = f would give.
     fn cost(&self, start: usize, stop: usize) -> f64 {
-        let (mass, width) = (&self.mass[start..stop], &self.tabulated.width[start..stop]);
+        let mass = &self.mass[start..stop];
+        let width = &self.tabulated.width[start..stop];
         let columns = mass.iter().fold([0.0; COARSE_COLUMNS], |sum, m| {
             std::array::from_fn(|c| sum[c] + m[c])
         });
         let inverse = columns.map(|c| if c > 0.0 { 1.0 / c } else { 0.0 });
         let per_width = 1.0 / width.iter().sum::<f64>();
         let slope = slope_of(self.tabulated, start..stop).clamp(-0.95, 0.95);
-        let (mut x, mut cost) = (0.0, -columns.iter().sum::<f64>());
+        let mut x = 0.0;
+        let mut cost = -columns.iter().sum::<f64>();
         for (m, w) in mass.iter().zip(width) {
             let step = w * per_width;
             let p = step * (1.0 + slope * (2.0 * x + step - 1.0));

@@ -14,7 +14,7 @@ use crate::geometry::{Quadrature, spherical};
 const ANGLES_DEG: [f64; 6] = [5.0, 20.0, 35.0, 50.0, 65.0, 80.0];
 /// Points in each of the quadrature's bins: E\[w²\] to some percent, which is finer than a lobe fits.
 const POINTS: usize = 34;
-/// Shapes, evenly spaced in the logarithm, and shares that the search starts from.
+/// The number of shapes, evenly spaced in the logarithm, and the diffuse fractions that the search starts from.
 const STARTS: (usize, [f32; 4]) = (9, [0.01, 0.1, 0.4, 0.9]);
 const MOST_STEPS: u64 = 120;
 /// What a black material is given: the cosine alone.
@@ -35,23 +35,41 @@ struct LobeView {
     nodes: Vec<(Vec3, f64)>,
 }
 
+impl LobeView {
+    fn tabulate(theta: f64, brdf: &dyn Brdf, importance: Importance) -> Self {
+        let wo = spherical(theta, 0.0).as_vec3();
+        let mut albedo = 0.0;
+        let mut nodes = Vec::new();
+        Quadrature::new(wo, POINTS).for_each(|wi, d_sigma| {
+            let f_cos = f64::from(importance.reduce(brdf.eval_cos(wo, wi)));
+            albedo += f_cos * d_sigma;
+            if f_cos > 0.0 {
+                nodes.push((wi, f_cos * f_cos * d_sigma));
+            }
+        });
+        Self { wo, albedo, nodes }
+    }
+
+    /// ln(E\[w²\]/E\[w\]²) of draws with density `pdf`: E\[w²\] = ∫ (f cosθ)²/pdf dσ, and E\[w\] is the albedo.
+    fn unevenness(&self, pdf: &impl Fn(Vec3, Vec3) -> f64) -> f64 {
+        let mut sum = 0.0;
+        for &(wi, value) in &self.nodes {
+            sum += value / pdf(self.wo, wi);
+        }
+        let ratio: f64 = sum / (self.albedo * self.albedo);
+        ratio.ln().min(f64::from(f32::MAX))
+    }
+}
+
 impl Nodes {
     /// The material's values, without the angles at which it is black.
     pub fn tabulate(brdf: &dyn Brdf, importance: Importance) -> Self {
-        let view = |theta: &f64| {
-            let wo = spherical(theta.to_radians(), 0.0).as_vec3();
-            let (mut albedo, mut nodes) = (0.0, Vec::new());
-            Quadrature::new(wo, POINTS).for_each(|wi, d_sigma| {
-                let f_cos = f64::from(importance.reduce(brdf.eval_cos(wo, wi)));
-                albedo += f_cos * d_sigma;
-                if f_cos > 0.0 {
-                    nodes.push((wi, f_cos * f_cos * d_sigma));
-                }
-            });
-            LobeView { wo, albedo, nodes }
-        };
-        let views: Vec<LobeView> = ANGLES_DEG.par_iter().map(view).collect();
-        Self(views.into_iter().filter(|v| v.albedo > 0.0).collect())
+        let mut views: Vec<LobeView> = ANGLES_DEG
+            .par_iter()
+            .map(|theta| LobeView::tabulate(theta.to_radians(), brdf, importance))
+            .collect();
+        views.retain(|view| view.albedo > 0.0);
+        Self(views)
     }
 
     /// Whether the material is black at all angles.
@@ -61,23 +79,14 @@ impl Nodes {
 
     /// Mean over the angles of ln(E\[w²\]/E\[w\]²) of draws with density `pdf(wo, wi)`; 0 for a black material.
     pub fn unevenness(&self, pdf: impl Fn(Vec3, Vec3) -> f64 + Sync) -> f64 {
-        let of = |view: &LobeView| {
-            let sum: f64 = view
-                .nodes
-                .iter()
-                .map(|&(wi, value)| value / pdf(view.wo, wi))
-                .sum();
-            (sum / (view.albedo * view.albedo))
-                .ln()
-                .min(f64::from(f32::MAX))
-        };
-        // Summed in the order of the angles, whatever the threads.
-        let each: Vec<f64> = self.0.par_iter().map(of).collect();
+        let views = self.0.par_iter();
+        let each: Vec<f64> = views.map(|view| view.unevenness(&pdf)).collect();
+        // Summed in the order of the angles, for the same bits with any number of threads.
         each.iter().sum::<f64>() / each.len().max(1) as f64
     }
 }
 
-/// Unbounded coordinates of the parameters: logarithms of the shapes and the logit of the share.
+/// Unbounded coordinates of the parameters: logarithms of the shapes and the logit of the diffuse fraction.
 struct Search<'a> {
     kind: LobeKind,
     nodes: &'a Nodes,
@@ -92,14 +101,19 @@ impl Search<'_> {
     /// The parameters at `x`: what lies outside the domain is moved to its edge.
     fn parameters(&self, x: &[f64]) -> LobeParameters {
         let [low, high] = self.kind.domain();
-        let shape = |x: f64| (x.exp() as f32).clamp(low, high);
-        let (diffuse, shapes) = x.split_last().map_or((0.0, x), |(d, s)| (*d, s));
-        let at = |i: usize| shape(shapes.get(i).or(shapes.first()).copied().unwrap_or(0.0));
-        let share = (1.0 / (1.0 + (-diffuse).exp())) as f32;
+        // The last coordinate is the logit of the diffuse fraction; a lobe of one shape has it in both directions.
+        let (along, across, logit) = match x {
+            [along, across, logit] => (*along, *across, *logit),
+            [shape, logit] => (*shape, *shape, *logit),
+            [logit] => (0.0, 0.0, *logit),
+            _ => (0.0, 0.0, 0.0),
+        };
+        let [along, across] = [along, across].map(|x| (x.exp() as f32).clamp(low, high));
+        let diffuse = (1.0 / (1.0 + (-logit).exp())) as f32;
         LobeParameters {
-            along: at(0),
-            across: at(1),
-            diffuse: share.clamp(LEAST_DIFFUSE, 1.0),
+            along,
+            across,
+            diffuse: diffuse.clamp(LEAST_DIFFUSE, 1.0),
         }
     }
 
@@ -194,9 +208,9 @@ mod tests {
                 let x = search.coordinates(&found);
                 for step in [-0.1, 0.1] {
                     for i in 0..x.len() {
-                        let mut beside = x.clone();
-                        beside[i] += step;
-                        let worse = search.cost_of(&search.parameters(&beside));
+                        let mut moved = x.clone();
+                        moved[i] += step;
+                        let worse = search.cost_of(&search.parameters(&moved));
                         assert!(
                             cost < worse + 1e-3,
                             "{name}, {kind:?} {i}{step:+}: {cost} {worse}, {found:?}"

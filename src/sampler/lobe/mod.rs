@@ -1,6 +1,6 @@
 //! Analytic lobes whose parameters are fitted to the material: what a renderer uses that has no tables.
 //!
-//! Each is mixed with a share of cosine, of at least [`LEAST_DIFFUSE`]: a lobe alone has densities of 0, or so near to 0 that
+//! Each is mixed with the cosine, of which a fraction of at least [`LEAST_DIFFUSE`] is drawn: a lobe alone has densities of 0, or so near to 0 that
 //! the variance of weights is infinite, where measured materials still reflect. The density is that of the mixture (one-sample
 //! MIS with the balance heuristic; Veach 1997, 9.2.4). Draws that end below the horizon fail.
 
@@ -27,7 +27,7 @@ use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::material::Loaded;
 
-/// A lobe and its share of cosine.
+/// A lobe and the fraction of draws that follow the cosine.
 #[derive(Clone, Debug)]
 pub struct Lobe {
     settings: LobeSettings,
@@ -50,7 +50,7 @@ impl Lobe {
         Self::from_settings(settings, parameters)
     }
 
-    /// The lobe with these parameters, whatever the settings say.
+    /// The lobe with these parameters, which replace those of the settings.
     ///
     /// # Errors
     /// [`crate::Error::Argument`] for parameters outside their domains.

@@ -50,7 +50,7 @@ impl LobeKind {
     }
 }
 
-/// Least share of draws that follow the cosine.
+/// Least fraction of draws that follow the cosine.
 pub const LEAST_DIFFUSE: f32 = 1e-3;
 
 /// The numbers that a lobe is fitted by.
@@ -58,9 +58,9 @@ pub const LEAST_DIFFUSE: f32 = 1e-3;
 pub struct LobeParameters {
     /// Exponent or roughness, along the plane of incidence, within [`LobeKind::domain`].
     pub along: f32,
-    /// The same across that plane. Only Ashikhmin and Shirley's lobe tells them apart; for all others it equals `along`.
+    /// The same across that plane. Only Ashikhmin and Shirley's lobe has both; for all others it equals `along`.
     pub across: f32,
-    /// Share of draws that follow the cosine, [`LEAST_DIFFUSE`] to 1.
+    /// Fraction of draws that follow the cosine, [`LEAST_DIFFUSE`] to 1.
     pub diffuse: f32,
 }
 

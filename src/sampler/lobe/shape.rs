@@ -1,4 +1,4 @@
-//! The lobes: what is drawn and its density, without the share of cosine and mixed with it.
+//! The lobes: what is drawn and its density, without the cosine and mixed with it.
 //!
 //! Angles near 0 are kept as tangents and chords, whose digits an arc cosine would lose. `wo` and `wi` are unit and above the
 //! horizon; with s = wo + wi, tan θh = |s.xy|/s.z and dσ(wi) = 4 (wo·h) dσ(h) = 2|s| dσ(h).
@@ -14,16 +14,25 @@ use crate::geometry::reflect_about;
 #[inline]
 pub(super) fn density(kind: LobeKind, shape: [f64; 2], wo: DVec3, wi: DVec3) -> f64 {
     let n = shape[0];
-    // 1 − cosα = |r − wi|²/2 for the mirror direction r.
-    let chord2 = || (mirror(wo) - wi).length_squared();
     match kind {
-        LobeKind::CosineLobe => (n + 1.0) / TAU * power(1.0 - 0.5 * chord2(), -0.5 * chord2(), n),
-        LobeKind::CosineLobeSphere => (n + 1.0) / (2.0 * TAU) * power(1.0, -0.25 * chord2(), n),
+        LobeKind::CosineLobe => {
+            let less = -0.5 * chord_squared(wo, wi);
+            (n + 1.0) / TAU * power(1.0 + less, less, n)
+        }
+        LobeKind::CosineLobeSphere => {
+            (n + 1.0) / (2.0 * TAU) * power(1.0, -0.25 * chord_squared(wo, wi), n)
+        }
         LobeKind::Ggx => visible_normals(n, wo, wi),
         LobeKind::Blinn | LobeKind::Ward | LobeKind::AshikhminShirley => {
             half_density(kind, shape, wo, wo + wi) / (2.0 * (wo + wi).length())
         }
     }
+}
+
+/// |r − wi|² = 2 (1 − cosα) for the mirror direction r and the angle α between it and `wi`.
+#[inline]
+fn chord_squared(wo: DVec3, wi: DVec3) -> f64 {
+    (mirror(wo) - wi).length_squared()
 }
 
 /// Density of a lobe mixed with the cosine at `wi`, both unit and above the horizon.
@@ -52,7 +61,6 @@ fn power(sign: f64, less: f64, n: f64) -> f64 {
 /// Density of the half vector along `sum`, per its own solid angle.
 fn half_density(kind: LobeKind, shape: [f64; 2], wo: DVec3, sum: DVec3) -> f64 {
     let tan2 = sum.truncate().length_squared() / (sum.z * sum.z);
-    let cosine_power = |n: f64| (-0.5 * n * tan2.ln_1p()).exp();
     match kind {
         LobeKind::Ward => {
             let alpha2 = shape[0] * shape[0];
@@ -68,10 +76,16 @@ fn half_density(kind: LobeKind, shape: [f64; 2], wo: DVec3, sum: DVec3) -> f64 {
                 0.0
             };
             let scale = ((along + 1.0) * (across + 1.0)).sqrt() / TAU;
-            scale * cosine_power(along * cos2 + across * (1.0 - cos2))
+            scale * cosine_power(tan2, along * cos2 + across * (1.0 - cos2))
         }
-        _ => (shape[0] + 1.0) / TAU * cosine_power(shape[0]),
+        _ => (shape[0] + 1.0) / TAU * cosine_power(tan2, shape[0]),
     }
+}
+
+/// cosⁿθ by tan²θ: exp(−n/2 · ln(1 + tan²θ)).
+#[inline]
+fn cosine_power(tan2: f64, n: f64) -> f64 {
+    (-0.5 * n * tan2.ln_1p()).exp()
 }
 
 /// G1(wo)·D(h)/(4 cosθo), the density of reflections at GGX normals visible from `wo` (Heitz 2018, equation 17).

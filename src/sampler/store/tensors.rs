@@ -97,11 +97,11 @@ impl Tensors {
     pub(super) fn read(bytes: Vec<u8>, path: &Path) -> Result<(Self, HashMap<String, String>)> {
         let (data_start, header) = read_header(&bytes, path)?;
         let metadata = header.metadata().clone().unwrap_or_default();
-        let map = header
-            .tensors()
-            .into_iter()
-            .map(|(name, info)| (name, (info.dtype, info.data_offsets.0..info.data_offsets.1)))
-            .collect();
+        let mut map = BTreeMap::new();
+        for (name, info) in header.tensors() {
+            let (start, end) = info.data_offsets;
+            map.insert(name, (info.dtype, start..end));
+        }
         Ok((
             Self {
                 path: path.to_owned(),

@@ -79,7 +79,7 @@ fn azimuth_bin(x: f32, y: f32, phi_d_bins: usize) -> usize {
 
 /// Azimuth in degrees from 0 to `phi_d_bins`; π is 0 for a table of 180.
 pub(super) fn azimuth(x: f32, y: f32, phi_d_bins: usize) -> f64 {
-    // Opposite azimuths are one in a table of 180: rounding must not tell them apart.
+    // Opposite azimuths are one in a table of 180: rounding must not make them differ.
     let sign = if phi_d_bins == 180 && (y < 0.0 || (y == 0.0 && x < 0.0)) {
         -1.0
     } else {

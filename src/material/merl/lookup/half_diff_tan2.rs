@@ -12,7 +12,7 @@ pub(in crate::material::merl) struct HalfDiffTan2 {
     pub theta_d: f64,
     /// tan²φd, negated where tan φd < 0. NaN where wi = wo, which counts as φd = 0.
     pub phi_d: f64,
-    /// Negative in the second half turn of φd: −π < φd < 0, and φd = π, which stands there.
+    /// Negative in the second half turn of φd: −π < φd < 0, and φd = π, which counts as part of it.
     pub half_turn: f64,
 }
 

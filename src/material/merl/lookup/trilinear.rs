@@ -9,25 +9,29 @@ use crate::color::Rgb;
 use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 use crate::material::merl::MerlTable;
 
-/// Two neighbouring bins and the share of the second.
+/// Two neighbouring bins and the weight of the second.
 #[derive(Clone, Copy)]
 struct Pair {
     low: u32,
     high: u32,
-    share: f32,
+    weight: f32,
 }
 
 impl Pair {
+    fn bins(&self) -> [u32; 2] {
+        [self.low, self.high]
+    }
+
     /// Neighbours of a coordinate in units of bins, clamped at both ends of the axis.
     #[inline(always)]
     fn clamped(x: f64, bins: usize) -> Self {
         let end = (bins - 1) as f64;
         let x = if x > 0.0 { x } else { 0.0 };
-        let (low, share) = split(if x < end { x } else { end });
+        let (low, weight) = split(if x < end { x } else { end });
         Self {
             low,
             high: (low + 1).min(bins as u32 - 1),
-            share,
+            weight,
         }
     }
 
@@ -35,14 +39,19 @@ impl Pair {
     #[inline(always)]
     fn periodic(x: f64, bins: usize) -> Self {
         let bins = bins as u32;
-        let (low, share) = split(x + f64::from(u8::from(x < 0.0)) * f64::from(bins));
-        let wrapped = |k: u32| k - if k < bins { 0 } else { bins };
+        let (low, weight) = split(x + f64::from(u8::from(x < 0.0)) * f64::from(bins));
         Self {
-            low: wrapped(low),
-            high: wrapped(low + 1),
-            share,
+            low: wrap(low, bins),
+            high: wrap(low + 1, bins),
+            weight,
         }
     }
+}
+
+/// A bin below 2 · `bins` on an axis that closes on itself.
+#[inline(always)]
+fn wrap(bin: u32, bins: u32) -> u32 {
+    bin - if bin < bins { 0 } else { bins }
 }
 
 /// Integer and fractional part of a number from 0 to 2¹⁶, to 2⁻²³: the bits of a sum whose unit in the last place is 2⁻³².
@@ -54,7 +63,7 @@ fn split(x: f64) -> (u32, f32) {
     ((bits >> 32) as u32 & 0xffff, fraction)
 }
 
-/// The eight bins about a pair of directions and their shares.
+/// The eight bins about a pair of directions and their weights.
 #[derive(Clone, Copy)]
 pub(in crate::material::merl) struct CellNeighbours {
     theta_h: Pair,
@@ -84,33 +93,19 @@ impl CellNeighbours {
         })
     }
 
-    /// Mean of the valid neighbours by their shares, which are renormalised; zero if none is valid. Rounding that would carry
+    /// Mean of the valid neighbours by their weights, which are renormalised; zero if none is valid. Rounding that would carry
     /// the mean past the largest f32 leaves it there.
     #[inline(always)]
     pub fn mean(&self, table: &MerlTable) -> Rgb {
         if table.has_partial_cells() {
             return self.mean_by_channel(table);
         }
-        let cells = table.cells();
-        let along_phi = |h: u32, d: u32| {
-            let row = table.index(h as usize, d as usize, 0);
-            let (low, high) = (
-                cells[row + self.phi_d.low as usize],
-                cells[row + self.phi_d.high as usize],
-            );
-            mix(low, high, self.phi_d.share)
-        };
-        let along_theta_d = |h| {
-            mix(
-                along_phi(h, self.theta_d.low),
-                along_phi(h, self.theta_d.high),
-                self.theta_d.share,
-            )
-        };
+        // Linear along φd, then θd, then θh: low · (1 − w) + high · w on each axis. An invalid cell is zero in all of its
+        // numbers, so that the fourth sums the weights of the valid ones.
         let sum = mix(
-            along_theta_d(self.theta_h.low),
-            along_theta_d(self.theta_h.high),
-            self.theta_h.share,
+            self.mean_along_theta_d(table, self.theta_h.low),
+            self.mean_along_theta_d(table, self.theta_h.high),
+            self.theta_h.weight,
         );
         if sum.w > 0.0 {
             (sum / sum.w).truncate().min(Rgb::splat(f32::MAX))
@@ -119,43 +114,69 @@ impl CellNeighbours {
         }
     }
 
-    /// [`Self::mean`] of a table that keeps channels apart: each channel has shares of its own. The same bits where all neighbours
+    /// The weighted sum of the four neighbours in bin `h` of θh.
+    #[inline(always)]
+    fn mean_along_theta_d(&self, table: &MerlTable, h: u32) -> Vec4 {
+        mix(
+            self.mean_along_phi_d(table, h, self.theta_d.low),
+            self.mean_along_phi_d(table, h, self.theta_d.high),
+            self.theta_d.weight,
+        )
+    }
+
+    /// The weighted sum of the two neighbours in bin `h` of θh and bin `d` of θd.
+    #[inline(always)]
+    fn mean_along_phi_d(&self, table: &MerlTable, h: u32, d: u32) -> Vec4 {
+        let cells = table.cells();
+        let row = table.index(h as usize, d as usize, 0);
+        let low = cells[row + self.phi_d.low as usize];
+        let high = cells[row + self.phi_d.high as usize];
+        mix(low, high, self.phi_d.weight)
+    }
+
+    /// [`Self::mean`] of a table that keeps channels apart: each channel has weights of its own. The same bits where all neighbours
     /// are valid in all channels.
     #[cold]
     fn mean_by_channel(&self, table: &MerlTable) -> Rgb {
-        // Values, and 1 for each channel that is valid.
-        let along_phi = |h: u32, d: u32| {
-            let row = table.index(h as usize, d as usize, 0);
-            let [low, high] = [self.phi_d.low, self.phi_d.high].map(|p| {
-                let cell = row + p as usize;
-                let valid = table.valid_channels(cell).map(|v| f32::from(u8::from(v)));
-                (table.cells()[cell], Vec3::from_array(valid).extend(0.0))
-            });
-            mix_both(low, high, self.phi_d.share)
-        };
-        let along_theta_d = |h| {
-            let [low, high] = [self.theta_d.low, self.theta_d.high].map(|d| along_phi(h, d));
-            mix_both(low, high, self.theta_d.share)
-        };
-        let [low, high] = [self.theta_h.low, self.theta_h.high].map(along_theta_d);
-        let (sum, shares) = mix_both(low, high, self.theta_h.share);
+        // Sums of the values, and of 1 for each channel that is valid: along φd, then θd, then θh.
+        let mut along_theta_h = [(Vec4::ZERO, Vec4::ZERO); 2];
+        for (mean, h) in along_theta_h.iter_mut().zip(self.theta_h.bins()) {
+            let mut along_theta_d = [(Vec4::ZERO, Vec4::ZERO); 2];
+            for (mean, d) in along_theta_d.iter_mut().zip(self.theta_d.bins()) {
+                let row = table.index(h as usize, d as usize, 0);
+                let [low, high] = self.phi_d.bins().map(|p| row + p as usize);
+                let low = value_and_valid(table, low);
+                let high = value_and_valid(table, high);
+                *mean = mix_both(low, high, self.phi_d.weight);
+            }
+            let [low, high] = along_theta_d;
+            *mean = mix_both(low, high, self.theta_d.weight);
+        }
+        let [low, high] = along_theta_h;
+        let (sum, weights) = mix_both(low, high, self.theta_h.weight);
         let mut out = Rgb::ZERO;
         for channel in 0..3 {
-            if shares[channel] > 0.0 {
-                out[channel] = (sum[channel] / shares[channel]).min(f32::MAX);
+            if weights[channel] > 0.0 {
+                out[channel] = (sum[channel] / weights[channel]).min(f32::MAX);
             }
         }
         out
     }
 }
 
+/// A cell's value, and 1 for each of its channels that is valid.
+fn value_and_valid(table: &MerlTable, cell: usize) -> (Vec4, Vec4) {
+    let valid = table.valid_channels(cell).map(|v| f32::from(u8::from(v)));
+    (table.cells()[cell], Vec3::from_array(valid).extend(0.0))
+}
+
 /// [`mix`] of two pairs.
-fn mix_both(low: (Vec4, Vec4), high: (Vec4, Vec4), share: f32) -> (Vec4, Vec4) {
-    (mix(low.0, high.0, share), mix(low.1, high.1, share))
+fn mix_both(low: (Vec4, Vec4), high: (Vec4, Vec4), weight: f32) -> (Vec4, Vec4) {
+    (mix(low.0, high.0, weight), mix(low.1, high.1, weight))
 }
 
 /// Linear interpolation by two products that don't wait for each other.
 #[inline(always)]
-fn mix(low: Vec4, high: Vec4, share: f32) -> Vec4 {
-    low * (1.0 - share) + high * share
+fn mix(low: Vec4, high: Vec4, weight: f32) -> Vec4 {
+    low * (1.0 - weight) + high * weight
 }
