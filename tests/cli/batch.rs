@@ -80,7 +80,7 @@ fn a_folder_without_materials_is_refused() {
     std::fs::create_dir(folder.path().join("empty")).unwrap();
     let (_, complaints) = partly(folder.path(), "info empty");
     assert!(
-        complaints.contains("a folder without materials"),
+        complaints.contains("empty has no materials in it"),
         "{complaints}"
     );
 }

@@ -40,7 +40,7 @@ fn polarised_files_are_imported_without_their_polarisation() {
         );
     }
     let with_unit = ["import", "grey.pbsdf", "-o", "b", "--angles", "degrees"];
-    assert!(fails(run_in(folder.path(), &with_unit, "")).contains("is no list"));
+    assert!(fails(run_in(folder.path(), &with_unit, "")).contains("is not a list"));
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn every_command_that_reads_tables_takes_the_option() {
     let other = "sample torn.table --theta 20 --count 3 --invalid cell";
     let arguments: Vec<&str> = other.split(' ').collect();
     let text = fails(run_in(folder.path(), &arguments, ""));
-    assert!(text.contains("leave --invalid out"), "{text}");
+    assert!(text.contains("omit --invalid"), "{text}");
     let linear = "export torn.binary --format header --lookup linear --invalid channel -o out";
     let arguments: Vec<&str> = linear.split(' ').collect();
     let text = fails(run_in(folder.path(), &arguments, ""));

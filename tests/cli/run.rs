@@ -32,7 +32,7 @@ pub fn run(arguments: &[&str], input: &str) -> Output {
 /// Notes on measured times, which depend on what else the machine does.
 const TIMING_NOTES: [&str; 2] = [
     "the machine was busy",
-    "measured times disagree with counted ones",
+    "measured times differ from counted ones",
 ];
 
 /// Standard output of a command that succeeds and has nothing to complain about but the clock.

@@ -126,8 +126,8 @@ impl ChartSubject {
                 self.reading()
             ),
             format!(
-                "Over the polar angle of the light direction wi in the plane of incidence, in sr⁻¹: {shown}. \
-                 The viewer wo stands at −θ, its mirror direction at θ."
+                "Against the polar angle of the light direction wi in the plane of incidence, in sr⁻¹: {shown}. \
+                 The view direction wo is at −θ, its mirror direction at θ."
             ),
         )
     }
@@ -169,7 +169,7 @@ impl ChartSubject {
             cut(&mut curves);
             caption
                 .description
-                .push_str(" Densities end at twice the greatest ideal one.");
+                .push_str(" Densities are cut off at twice the greatest ideal density.");
         }
         // A narrow lobe on an even scale is a line, and nothing beside it.
         let mean = curves.iter().map(|c| mean(&c.curve)).sum::<f64>() / curves.len().max(1) as f64;
@@ -204,7 +204,7 @@ impl ChartSubject {
         let values = views::slice(table.table());
         self.slice_of(
             Pixels::Values { width: THETA_H_BINS, values, bar },
-            "colours stand for the mean of red, green and blue on a logarithmic scale; white has no valid value",
+            "colours show the mean of red, green and blue on a logarithmic scale; white bins have no valid value",
         )
     }
 
@@ -229,7 +229,7 @@ impl ChartSubject {
         let caption = Caption::new(
             format!("{}: slice at φd = 90°", self.name()),
             format!(
-                "f of the table over the half angle θh and the difference angle θd, a bin a pixel: {how}."
+                "f of the table over the half angle θh and the difference angle θd, one pixel per bin: {how}."
             ),
         );
         let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
@@ -257,7 +257,9 @@ impl ChartSubject {
         let leaves = match cells.len() {
             0 => String::new(),
             count => {
-                format!("{count} squares of the tree at {tree:.1}°; a dot is one below a pixel")
+                format!(
+                    "{count} cells of the {tree:.1}° tree (cells smaller than a pixel appear as dots)"
+                )
             }
         };
         let lost = if failed == 0 {
@@ -299,7 +301,7 @@ impl ChartSubject {
         let (series, of) = self.compressed(CascadeCdf::marginal, |_| String::new())?;
         let caption = Caption::new(
             format!("{}: CDF over θh before and after compression", self.name()),
-            format!("Probability of a half vector below θh, by {of}."),
+            format!("Probability of a half vector below θh, from {of}."),
         );
         let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
         let y = Axis::new("probability below θh", Scale::Linear).with_range(0.0, 1.0);
@@ -325,7 +327,7 @@ impl ChartSubject {
         let caption = Caption::new(
             format!("{}: CDF over φh before and after compression", self.name()),
             format!(
-                "Probability of an azimuth of the half vector below φh, counted from wo, where θh halves the draws, by {of}."
+                "Probability that the half vector's azimuth, measured from wo, is below φh, at the median θh, from {of}."
             ),
         );
         let x = Axis::new("φh [°]", Scale::Linear).with_range(0.0, 360.0);
@@ -348,7 +350,7 @@ impl ChartSubject {
         let stored: Option<&CascadeCdf> = self.sampler.as_ref().and_then(Sampler::downcast);
         let Some(stored) = stored else {
             return Err(Error::argument(
-                "a CDF of another sampler",
+                "the sampler has no CDF to plot",
                 "choose cascade-cdf",
             ));
         };
@@ -407,7 +409,7 @@ impl ChartSubject {
             Some(measured) => {
                 let curves = views::albedo_by_rule(measured.table());
                 let labels = LookupRule::ALL.map(|rule| format!("{} lookup", rule.name()));
-                let how = "by what the table says between its samples".to_owned();
+                let how = "for the three rules of interpolation between table samples".to_owned();
                 (labels.into_iter().zip(curves).collect(), how)
             }
             None => {
