@@ -55,7 +55,7 @@ fn a_batch_goes_on_past_bad_files() {
         let lines: Vec<&str> = complaints.lines().collect();
         assert_eq!(lines.len(), 5, "{command}: {complaints}");
         assert!(
-            lines[0].contains("left out what is no material: Readme.txt"),
+            lines[0].contains("skipped files that are not materials: Readme.txt"),
             "{complaints}"
         );
         for (line, says) in lines[1..4].iter().zip(["cut off", "empty", "a web page"]) {

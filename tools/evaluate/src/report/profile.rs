@@ -59,7 +59,7 @@ impl SamplerReport {
         let azimuths = if m.symmetry == Symmetry::Isotropic {
             ""
         } else {
-            " of 7 at four azimuths each"
+            " of 7, each at four azimuths"
         };
         let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
