@@ -113,7 +113,7 @@ fn tune_writes_the_sampler_it_chose() {
     let tuning = json(&std::fs::read_to_string(folder.path().join("t.json")).unwrap());
     let results = &tuning["results"];
     assert!(results["proof"]["error"]["high"].as_f64().unwrap() <= 0.05);
-    assert!(results["notes"].is_array() && text.contains("by counted time"));
+    assert!(results["notes"].is_array() && text.contains("per estimate (counted)"));
     let chosen = &results["tried"][results["chosen"].as_u64().unwrap() as usize];
     assert!(chosen["curve"]["table_bytes"].as_u64().unwrap() <= 9000);
     let draws = ["sample", "n.safetensors", "--theta", "30", "--count", "3"];

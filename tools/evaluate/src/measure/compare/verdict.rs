@@ -124,17 +124,17 @@ fn sentence(material: &str, v: &Verdict) -> String {
     }
     let about = if v.cosine_extrapolated { "about " } else { "" };
     let against = match v.cosine_ratio {
-        Some(ratio) if ratio >= MANY => format!("more than {MANY}× less time than cosine"),
-        Some(ratio) if ratio >= 10.0 => format!("{about}{ratio:.0}× less time than cosine"),
-        Some(ratio) => format!("{about}{ratio:.1}× less time than cosine"),
-        None => "a time in which cosine never does".into(),
+        Some(ratio) if ratio >= MANY => format!(" more than {MANY}× faster than cosine"),
+        Some(ratio) if ratio >= 10.0 => format!(" {about}{ratio:.0}× faster than cosine"),
+        Some(ratio) => format!(" {about}{ratio:.1}× faster than cosine"),
+        None => ", which cosine never does".into(),
     };
     let kilobytes = v.table_bytes as f64 / 1000.0;
     let next = v.next.as_ref().map_or(String::new(), |(who, ratio)| {
         format!("; next is {who} at {ratio:.1}×")
     });
     format!(
-        "{material}: {} ({kilobytes:.1} KB) reaches {percent} % in {against}, counted{tie}{next}",
+        "{material}: {} ({kilobytes:.1} KB) reaches {percent} %{against}, by counted time{tie}{next}",
         v.best
     )
 }

@@ -1,17 +1,13 @@
 //! What the words mean, and what the figures leave out.
 
 use super::Section;
-use super::html::{escape, table};
-use crate::measure::compare::{Comparison, LIT_FROM, MaterialComparison, Reference, TIE};
+use super::html::{definition_list, table};
+use crate::measure::compare::{Comparison, LIT_FROM, TIE};
 use crate::measure::cost::ROUNDS;
 use crate::report::Sheet;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
-    let entry = |(term, text): &(&str, String)| {
-        format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text))
-    };
-    let all: String = terms(comparison).iter().map(entry).collect();
-    let mut body = format!("<dl>\n{all}</dl>\n");
+    let mut body = definition_list(&terms(comparison));
     if comparison
         .materials
         .iter()
@@ -97,23 +93,15 @@ fn references(comparison: &Comparison) -> Sheet {
         "radiance",
         "relative error of the reference",
     ]);
-    let rows = |m: &MaterialComparison| {
-        let row = |r: &Reference| {
-            let figures = [
-                format!("{}°", r.theta_o_deg),
-                format!("{:.5}", r.radiance),
-                format!("{:.1e}", r.error),
-            ];
-            std::iter::once(m.material.clone())
-                .chain(figures)
-                .collect::<Vec<_>>()
-        };
-        m.references.iter().map(row).collect::<Vec<_>>()
-    };
-    comparison
-        .materials
-        .iter()
-        .flat_map(rows)
-        .for_each(|row| sheet.push(row));
+    for material in &comparison.materials {
+        for reference in &material.references {
+            sheet.push(vec![
+                material.material.clone(),
+                format!("{}°", reference.theta_o_deg),
+                format!("{:.5}", reference.radiance),
+                format!("{:.1e}", reference.error),
+            ]);
+        }
+    }
     sheet
 }

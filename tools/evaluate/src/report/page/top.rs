@@ -1,7 +1,7 @@
 //! What was measured, and what it comes to.
 
 use super::Section;
-use super::html::{escape, paragraph, table};
+use super::html::{definition_list, escape, paragraph, table};
 use crate::measure::compare::{Comparison, Curve, MaterialComparison, Verdict, reach};
 use crate::measure::convergence::Technique;
 use crate::report::Sheet;
@@ -62,17 +62,10 @@ pub(super) fn measured(comparison: &Comparison) -> String {
             ),
         ),
     ];
-    let line = |(term, text): &(&str, String)| {
-        format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text))
-    };
     let intro = "A comparison of samplers for measured materials: the error of an estimate against the number of samples, the time \
                  and the memory that it takes. All results are from one run of merlkit compare; compare.json and \
                  compare.csv contain them in full.";
-    format!(
-        "{}<dl>\n{}</dl>\n",
-        paragraph(intro),
-        lines.iter().map(line).collect::<String>()
-    )
+    format!("{}{}", paragraph(intro), definition_list(&lines))
 }
 
 /// Every material's verdict.
