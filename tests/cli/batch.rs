@@ -55,7 +55,7 @@ fn a_batch_goes_on_past_bad_files() {
         let lines = without_timing(&complaints);
         assert_eq!(lines.len(), 5, "{command}: {complaints}");
         assert!(
-            lines[0].contains("left out what is no material: Readme.txt"),
+            lines[0].contains("skipped files that are not materials: Readme.txt"),
             "{complaints}"
         );
         for (line, says) in lines[1..4].iter().zip(["cut off", "empty", "a web page"]) {
@@ -80,7 +80,7 @@ fn a_folder_without_materials_is_refused() {
     std::fs::create_dir(folder.path().join("empty")).unwrap();
     let (_, complaints) = partly(folder.path(), "info empty");
     assert!(
-        complaints.contains("a folder without materials"),
+        complaints.contains("empty has no materials in it"),
         "{complaints}"
     );
 }

@@ -100,7 +100,7 @@ const COMMANDS: [(&str, [Answer; 4]); 21] = [
     (
         "import MATERIAL -o out",
         [
-            Refused("is a MERL table already"),
+            Refused("is already a MERL table"),
             Result,
             NO_AZIMUTH,
             Result,

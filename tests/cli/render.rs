@@ -94,11 +94,11 @@ fn options_of_other_strategies_are_refused() {
     for (options, expected) in [
         (
             &["--candidates", "4"][..],
-            "--candidates has no meaning with --strategy mis",
+            "--candidates has no effect with --strategy mis",
         ),
         (
             &["--strategy", "light", "--heuristic", "power"],
-            "leave it out, or pass --strategy mis",
+            "omit it, or pass --strategy mis",
         ),
         (&["--strategy", "ris", "--candidates", "0"], "1..=65536"),
         (&["--target-error=-1"], "a fraction above 0"),
@@ -118,7 +118,7 @@ fn options_of_other_strategies_are_refused() {
         ),
         (
             &["--target-error", "0.1", "--points", "lattice"],
-            "leave out --points lattice or --target-error",
+            "omit --points lattice or --target-error",
         ),
         (&["--adaptive", "--spp", "8"], "give 16 or more"),
     ] {

@@ -85,9 +85,9 @@ fn refuse_all_else(folder: &Path) {
     for (more, message) in [
         (
             "-o p",
-            "p.partial is what an interrupted render needs to go on",
+            "p.partial is the saved state of an interrupted render",
         ),
-        ("-o p --force", "go on with --resume, or remove it"),
+        ("-o p --force", "continue with --resume, or remove the file"),
         ("-o q --resume", "nothing to resume: there is no q.partial"),
         (
             "-o p --resume --lookup linear",

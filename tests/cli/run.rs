@@ -32,7 +32,7 @@ pub fn run(arguments: &[&str], input: &str) -> Output {
 /// Notes on measured times, which depend on what else the machine does.
 const TIMING_NOTES: [&str; 2] = [
     "the machine was busy",
-    "measured times disagree with counted ones",
+    "measured times differ from counted ones",
 ];
 
 /// The lines of standard error that don't depend on the clock.

@@ -383,10 +383,10 @@ fn a_sampler_file_brings_its_own_settings() {
     for (extra, expected) in [
         (
             &["--sampler", "cascade-cdf:tables=4"][..],
-            "s holds the sampler cascade-cdf:tables=3; leave --sampler out",
+            "s contains the sampler cascade-cdf:tables=3; omit --sampler",
         ),
-        (&["--sampler", "cosine"], "leave --sampler out"),
-        (&["--lookup", "linear"], "leave --lookup out"),
+        (&["--sampler", "cosine"], "omit --sampler"),
+        (&["--lookup", "linear"], "omit --lookup"),
         (&["--material", "teflon"], "the sampler was built from"),
     ] {
         let text = fails(run(&[&sample, extra].concat()));

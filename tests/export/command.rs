@@ -61,7 +61,7 @@ fn options_of_other_formats_are_refused() {
                     "nickel", "--format", format, option[0], option[1], "-o", "out",
                 ],
             );
-            let expected = format!("{} is no option of --format {format}", option[0]);
+            let expected = format!("{} does not apply to --format {format}", option[0]);
             assert!(
                 said.contains(&expected) && said.contains("--format bsdf"),
                 "{said}"
@@ -81,7 +81,7 @@ fn options_of_other_formats_are_refused() {
         ],
     );
     assert!(
-        said.contains("--sampler is no option of --format bsdf"),
+        said.contains("--sampler does not apply to --format bsdf"),
         "{said}"
     );
     assert!(said.contains("choose --format header or npz"), "{said}");

@@ -150,7 +150,7 @@ fn the_table_beats_cosine_on_metal_and_the_verdict_says_so() {
     let verdict = verdict("nickel", &curves).unwrap();
     assert_eq!(verdict.sampler, "half-vector");
     assert!(
-        verdict.sentence.contains("less time than cosine"),
+        verdict.sentence.contains("faster than cosine"),
         "{}",
         verdict.sentence
     );

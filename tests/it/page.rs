@@ -337,7 +337,7 @@ fn names_cannot_break_the_markup() {
 
 #[test]
 fn a_half_vector_table_that_loses_is_named() {
-    let loses = |name: &str| format!("On {name} the half-vector table is not the quickest");
+    let loses = |name: &str| format!("On {name}, the half-vector table is not the fastest");
     let page = comparison_page(&full());
     assert!(
         page.contains(&loses("teflon")) && !page.contains(&loses("nickel")),

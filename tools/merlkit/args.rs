@@ -38,7 +38,7 @@ const INVALID_PARTS: &[(&str, InvalidPart)] = &[
 /// How the cells of a table are read of which some channels are unusable.
 #[derive(clap::Args)]
 pub struct Invalid {
-    /// What an invalid channel of a table makes invalid: its cell or itself [default: cell]
+    /// Reject a whole table cell if one channel is invalid, or only that channel [default: cell]
     #[arg(long, value_name = "cell|channel", hide_possible_values = true, value_parser = named(INVALID_PARTS))]
     invalid: Option<InvalidPart>,
 }
@@ -85,12 +85,12 @@ fn sin_cos_degrees(angle: f64) -> (f64, f64) {
 /// The materials of a command that takes any number of them.
 #[derive(clap::Args)]
 pub struct Materials {
-    /// Paths to MERL binaries or .bsdf files or to folders of them, names of embedded materials, or formulas as
+    /// MERL binaries, .bsdf files or folders of either, names of embedded materials, or formulas such as
     /// lambert:reflectance=0.5
     // An option that conflicts with it, as --all does, lifts the requirement.
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
-    /// Take every embedded material
+    /// Process every embedded material
     #[arg(long, conflicts_with = "materials")]
     all: bool,
     #[command(flatten)]
@@ -174,7 +174,7 @@ fn fraction(argument: &str) -> Result<f64, String> {
     let parsed = number.trim().parse::<f64>().ok().map(|v| v * unit);
     parsed
         .filter(|v| *v > 0.0 && v.is_finite())
-        .ok_or_else(|| "expected a fraction above 0, as in 0.05 or 5%".into())
+        .ok_or_else(|| "expected a fraction above 0, such as 0.05 or 5%".into())
 }
 
 /// "0.05" or "5%" as a relative error to be reached: a fraction of at most 1, because a whole number is meant in per cent.
@@ -183,7 +183,7 @@ pub fn target_error(argument: &str) -> Result<f64, String> {
     if error > 1.0 {
         let meant = argument.trim_end_matches('%');
         return Err(match argument.ends_with('%') {
-            true => format!("{argument} is more than the whole; give at most 100%"),
+            true => format!("{argument} is above the maximum of 100%"),
             false => format!("{argument} is {}%; did you mean {meant}%?", 100.0 * error),
         });
     }
@@ -196,5 +196,5 @@ pub fn size(argument: &str) -> Result<(usize, usize), String> {
     parts
         .and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)))
         .filter(|&(a, b)| a > 0 && b > 0)
-        .ok_or_else(|| "expected two counts above 0, as in 1024x512".into())
+        .ok_or_else(|| "expected two counts above 0, such as 1024x512".into())
 }

@@ -104,13 +104,13 @@ fn materials_in(folder: &Path) -> Result<Vec<String>, Error> {
     }
     if found.is_empty() {
         return Err(Error::argument(
-            format!("{} is a folder without materials", folder.display()),
-            "name MERL binaries or .bsdf files, or a folder that holds some",
+            format!("{} has no materials in it", folder.display()),
+            "name MERL binaries or .bsdf files, or a folder that contains some",
         ));
     }
     if !others.is_empty() {
         output::message(&format!(
-            "merlkit: note: {}: left out what is no material: {}",
+            "merlkit: note: {}: skipped files that are not materials: {}",
             folder.display(),
             others.join(", ")
         ));

@@ -31,8 +31,8 @@ impl Journal {
         };
         if *first != plan {
             return Err(Error::argument(
-                format!("{} holds measurements of another run", path.display()),
-                "repeat the options of that run, or leave --resume out to start again",
+                format!("{} belongs to a run with other options", path.display()),
+                "repeat the options of that run, or omit --resume to start again",
             ));
         }
         let entry = |line: &Value| {

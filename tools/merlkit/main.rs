@@ -22,19 +22,19 @@ use std::process::ExitCode;
 use commands::Command;
 use failure::{Failure, Outcome};
 
-/// Measured-BRDF toolkit: MERL tables, importance samplers with proven densities, a report and rendered spheres
+/// Measured-BRDF toolkit: read MERL tables, build and check importance samplers, and render spheres
 #[derive(Parser)]
 #[command(
     name = "merlkit",
     version,
     long_version = version::long(),
     max_term_width = 100,
-    after_help = "A MATERIAL is a path to a MERL binary or to a .bsdf file, the name of an embedded material (`merlkit list`), or a \
-                  formula, as lambert:reflectance=0.5 or lambert:reflectance=0.8/0.5/0.2.\n\
-                  Exit status: 0 done, 1 a check failed, 2 wrong usage or input, 130 interrupted."
+    after_help = "A MATERIAL is a path to a MERL binary or .bsdf file, the name of an embedded material (`merlkit list`), or a \
+                  formula such as lambert:reflectance=0.5 or lambert:reflectance=0.8/0.5/0.2.\n\
+                  Exit status: 0 success, 1 a check failed, 2 invalid usage or input, 130 interrupted."
 )]
 struct Cli {
-    /// Worker threads, at most 1024; results don't depend on it [default: all cores]
+    /// Number of worker threads, at most 1024. Results don't depend on it [default: all cores]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(subcommand)]

@@ -80,8 +80,8 @@ pub fn is_acceptable(albedo_error: f64, what: &str) -> bool {
         return true;
     }
     message(&format!(
-        "merlkit: {what} is not written: its albedo is off by {:.0} %, and more than {:.0} % is taken for a fault; choose \
-         another lookup rule, more values or another file, or write it all the same with --accept-error",
+        "merlkit: {what} is not written: its albedo is off by {:.0} %, more than the limit of {:.0} %; choose another lookup \
+         rule, more values or another file, or write it anyway with --accept-error",
         100.0 * albedo_error,
         100.0 * LARGEST_ALBEDO_ERROR
     ));

@@ -15,7 +15,7 @@ pub fn check() -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::argument(
-        "this build draws SVG only",
+        "this build writes SVG only",
         "name a file that ends in .svg, or build with --features png-plots",
     ))
 }
@@ -27,13 +27,17 @@ pub fn check() -> Result<(), Error> {
 #[cfg(feature = "png-plots")]
 pub fn png(svg: &str) -> Result<Vec<u8>, Error> {
     use resvg::{tiny_skia, usvg};
-    let broken =
-        |e: String| Error::argument(format!("the picture can't be drawn: {e}"), "report this");
+    let broken = |e: String| {
+        Error::argument(
+            format!("the picture could not be drawn: {e}"),
+            "report this",
+        )
+    };
     let mut options = usvg::Options::default();
     options.fontdb_mut().load_system_fonts();
     // Which font is the system's sans-serif is not asked; by default it would be one that few systems have.
     let family = sans_serif(&options.fontdb).ok_or_else(|| {
-        let fix = "install one, as the package fonts-dejavu, or name a file that ends in .svg";
+        let fix = "install one, such as the package fonts-dejavu, or name a file that ends in .svg";
         Error::argument("there is no font for the picture's text", fix)
     })?;
     options.fontdb_mut().set_sans_serif_family(&family);

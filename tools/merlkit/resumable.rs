@@ -18,7 +18,7 @@ use crate::output;
 use crate::picture::{Files, Picture};
 
 /// Shown when a signal comes.
-const STOPPING: &str = "merlkit: stopping when all pixels have as many paths (Ctrl-C again: at once, and nothing is kept)";
+const STOPPING: &str = "merlkit: stopping once every pixel has the same number of paths (press Ctrl-C again to stop now and discard the picture)";
 
 /// A picture, its files, and whether it goes on.
 pub struct Resumable<'a> {
@@ -41,11 +41,11 @@ pub fn check_files(files: &Files, overwrite: Overwrite, resume: bool) -> Result<
     match (resume, files.partial.exists()) {
         (true, false) => Err(Error::argument(
             format!("nothing to resume: there is no {partial}"),
-            "leave --resume out to start, or name the output of the picture that was interrupted",
+            "omit --resume to start a new picture, or name the output of the interrupted one",
         )),
         (false, true) => Err(Error::argument(
-            format!("{partial} is what an interrupted render needs to go on"),
-            "go on with --resume, or remove it to start again",
+            format!("{partial} is the saved state of an interrupted render"),
+            "continue with --resume, or remove the file to start again",
         )),
         (true, true) => {
             check_writable(&files.partial, Overwrite::Replace)?;

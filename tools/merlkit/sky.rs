@@ -15,8 +15,8 @@ pub struct SkyArgs {
 
 fn help() -> String {
     format!(
-        "What lights the point, whose normal is the zenith: {}; lamps are two broad ones, and only light sampling finds the \
-         studio's small sun quickly",
+        "Environment that lights the point, whose normal is the zenith: {}. lamps has two broad lights; the studio has a small \
+         sun that only light sampling finds quickly",
         EnvironmentSource::words()
     )
 }

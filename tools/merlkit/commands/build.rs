@@ -20,8 +20,8 @@ use crate::{args, output};
 
 /// Build samplers and store them as files
 ///
-/// A sampler file is safetensors: the sampler's tables, and metadata with version, material, settings, lookup rule and the
-/// SHA-256 of the material. `merlkit sample` and the library load it without building again.
+/// A sampler file is a safetensors file. It contains the sampler's tables and, as metadata, the format version, settings,
+/// lookup rule, and the material's name and SHA-256. `merlkit sample` and the library load it without rebuilding.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  merlkit build nickel --sampler half-vector:64KB -o nickel.table"
@@ -29,13 +29,13 @@ use crate::{args, output};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
-    /// Sampler to build, with its settings (`merlkit samplers`)
+    /// Sampler to build, with settings (`merlkit samplers` lists them)
     #[arg(long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
     sampler: SamplerSpec,
     /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    /// File to write; with several materials, a folder for files called NAME.SAMPLER.safetensors
+    /// File to write. For several materials: folder for files named NAME.SAMPLER.safetensors
     #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
     /// Replace existing files [default: refuse]

@@ -21,12 +21,21 @@ use crate::progress::Progress;
 use crate::sampler_args;
 use crate::{args, table};
 
-/// Prove that samplers are right: densities, draws and estimates
+/// Check that samplers are correct: densities, draws and estimates
 ///
-/// At 13 angles of wo (an anisotropic .bsdf: at five azimuths each), on the samplers' tables, between them and at grazing: every draw valid, its density that of pdf, pdf
-/// positive wherever the material reflects, pdf integrating to what is not lost, draws falling where pdf says (chi-square),
-/// the albedo estimated without bias, and a uniform furnace. Exit status 1 if a check fails; with the default
-/// significance a run over right samplers fails by chance once in a hundred. Ctrl-C writes the JSON of what is finished.
+/// Each check runs at 13 polar angles of wo: tabulated angles, angles between them, and grazing angles. For an anisotropic
+/// .bsdf file, each polar angle is checked at five azimuths. The checks:
+///
+/// - Every draw is valid, and its density equals pdf.
+///
+/// - pdf is positive wherever the material reflects, and integrates to 1 minus the fraction of failed draws.
+///
+/// - Draws are distributed according to pdf (chi-square test).
+///
+/// - The albedo estimate is unbiased, also under uniform light (furnace test).
+///
+/// The exit status is 1 if a check fails. At the default significance, one run in a hundred fails by chance even if all
+/// samplers are correct. Ctrl-C writes the JSON of the checks that are finished.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  merlkit check nickel --sampler half-vector:64KB --sampler lobe:ggx"
@@ -34,27 +43,27 @@ use crate::{args, table};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
-    /// Check hard cases instead of materials: ugly tables and extreme directions and numbers against every sampler, lookup
-    /// rule and light, under a minute on two cores; with --all every combination, some ten minutes
+    /// Check hard cases instead of materials: difficult tables, extreme directions and extreme numbers, with every sampler,
+    /// lookup rule and light. Takes less than a minute on two cores; with --all, every combination in about ten minutes
     #[arg(long, conflicts_with_all = ["materials", "samplers", "draws", "significance", "lookup"])]
     hard: bool,
-    /// Sampler to check, with its settings (`merlkit samplers`); may be repeated [default: the half-vector table at 2KB, 64KB and
-    /// 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file, where the material supports them]
+    /// Sampler to check, with settings (`merlkit samplers` lists them); repeatable [default: those the material supports of
+    /// half-vector at 2KB, 64KB and 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file]
     #[arg(long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
     /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    /// Draws of each statistical check, 1000 to 10000000
+    /// Number of draws in each statistical check, 1000 to 10000000
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     draws: usize,
     /// Seed of the draws
     #[arg(long, value_name = "K", default_value_t = 1)]
     seed: u64,
-    /// Probability that a run over right samplers fails, above 0 and below 1
+    /// Probability that a run fails by chance although all samplers are correct, between 0 and 1 (exclusive)
     #[arg(long, value_name = "P", default_value_t = 0.01)]
     significance: f64,
-    /// Write JSON with every outcome to FILE as well, or to standard output (-) instead of the table [default: none]
+    /// Also write every outcome as JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
     #[arg(long, value_name = "FILE|-")]
     json: Option<Destination>,
     /// Replace an existing FILE [default: refuse]
@@ -72,7 +81,7 @@ pub fn run(args: &Args) -> Outcome {
     let probability = args.significance > 0.0 && args.significance < 1.0;
     if !probability || !DRAWS.contains(&args.draws) {
         let what = format!("significance {}, {} draws", args.significance, args.draws);
-        let fix = "choose a probability between 0 and 1, and a thousand to ten million draws";
+        let fix = "choose a significance between 0 and 1, and 1000 to 10000000 draws";
         return Err(Error::argument(what, fix).into());
     }
     let (materials, unreadable) = args.materials.resolve()?;

@@ -28,27 +28,29 @@ use crate::sampler_args;
 use crate::sky::{SkyArgs, UnderSky};
 use crate::{args, table};
 
-/// Measure what accuracy costs in time: every sampler against samples, seconds and bytes
+/// Compare the samplers: error against samples, seconds and bytes
 ///
-/// A lit point, pictures of spheres in the studio, and each sampler's own settings. Errors are relative, against
-/// references by quadrature (the point) or by many samples (pictures), which state their own error. DIR gets
-/// compare.json (everything), compare.csv (one line a figure) and compare.html (a page to read, without a network).
-/// What is finished is kept in DIR/compare.partial.jsonl until all is; Ctrl-C and --resume go on from there.
+/// Errors are measured at a lit point, in pictures of spheres in the studio, and for different settings of each sampler.
+/// They are relative to a reference that states its own error: quadrature for the point, many samples for the pictures.
+///
+/// Results go to compare.json (everything), compare.csv (one line per number) and compare.html (a page that needs no
+/// network) in DIR. Finished measurements are kept in DIR/compare.partial.jsonl until the run is complete, so that --resume
+/// can continue after Ctrl-C.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit compare nickel teflon --quick -o comparison")]
 pub struct Args {
-    /// Paths to MERL binaries or .bsdf files, names of embedded materials, or formulas [default: eight embedded ones; with --quick nickel,
-    /// red-plastic and teflon]
+    /// MERL binaries, .bsdf files, names of embedded materials, or formulas [default: eight embedded materials; with --quick
+    /// nickel, red-plastic and teflon]
     #[arg(value_name = "MATERIAL")]
     materials: Vec<String>,
-    /// Sampler to compare, with its settings (`merlkit samplers`); may be repeated. Its directions are compared without those
-    /// of the light, and no other settings are tried [default: all that are worth it]
+    /// Sampler to compare, with settings (`merlkit samplers` lists them); repeatable. Named samplers are compared without
+    /// light sampling and only with the given settings [default: all useful samplers]
     #[arg(long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
-    /// Fewer samplers, angles, seeds and settings: a minute for three materials on two cores, instead of an hour
+    /// Use fewer samplers, angles, seeds and settings: one minute for three materials on two cores instead of an hour
     #[arg(long)]
     quick: bool,
-    /// Go on with a run of the same options that was stopped
+    /// Continue an interrupted run that had the same options
     #[arg(long)]
     resume: bool,
     /// How values between the samples of a table are interpolated
@@ -61,7 +63,7 @@ pub struct Args {
     /// Seed of the draws
     #[arg(long, value_name = "K", default_value_t = 1)]
     seed: u64,
-    /// Folder of the results
+    /// Folder for the results
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     output: PathBuf,
     /// Replace existing results [default: refuse]
@@ -82,7 +84,7 @@ pub fn run(args: &Args) -> Outcome {
     if args.resume && !journal.exists() {
         return Err(Error::argument(
             format!("nothing to resume: there is no {}", journal.display()),
-            "name the folder of the run that was stopped, or leave out --resume to start one",
+            "name the folder of the interrupted run, or omit --resume to start a new one",
         )
         .into());
     }
@@ -183,8 +185,11 @@ impl Run {
         let path = args.output.join(JOURNAL);
         if path.exists() && !args.resume && !args.force {
             return Err(Error::argument(
-                format!("{} holds what a stopped run has finished", path.display()),
-                "pass --resume to go on with it, or --force to start again",
+                format!(
+                    "{} has the finished measurements of an interrupted run",
+                    path.display()
+                ),
+                "pass --resume to continue it, or --force to start again",
             ));
         }
         let journal = Journal::open(&path, &(&plan, &names), args.resume)?;

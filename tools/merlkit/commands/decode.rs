@@ -21,11 +21,11 @@ use crate::{args, output};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
-    /// Write a table that is hard on lookups and samplers instead; may be repeated
+    /// Write a table that is difficult for lookups and samplers instead of a material; repeatable
     #[arg(long, value_name = "NAME", conflicts_with_all = ["materials", "all"],
           value_parser = PossibleValuesParser::new(HardCase::ALL.map(|case| case.name)))]
     hard_case: Vec<String>,
-    /// Folder for the files, which are called NAME.binary; made if missing
+    /// Folder for the files, which are named NAME.binary; created if missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Replace existing files [default: refuse]

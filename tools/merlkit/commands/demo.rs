@@ -23,17 +23,17 @@ use crate::picture::{Files, Picture};
 use crate::progress::Progress;
 use crate::table;
 
-/// Show everything on three embedded materials: files, samplers, report and pictures, in less than a minute
+/// Demonstrate files, samplers, report and rendering on three embedded materials in less than a minute
 ///
-/// Writes nickel, red-plastic and blue-metallic-paint as MERL binaries, loads them back, builds each sampler, prints memory,
-/// time and accuracy, and renders the three spheres once with each sampler, at equal samples, as EXR and PNG.
+/// Writes nickel, red-plastic and blue-metallic-paint as MERL binaries and loads them back. Builds each sampler and prints
+/// its memory, time and accuracy. Renders three spheres with each sampler, at equal sample counts, as EXR and PNG.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit demo -o out")]
 pub struct Args {
-    /// Folder for the files; made if missing
+    /// Folder for the files; created if missing
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     output: PathBuf,
-    /// Paths a pixel
+    /// Paths per pixel
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
     /// Seed of all random numbers
@@ -169,7 +169,7 @@ fn pictures(
         output::stdout(|out| {
             writeln!(
                 out,
-                "{}: {sampler}, {} paths a pixel, {seconds:.1} s",
+                "{}: {sampler}, {} paths per pixel, {seconds:.1} s",
                 files.png.display(),
                 args.spp
             )

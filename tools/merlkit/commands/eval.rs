@@ -15,15 +15,15 @@ use crate::output;
 
 /// Evaluate f_r, in sr⁻¹ and without the cosine, for pairs of directions
 ///
-/// Reads lines of wo_x,wo_y,wo_z,wi_x,wi_y,wi_z from standard input, with or without that heading, and writes one line
-/// f_r,f_g,f_b for each under a heading. Directions are unit vectors that leave the surface, z along the normal, wo to the
-/// viewer and wi to the light. A pair with a direction below the horizon has the value 0. Blank lines are skipped.
+/// Reads lines wo_x,wo_y,wo_z,wi_x,wi_y,wi_z from standard input; that heading is optional. Writes a heading and, for each
+/// pair, one line f_r,f_g,f_b. Directions are unit vectors that point away from the surface: wo to the viewer, wi to the
+/// light, with z along the normal. The value is 0 if either direction is below the horizon. Blank lines are skipped.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit eval nickel --wo 30,0 --wi 30,180\n  merlkit eval nickel --lookup linear < pairs.txt"
 )]
 pub struct Args {
-    /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula as lambert:reflectance=0.5
+    /// MERL binary, .bsdf file, name of an embedded material, or a formula such as lambert:reflectance=0.5
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// How values between the samples of a table are interpolated
@@ -31,10 +31,10 @@ pub struct Args {
     lookup: LookupRule,
     #[command(flatten)]
     invalid: args::Invalid,
-    /// Viewer as polar angle (0 to 180) and azimuth, degrees, instead of standard input [default: none]
+    /// View direction as polar angle (0 to 180) and azimuth in degrees, instead of standard input [default: none]
     #[arg(long, value_name = "T,P", allow_hyphen_values = true, requires = "wi", value_parser = angles)]
     wo: Option<DVec3>,
-    /// Light as polar angle (0 to 180) and azimuth, degrees, instead of standard input [default: none]
+    /// Light direction as polar angle (0 to 180) and azimuth in degrees, instead of standard input [default: none]
     #[arg(long, value_name = "T,P", allow_hyphen_values = true, requires = "wo", value_parser = angles)]
     wi: Option<DVec3>,
 }
@@ -78,8 +78,8 @@ fn angles(argument: &str) -> Result<DVec3, String> {
             Ok(args::direction(theta, phi))
         }
         Some([_, _]) => {
-            Err("expected a polar angle of 0 to 180 degrees and a finite azimuth".into())
+            Err("expected a polar angle from 0 to 180 degrees and a finite azimuth".into())
         }
-        _ => Err("expected two numbers, polar angle and azimuth in degrees, as in 30,180".into()),
+        _ => Err("expected two numbers, polar angle and azimuth in degrees, such as 30,180".into()),
     }
 }

@@ -20,41 +20,44 @@ use crate::{args, output, sampler_args, table};
 
 /// Write materials for other renderers and numpy
 ///
-/// bsdf: files for Mitsuba 3 and pbrt-v4 (`measured`), NAME.rgb.bsdf for Mitsuba's rgb variants and NAME.spectral.bsdf for
-/// its spectral ones and for pbrt. What each file makes of the material is measured on the file as it was written, and
-/// printed: errors of f_r over random pairs of directions that follow the cosine, of the albedo, and the spread of weights
-/// when drawn by the file's own density.
+/// bsdf: files for the `measured` material of Mitsuba 3 and pbrt-v4. NAME.rgb.bsdf is for Mitsuba's rgb variants,
+/// NAME.spectral.bsdf for its spectral variants and for pbrt. The errors of each written file are measured and printed:
+/// those of f_r over random, cosine-distributed pairs of directions, those of the albedo, and the spread of the sample
+/// weights with the file's own density.
 ///
-/// header: NAME.h, a header for C, C++ and GLSL with sample and pdf by the half-vector table and eval, which reads the values
-/// of f_r in NAME.f32. npz: the same table and values as arrays for numpy, NAME.npz. The spread of weights is printed, the
-/// least and the largest over the angles of wo.
+/// header: NAME.h for C, C++ and GLSL, with sample and pdf (from the half-vector table) and eval (from the values of f_r in
+/// NAME.f32).
+///
+/// npz: NAME.npz, the same table and values as numpy arrays. For header and npz, the smallest and the largest spread of the
+/// sample weights over the angles of wo are printed.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit export nickel --format bsdf -o exported")]
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
-    /// Kind of file
+    /// File format
     #[arg(long, value_name = "FORMAT", value_parser = args::named(FORMATS))]
     format: Format,
-    /// bsdf: colours of a file [default: both]
+    /// bsdf: RGB colours, spectra, or one file of each [default: both]
     #[arg(long, value_name = "VARIANT", value_parser = args::named(VARIANTS))]
     variant: Option<Variant>,
-    /// bsdf: size of an RGB file; one with spectra is twice as large [default: 6MB]
+    /// bsdf: size of an RGB file; a spectral file is twice as large [default: 6MB]
     #[arg(long, value_name = "SIZE", conflicts_with = "target_error", value_parser = size())]
     size: Option<BsdfSize>,
-    /// bsdf: take the smallest size whose median error is at most this, as in 0.001 or 0.1% [default: none]
-    #[arg(long, value_name = "SHARE", value_parser = args::target_error)]
+    /// bsdf: use the smallest size whose median error is at most E, such as 0.001 or 0.1% [default: none]
+    #[arg(long, value_name = "E", value_parser = args::target_error)]
     target_error: Option<f64>,
-    /// header, npz: the half-vector table, with its settings (`merlkit samplers half-vector`) [default: half-vector:64KB]
+    /// header, npz: half-vector table to export, with settings (`merlkit samplers half-vector`) [default: half-vector:64KB]
     #[arg(long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
-    /// How values between the samples of a table are interpolated; a .bsdf file is linear between its own [default: bsdf linear, others floor]
+    /// How values between the samples of a table are interpolated. A written .bsdf file is always linear [default: linear for
+    /// bsdf, floor otherwise]
     #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
-    /// Folder for the files; made if missing
+    /// Folder for the files; created if missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// bsdf: write files however large their measured error [default: not if an albedo is off by more than 25 %]
+    /// bsdf: write the file even if an albedo is off by more than 25 % [default: refuse]
     #[arg(long)]
     accept_error: bool,
     /// Replace existing files [default: refuse]
@@ -153,8 +156,8 @@ impl Args {
         match foreign.iter().find(|option| option.0) {
             None => Ok(()),
             Some((_, option)) => Err(Error::argument(
-                format!("{option} is no option of --format {}", self.format_name()),
-                format!("leave it out, or choose --format {others}"),
+                format!("{option} does not apply to --format {}", self.format_name()),
+                format!("omit it, or choose --format {others}"),
             )),
         }
     }
@@ -166,7 +169,7 @@ impl Args {
         };
         spec.settings().copied().ok_or_else(|| {
             let what = format!(
-                "--format {} has the half-vector table, and no {}",
+                "--format {} supports the half-vector table only, not {}",
                 self.format_name(),
                 spec.name()
             );

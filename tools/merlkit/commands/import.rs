@@ -17,42 +17,47 @@ use merlkit_evaluate::report::resampling_sheet;
 use crate::failure::{Failure, Outcome};
 use crate::{args, output, table};
 
-/// Make a MERL binary (35 MB) of an isotropic .bsdf file, a .pbsdf or UTIA file, a list of measurements, or an array of numpy
+/// Convert a .bsdf, .pbsdf or UTIA file, a list of measurements or a numpy array to a MERL binary (35 MB)
 ///
-/// .bsdf, formula: spectra become linear sRGB in light of D65. A table cannot tell the two orders of a pair of directions
-/// apart, so its values are the mean of both, weighted by the cosine of the incident one. The error of the table, and the part
-/// that forced reciprocity has in it, are measured and printed, over random pairs of directions that follow the cosine.
+/// .bsdf, formula: Spectra are converted to linear sRGB under illuminant D65. A MERL table is reciprocal by construction, so
+/// each value is the mean over both orders of the directions, weighted by the cosine of the incident one. Two errors are
+/// measured over random, cosine-distributed pairs of directions and printed: the table's total error, and the part caused by
+/// forced reciprocity.
 ///
-/// List: CSV with named columns (theta_i, phi_i, theta_o, phi_o or theta_h, theta_d, phi_d; r, g, b or value or wavelengths as
-/// 550nm), ASTM E1392, or Cornell's spectra. A cell is the mean of the measurements in its bin; cells without any are gaps.
+/// List: CSV with named columns, ASTM E1392, or Cornell's spectra. The CSV columns are theta_i, phi_i, theta_o, phi_o or
+/// theta_h, theta_d, phi_d, followed by r, g, b or value or wavelengths such as 550nm. Each cell is the mean of the
+/// measurements in its bin; cells without measurements are gaps.
 ///
-/// .pbsdf (Baek et al. 2020): the reflectance of unpolarised light; polarisation is left out. UTIA's .bin (1,990,656 bytes): the
-/// mean over the rotation about the normal; anisotropy is left out, and how much that is is printed. Cells beyond 75° are gaps.
+/// .pbsdf (Baek et al. 2020): The table has the reflectance of unpolarised light; polarisation is dropped.
 ///
-/// Array: .npy or .npz of f_r in sr⁻¹, [90, 90, 180, 3] or [3, 90, 90, 180]; negative and NaN values are gaps.
+/// UTIA .bin (1,990,656 bytes): The table has the mean over rotations about the normal. The anisotropy that this removes is
+/// measured and printed. Cells beyond 75° are gaps.
+///
+/// Array: .npy or .npz with f_r in sr⁻¹, of shape [90, 90, 180, 3] or [3, 90, 90, 180]. Negative and NaN values are gaps.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit import felt.bsdf -o felt.binary\n  merlkit import measured.csv -o measured.binary --fill"
 )]
 pub struct Args {
-    /// Path to a .bsdf, .pbsdf or UTIA file, a list, an array or, with --fill, a MERL binary; or a formula
+    /// A .bsdf, .pbsdf or UTIA file, a list, an array, a formula or, with --fill, a MERL binary
     #[arg(value_name = "FILE")]
     file: String,
-    /// How the table will be looked up: values at the lower edges of bins for linear, at their centres otherwise
+    /// Lookup rule that the table will be used with: linear puts values at the bins' lower edges, the others at their centres
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten)]
     invalid: args::Invalid,
-    /// Unit of a list's angles [default: as its columns say; else degrees for CSV, radians for ASTM and Cornell]
+    /// Unit of the angles in a list [default: from the column names, else degrees for CSV, radians for ASTM and Cornell]
     #[arg(long, value_name = "UNIT", value_parser = args::named(UNITS))]
     angles: Option<AngleUnit>,
-    /// Fill gaps from mirror images (φd to π − φd) and surrounding cells; they are marked in the file and told by every command
+    /// Fill gaps from mirror images (φd to π − φd) and neighbouring cells. Filled cells are marked in the file, and every
+    /// command reports them
     #[arg(long)]
     fill: bool,
     /// File to write
     #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
-    /// Write the table however large its measured error [default: not if an albedo is off by more than 25 %]
+    /// Write the table even if an albedo is off by more than 25 % [default: refuse]
     #[arg(long)]
     accept_error: bool,
     /// Replace an existing file [default: refuse]
@@ -97,8 +102,11 @@ fn refuse_unit(args: &Args) -> Result<(), Error> {
     match args.angles {
         None => Ok(()),
         Some(_) => Err(Error::argument(
-            format!("{} is no list, and has no angles", args.file),
-            "leave --angles out",
+            format!(
+                "{} is not a list of measurements, so --angles does not apply",
+                args.file
+            ),
+            "omit --angles",
         )),
     }
 }
@@ -117,7 +125,7 @@ fn measurements(path: &Path, args: &Args) -> Result<Arc<MerlTable>, Failure> {
         }
         writeln!(
             out,
-            "from what was measured, the table's f_r under the {} lookup differs by {error:.3} % (median)",
+            "median difference between the measurements and the table under {} lookup: {error:.3} %",
             args.lookup.name()
         )
     })?;
@@ -134,7 +142,7 @@ fn reflectance(args: &Args) -> Result<Option<Arc<MerlTable>>, Failure> {
         if args.fill {
             return Ok(Some(measured.table().clone()));
         }
-        let what = format!("{} is a MERL table already", material.name());
+        let what = format!("{} is already a MERL table", material.name());
         let fix = "`merlkit decode` writes it as a MERL binary; --fill fills its gaps";
         return Err(Error::argument(what, fix).into());
     }

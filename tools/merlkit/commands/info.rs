@@ -17,15 +17,15 @@ use crate::output::Destination;
 use crate::progress::Progress;
 use crate::{args, table};
 
-/// Print what a material is: directional albedo, symmetry, bytes, and of a table its size, gaps and range
+/// Print facts about a material: directional albedo, symmetry, size in bytes and, for a table, gaps and range
 ///
-/// Of a sampler file: which sampler, with which settings, of which material.
+/// For a sampler file, prints the sampler, its settings and its material.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit info nickel chrome.binary\n  merlkit info brdfs --json facts.json"
 )]
 pub struct Args {
-    /// Paths to MERL binaries, .bsdf files, sampler files or folders of them, names of embedded materials, or formulas
+    /// MERL binaries, .bsdf files, sampler files or folders of these, names of embedded materials, or formulas
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
     sources: Vec<String>,
     /// How values between the samples of a table are interpolated
@@ -33,7 +33,7 @@ pub struct Args {
     lookup: LookupRule,
     #[command(flatten)]
     invalid: args::Invalid,
-    /// Write JSON to FILE as well, or to standard output (-) instead of the table [default: none]
+    /// Also write JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
     #[arg(long, value_name = "FILE|-")]
     json: Option<Destination>,
     /// Replace an existing FILE [default: refuse]

@@ -9,11 +9,11 @@ use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
 
-/// Print the names of the embedded materials, one a line
+/// Print the names of the embedded materials, one per line
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit list")]
 pub struct Args {
-    /// Write the names as JSON to FILE, or to standard output without one, instead of as text
+    /// Write JSON instead of text, to FILE or, without FILE, to standard output
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<Destination>,
     /// Replace an existing FILE [default: refuse]

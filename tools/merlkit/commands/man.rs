@@ -9,16 +9,16 @@ use merlkit::files::write_new;
 use crate::failure::Outcome;
 use crate::output;
 
-/// Print the manual page of merlkit or of a command, or write all pages into a folder
+/// Print the manual page of merlkit or of one command, or write all pages to a folder
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  \
                         merlkit man render | man -l -\n  \
                         merlkit man -o ~/.local/share/man/man1")]
 pub struct Args {
-    /// The command whose page is printed [default: merlkit itself]
+    /// Command whose page is printed [default: merlkit itself]
     #[arg(value_name = "COMMAND", conflicts_with = "output")]
     command: Option<String>,
-    /// Write all pages into the folder DIR, which is made if it is missing
+    /// Write all pages to the folder DIR; created if missing
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Replace existing pages [default: refuse]

@@ -17,21 +17,21 @@ use crate::sampler_args;
 /// What to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Kind {
-    /// f_r·cosθ of wi over its angle in the plane of incidence; with --sampler, the ideal density and the sampler's
+    /// f_r·cosθ in the plane of incidence against the angle of wi; with --sampler, the ideal density and the sampler's
     Lobe,
-    /// The same in polar coordinates
+    /// The same as lobe, in polar coordinates
     LobePolar,
-    /// The table at φd = 90° over θh and θd, as colours for values
+    /// The table at φd = 90° over θh and θd, in false colours
     Slice,
-    /// The same in the material's own colours
+    /// The same as slice, in the material's own colours
     SliceRgb,
-    /// The unit disc with the adaptive disc's leaves and directions drawn by --sampler
+    /// The leaves of the adaptive disc, and directions drawn by --sampler, on the unit disc
     Disc,
-    /// cascade-cdf's CDF over θh before and after compression, with its knots
+    /// The CDF over θh of cascade-cdf before and after compression, with its knots
     Cdf,
-    /// Its CDF over φh, for the θh that halves the draws, before and after compression
+    /// The CDF over φh of cascade-cdf at the median θh, before and after compression
     CdfAzimuth,
-    /// Directional albedo over θ, of a table by each of the three lookup rules
+    /// Directional albedo against θ; for a table, with each of the three lookup rules
     Albedo,
 }
 
@@ -60,23 +60,25 @@ impl Kind {
     }
 }
 
-/// Draw a material or a sampler: lobes, densities, slices, leaves, CDFs, albedo
+/// Plot a material or a sampler: lobes, densities, slices, leaves, CDFs, albedo
 ///
-/// Writes one SVG picture, 640 pixels wide; its text stays text and it needs no other file. A FILE that ends in .png becomes
-/// PNG of twice the size, in builds with the feature png-plots; others convert with a viewer or rsvg-convert. Angles are degrees; f_r and densities are sr⁻¹, f_r as the mean of red, green and blue. In the
-/// plane of incidence wo stands on the left, its mirror direction on the right.
+/// Writes one self-contained SVG file, 640 pixels wide, whose labels are text. A build with the feature png-plots also writes
+/// PNG, at twice the size, if FILE ends in .png; otherwise, convert the SVG with a viewer or rsvg-convert.
+///
+/// Angles are in degrees, f_r and densities in sr⁻¹; f_r is the mean of red, green and blue. In the plane of incidence, wo is
+/// on the left and its mirror direction on the right.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  merlkit plot nickel --kind lobe --theta 30 --sampler half-vector"
 )]
 pub struct Args {
-    /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula
+    /// MERL binary, .bsdf file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL")]
     material: String,
-    /// What to draw
+    /// What to plot
     #[arg(long, value_name = "KIND")]
     kind: Kind,
-    /// Polar angles of wo, degrees, 0 to below 90, as in 10,30,60; one for disc, up to four otherwise [default: 30]
+    /// Polar angles of wo in degrees, from 0 to below 90, such as 10,30,60; one for disc, up to four otherwise [default: 30]
     #[arg(
         long,
         value_name = "DEG",
@@ -84,7 +86,8 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     theta: Vec<f64>,
-    /// Sampler that is shown, with its settings (`merlkit samplers`) [default: lobes none, disc adaptive-disc, CDFs cascade-cdf]
+    /// Sampler to show, with settings (`merlkit samplers` lists them) [default: none for lobes, adaptive-disc for disc,
+    /// cascade-cdf for CDFs]
     #[arg(long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
     /// How values between the samples of a table are interpolated [default: floor]
@@ -92,13 +95,13 @@ pub struct Args {
     lookup: Option<LookupRule>,
     #[command(flatten)]
     invalid: args::Invalid,
-    /// disc: how many directions are drawn, 0 to 100000 [default: 1000]
+    /// disc: number of directions to draw, 0 to 100000 [default: 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     samples: Option<u32>,
     /// disc: seed of the draws [default: 0]
     #[arg(long, value_name = "K")]
     seed: Option<u64>,
-    /// SVG file (or PNG), or standard output (-) for SVG [default: MATERIAL-KIND.svg]
+    /// SVG or PNG file to write, or - for SVG on standard output [default: MATERIAL-KIND.svg]
     #[arg(short, long, value_name = "FILE|-")]
     output: Option<Destination>,
     /// Replace an existing FILE [default: refuse]
@@ -162,7 +165,7 @@ impl Format {
             Some("svg") => Ok(Self::Svg),
             Some("png") => raster::check().map(|()| Self::Png),
             _ => Err(Error::argument(
-                format!("{}: pictures are SVG or PNG", path.display()),
+                format!("{}: plots are SVG or PNG", path.display()),
                 "name a file that ends in .svg",
             )),
         }
@@ -185,7 +188,7 @@ impl Args {
         match idle {
             Some((option, _)) => Err(Error::argument(
                 format!("{option} has no effect on --kind {}", self.kind.name()),
-                "leave it out",
+                "omit it",
             )),
             None => Ok(()),
         }

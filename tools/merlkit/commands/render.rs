@@ -23,10 +23,10 @@ use crate::resumable::{self, Resumable};
 use crate::sampler_args;
 use crate::{args, output, table};
 
-/// Path-trace a row of spheres, one a material, to NAME.exr (linear RGB) and NAME.png (sRGB)
+/// Path-trace a row of spheres, one per material, to NAME.exr (linear RGB) and NAME.png (sRGB)
 ///
-/// Before anything is loaded, a plan is made of the effects that the scene calls for, and only those are computed; --explain
-/// prints it. The same command gives the same bytes on any number of threads.
+/// Only the effects that the scene needs are computed; --explain prints which, and why. The same command gives the same bytes
+/// on any number of threads.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
@@ -45,32 +45,32 @@ pub struct Args {
     /// Put the spheres on a grey floor
     #[arg(help_heading = "Scene", long = "ground")]
     ground: bool,
-    /// Surfaces a path may meet; 1 is direct light only [default: 8]
+    /// Maximum number of surfaces on a path; 1 gives direct light only [default: 8]
     #[arg(help_heading = "Scene", long = "bounces", value_name = "N", default_value_t = 8, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..))]
     bounces: u32,
-    /// Print each effect, on or off, and why
+    /// Print whether each effect is on or off, and why
     #[arg(help_heading = "Effects", long)]
     explain: bool,
-    /// Compute every effect, called for or not; the picture is the same within noise
+    /// Compute every effect, needed or not; the picture is the same within noise
     #[arg(help_heading = "Effects", long)]
     all_effects: bool,
-    /// How directions are drawn from the BRDF (`merlkit samplers`) [default: half-vector:64KB]
+    /// BRDF sampler, with settings (`merlkit samplers` lists them) [default: half-vector:64KB]
     #[arg(help_heading = "Sampling", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT, hide_default_value = true)]
     sampler: SamplerSpec,
-    /// Paths a pixel [default: 64]
+    /// Paths per pixel [default: 64]
     #[arg(help_heading = "Sampling", long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
-    /// Spend more paths on noisy pixels, about as many in all. Needs --spp 16 or more
+    /// Use the first paths to find noisy areas and spend the rest there; the total stays about the same. Needs --spp 16 or more
     #[arg(help_heading = "Sampling", long, conflicts_with = "target_error")]
     adaptive: bool,
-    /// How the numbers behind a pixel's paths are spread: independently, as Owen-scrambled Sobol points, or as a lattice
-    /// [default: lattice below 512 paths a pixel; sobol from there on, and with --target-error]
+    /// Sample points of each pixel: random, Owen-scrambled Sobol, or a lattice of --spp points [default: lattice; sobol from
+    /// 512 paths per pixel, and with --target-error, where the path count isn't known in advance]
     #[arg(help_heading = "Sampling", long, value_name = "SET", value_parser = args::named(&POINTS))]
     points: Option<PointSet>,
-    /// Sample each tile of 16 × 16 pixels until its RMS error, estimated from replicates, over its mean is at most E: 0.05 or 5%
+    /// Sample each tile of 16 × 16 pixels until its relative RMS error, estimated from replicates, is at most E: 0.05 or 5%
     #[arg(help_heading = "Sampling", long, value_name = "E", conflicts_with = "spp", value_parser = args::target_error)]
     target_error: Option<f64>,
-    /// The most paths a pixel that --target-error may take, from 16 [default: 4096]
+    /// Maximum paths per pixel with --target-error, at least 16 [default: 4096]
     #[arg(help_heading = "Sampling", long, value_name = "N", requires = "target_error", value_parser = clap::value_parser!(u64).range(16..))]
     max_spp: Option<u64>,
     /// Seed of all random numbers [default: 0]
@@ -82,28 +82,28 @@ pub struct Args {
         hide_default_value = true
     )]
     seed: u64,
-    /// How extended lights are found: by light and BRDF (mis), by one of them, or by resampling [default: mis]
+    /// How extended lights are sampled: light and BRDF sampling (mis), one of the two, or resampling (ris) [default: mis]
     #[arg(help_heading = "Sampling", long, value_name = "HOW", default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
     strategy: String,
-    /// Weights of --strategy mis: by squared densities or by densities [default: power]
+    /// MIS heuristic of --strategy mis [default: power]
     #[arg(help_heading = "Sampling", long, value_name = "NAME", value_parser = args::named(&HEURISTICS))]
     heuristic: Option<Heuristic>,
-    /// Directions from the BRDF that --strategy ris keeps one of and traces [default: 8]
+    /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
     #[arg(help_heading = "Sampling", long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     candidates: Option<u32>,
-    /// Size in pixels [default: 320 a sphere, at least 480, by 360]
+    /// Size in pixels [default: 320 per sphere, at least 480, by 360]
     #[arg(help_heading = "Picture", long, value_name = "WxH", value_parser = args::size)]
     size: Option<(usize, usize)>,
-    /// Exposure of the PNG, stops [default: 0]
+    /// Exposure of the PNG in stops [default: 0]
     #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
-    /// Finish the picture that Ctrl-C stopped, to the bytes of one that was never stopped
+    /// Finish a picture that Ctrl-C interrupted; the bytes are those of an uninterrupted run
     #[arg(help_heading = "Picture", long)]
     resume: bool,
     /// Replace existing pictures [default: refuse]
     #[arg(help_heading = "Picture", long)]
     force: bool,
-    /// Output without extension; .exr and .png are appended [default: render]
+    /// Output name without extension; .exr and .png are appended [default: render]
     #[arg(
         help_heading = "Picture",
         short,
@@ -174,7 +174,7 @@ pub fn run(args: &Args) -> Outcome {
         let seconds = start.elapsed().as_secs_f64();
         writeln!(
             out,
-            "{w} × {h} pixels, {paths} paths a pixel, {seconds:.2} s in all"
+            "{w} × {h} pixels, {paths} paths per pixel, {seconds:.2} s in total"
         )?;
         match (refinement, settings.budget) {
             (Some(refinement), Budget::ToError { most, .. }) => {
@@ -212,7 +212,7 @@ fn error_reached(refinement: &Refinement, most: u64) -> String {
         100.0 * worst
     );
     match short {
-        0 => format!("{errors}; all of {tiles} tiles reached the target"),
+        0 => format!("{errors}; all {tiles} tiles reached the target"),
         _ => format!(
             "{errors}; {short} of {tiles} tiles did not reach the target: raise --max-spp {most}"
         ),
@@ -243,10 +243,10 @@ fn settings(args: &Args) -> Result<RenderSettings, Error> {
     };
     let points = match (args.points, args.target_error) {
         (Some(PointSet::Lattice), Some(_)) => {
-            let what = "lattices are for numbers of paths that are known beforehand";
+            let what = "a lattice needs a path count that is known in advance";
             return Err(Error::argument(
                 what,
-                "leave out --points lattice or --target-error",
+                "omit --points lattice or --target-error",
             ));
         }
         (None, Some(_)) => PointSet::Sobol,
@@ -283,8 +283,8 @@ fn describe(args: &Args, settings: &RenderSettings) -> Result<(SceneSpec, Vec<Ma
 fn strategy(args: &Args) -> Result<Strategy, Error> {
     let only = |option: &str, strategy: &str| {
         Error::argument(
-            format!("{option} has no meaning with --strategy {}", args.strategy),
-            format!("leave it out, or pass --strategy {strategy}"),
+            format!("{option} has no effect with --strategy {}", args.strategy),
+            format!("omit it, or pass --strategy {strategy}"),
         )
     };
     match (args.strategy.as_str(), args.heuristic, args.candidates) {

@@ -18,12 +18,13 @@ use crate::progress::Progress;
 use crate::sampler_args;
 use crate::{args, table};
 
-/// Measure memory, time and accuracy of samplers, with the thesis's figures beside them
+/// Measure the memory, time and accuracy of samplers, and list the thesis's results for comparison
 ///
-/// For each material and sampler: bytes of its tables (counted) and of its file, seconds to build, nanoseconds a draw and a
-/// density, and at seven angles between the samplers' own: spread of the weights, by quadrature, and bias of the albedo, by
-/// draws; of an anisotropic .bsdf, at four azimuths each. Every figure but the thesis's is measured in this run.
-/// Ctrl-C writes the files with the materials that are finished.
+/// For each material and sampler, prints the size of its tables and file, the build time, and the time per draw and per
+/// density. At seven angles that lie between the tabulated ones, prints the spread of the sample weights (by quadrature) and
+/// the bias of the albedo (from draws). An anisotropic .bsdf file is measured at four azimuths per angle.
+///
+/// All numbers except the thesis's are measured in this run. Ctrl-C writes the files with the materials that are finished.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  merlkit report nickel teflon --sampler cosine --sampler half-vector:2KB"
@@ -31,23 +32,24 @@ use crate::{args, table};
 pub struct Args {
     #[command(flatten)]
     materials: args::Materials,
-    /// Sampler to measure, with its settings (`merlkit samplers`); may be repeated [default: the half-vector table at 2KB, 64KB
-    /// and 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file, where the material supports them]
+    /// Sampler to measure, with settings (`merlkit samplers` lists them); repeatable [default: those the material supports of
+    /// half-vector at 2KB, 64KB and 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file]
     #[arg(long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
     /// How values between the samples of a table are interpolated
     #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    /// Draws that a bias is estimated from, at each angle
+    /// Number of draws per angle for estimating the bias
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     draws: usize,
     /// Seed of the draws
     #[arg(long, value_name = "K", default_value_t = 1)]
     seed: u64,
-    /// Write JSON to FILE as well, or to standard output (-) instead of the tables [default: none]
+    /// Also write JSON to FILE; with -, write JSON to standard output instead of the tables [default: none]
     #[arg(long, value_name = "FILE|-")]
     json: Option<Destination>,
-    /// Write CSV, one line a material, sampler and angle, to FILE as well, or to standard output (-) instead [default: none]
+    /// Also write CSV, one line per material, sampler and angle, to FILE; with -, write CSV to standard output instead of the
+    /// tables [default: none]
     #[arg(long, value_name = "FILE|-")]
     csv: Option<Destination>,
     /// Replace existing files [default: refuse]
@@ -59,14 +61,14 @@ pub struct Args {
 fn refuse_meaningless(args: &Args) -> Result<(), Error> {
     if args.draws == 0 {
         return Err(Error::argument(
-            "a bias from 0 draws",
+            "0 draws are too few to estimate a bias",
             "choose --draws of at least 1",
         ));
     }
     if args.json.is_some() && args.json == args.csv {
         return Err(Error::argument(
             "--json and --csv name the same output",
-            "name another for one of them",
+            "name different outputs",
         ));
     }
     Ok(())

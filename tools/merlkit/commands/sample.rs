@@ -20,32 +20,34 @@ use crate::failure::Outcome;
 use crate::sampler_args;
 use crate::{args, output};
 
-/// Draw directions and print them with density and value
+/// Draw directions and print each with its density and BRDF value
 ///
-/// Writes a heading and one line wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b a draw: a unit vector towards the light, its density in
-/// sr⁻¹, and f_r in sr⁻¹ without the cosine. A draw that failed is a line of zeros and counts as a sample of weight 0. With
-/// --fit, the thesis's point cloud instead: the material, the viewer in degrees, and (x,y,z) f a line.
+/// Writes a heading and, for each draw, one line wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b: the unit vector towards the light, its
+/// density in sr⁻¹, and f_r in sr⁻¹ without the cosine. A failed draw is a line of zeros and counts as a sample of weight 0.
+/// --fit writes the thesis's point-cloud format instead: the material, the view direction in degrees, and one line (x,y,z) f
+/// per draw.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit sample nickel --theta 30 --count 1000 > draws.csv")]
 pub struct Args {
-    /// Path to a MERL binary, a .bsdf file or a sampler file, name of an embedded material, or a formula
+    /// MERL binary, .bsdf file, sampler file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]
     source: String,
-    /// Sampler to build, with its settings (`merlkit samplers`) [default: half-vector:64KB; a sampler file brings its own]
+    /// Sampler to build, with settings (`merlkit samplers` lists them) [default: half-vector:64KB, or the one in the sampler
+    /// file]
     #[arg(long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
-    /// Material of a sampler file [default: the one it names]
+    /// Material of the sampler file [default: the one named in it]
     #[arg(long, value_name = "MATERIAL")]
     material: Option<String>,
-    /// How values between the samples of a table are interpolated [default: floor; a sampler file brings its own]
+    /// How values between the samples of a table are interpolated [default: floor, or the rule in the sampler file]
     #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
     #[command(flatten)]
     invalid: args::Invalid,
-    /// Polar angle of wo, degrees, 0 to below 90
+    /// Polar angle of wo in degrees, from 0 to below 90
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     theta: f64,
-    /// Azimuth of wo, degrees
+    /// Azimuth of wo in degrees
     #[arg(
         long,
         value_name = "DEG",
@@ -53,19 +55,19 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     phi: f64,
-    /// How many draws
+    /// Number of draws
     #[arg(long, value_name = "N")]
     count: u64,
     /// Seed of the points
     #[arg(long, value_name = "K", default_value_t = 0)]
     seed: u64,
-    /// Points of the unit square that are mapped to directions: random, or Owen-scrambled Sobol
+    /// Sample points in the unit square: random or Owen-scrambled Sobol
     #[arg(long, value_name = "SET", default_value = "random", value_parser = ["random", "sobol"])]
     points: String,
-    /// Write a FIT point cloud: only draws that succeeded, with mean RGB as the value
+    /// Write a FIT point cloud: successful draws only, with the mean of RGB as the value
     #[arg(long)]
     fit: bool,
-    /// Begin each line with what it was drawn from, wo_x,wo_y,wo_z,u_x,u_y, to compare another implementation
+    /// Start each line with its input wo_x,wo_y,wo_z,u_x,u_y, for comparison with another implementation
     #[arg(long, conflicts_with = "fit")]
     with_points: bool,
 }
@@ -120,8 +122,8 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
     }
     if args.material.is_some() {
         return Err(Error::argument(
-            "--material goes with a sampler file",
-            "leave it out",
+            "--material applies to sampler files only",
+            "omit it",
         ));
     }
     let material = args.invalid.resolve(&args.source)?;
@@ -138,14 +140,14 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
 fn refuse_other_sampler(args: &Args, record: &Record) -> Result<(), Error> {
     if args.sampler.as_ref().is_some_and(|s| *s != record.spec) {
         return Err(Error::argument(
-            format!("{} holds the sampler {}", args.source, record.spec),
-            "leave --sampler out",
+            format!("{} contains the sampler {}", args.source, record.spec),
+            "omit --sampler",
         ));
     }
     if args.invalid.contradicts(record.channels_apart) {
         return Err(Error::argument(
-            format!("{} was built with the other --invalid", args.source),
-            "leave --invalid out, or build the sampler again",
+            format!("{} was built with another --invalid", args.source),
+            "omit --invalid, or rebuild the sampler",
         ));
     }
     match (record.lookup, args.lookup) {
@@ -155,7 +157,7 @@ fn refuse_other_sampler(args: &Args, record: &Record) -> Result<(), Error> {
                 args.source,
                 recorded.name()
             ),
-            "leave --lookup out, or build the sampler again",
+            "omit --lookup, or rebuild the sampler",
         )),
         _ => Ok(()),
     }

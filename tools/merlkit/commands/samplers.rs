@@ -12,10 +12,10 @@ use crate::output;
 use crate::output::Destination;
 use crate::table;
 
-/// List the samplers, or the settings of one
+/// List the samplers, or the settings of one sampler
 ///
-/// A sampler is written NAME or NAME:SETTING,SETTING…: first a preset, if any, then words and KEY=VALUE, in any order.
-/// What is not given is as in the preset, or as by default.
+/// A sampler is written NAME or NAME:SETTING,SETTING…. A preset, if any, comes first; keywords and KEY=VALUE follow in any
+/// order. Omitted settings are taken from the preset, or else have their default.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit samplers                  # all of them\n  merlkit samplers adaptive-disc    # its settings, their domains and defaults"
@@ -24,7 +24,7 @@ pub struct Args {
     /// The sampler whose settings are listed [default: list all samplers]
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// Write the list as JSON to FILE, or to standard output without one, instead of as text
+    /// Write JSON instead of text, to FILE or, without FILE, to standard output
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<Destination>,
     /// Replace an existing FILE [default: refuse]
@@ -86,11 +86,11 @@ impl Description {
     /// Its settings and presets, for people.
     fn text(&self) -> String {
         let mut text = format!(
-            "{}: {}\n\nNeeds {}. By default it is {}.\n",
+            "{}: {}\n\nNeeds {}. Default: {}.\n",
             self.name, self.summary, self.needs, self.default
         );
         if self.settings.is_empty() {
-            return text + "It has no settings.\n";
+            return text + "No settings.\n";
         }
         let mut settings = Sheet::new(&["setting", "values", "default", "meaning"]);
         for setting in &self.settings {
@@ -109,7 +109,10 @@ impl Description {
             .flat_map(|s| s.standing_alone.iter().copied())
             .collect();
         if !alone.is_empty() {
-            text += &format!("\nWithout their key: {}.\n", alone.join(", "));
+            text += &format!(
+                "\nValues that may be given without their key: {}.\n",
+                alone.join(", ")
+            );
         }
         if !self.presets.is_empty() {
             let mut presets = Sheet::new(&["preset", "meaning"]);
@@ -124,7 +127,7 @@ impl Description {
 
 /// All samplers, a line each.
 fn list(all: &[Description]) -> String {
-    let mut sheet = Sheet::new(&["sampler", "what it is", "needs", "default"]);
+    let mut sheet = Sheet::new(&["sampler", "description", "needs", "default"]);
     for one in all {
         sheet.push(vec![
             one.name.to_owned(),
@@ -134,7 +137,7 @@ fn list(all: &[Description]) -> String {
         ]);
     }
     format!(
-        "{}\n`merlkit samplers NAME` lists what can be set, as in --sampler {}.\n",
+        "{}\n`merlkit samplers NAME` lists the settings of a sampler. Example: --sampler {}\n",
         table::render(&sheet),
         all.first().map_or("", |one| one.name).to_owned() + ":64KB,rows=50"
     )

@@ -17,33 +17,35 @@ use crate::sampler_args;
 use crate::sky::{SkyArgs, UnderSky};
 use crate::{args, table};
 
-/// Choose the sampler and settings that reach an error in the least time
+/// Choose the sampler and settings that reach a target error in the least time
 ///
-/// Tries every size of the half-vector table, the cascade CDF, the adaptive disc, fitted lobes and the cosine at a lit point
-/// (relative RMSE over three angles, Owen-scrambled Sobol points), proves the best three and all that is named on fresh
-/// seeds, with more samples if it takes more, and takes the one that reaches E soonest within the limits. A proof holds
-/// where the upper end of the error's interval is at most E. Times that decide are counted by a fixed model, of one thread,
-/// with the estimate's part of the precomputation, so that every run gives the same answer; within 25 % they tie, and fewer
-/// samples, then fewer bytes decide. Exit status 1 if nothing reaches E within the limits.
+/// Measures every size of the half-vector table, the cascade CDF, the adaptive disc, fitted lobes and the cosine at a lit
+/// point: the relative RMSE over three angles with Owen-scrambled Sobol points. The best three, and all samplers named in the
+/// result, are then re-measured with new seeds, adding samples if needed. A sampler passes if the upper end of the error's
+/// confidence interval is at most E. The fastest that passes and meets the limits is chosen.
+///
+/// The choice is based on counted times, from a fixed cost model for one thread that includes part of the build time. Every
+/// run therefore gives the same answer. Times within 25 % of each other are a tie; the sampler with fewer samples wins, then
+/// the one with fewer bytes. The exit status is 1 if no sampler reaches E within the limits.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit tune nickel --target-error 1%")]
 pub struct Args {
-    /// Path to a MERL binary or a .bsdf file, name of an embedded material, or a formula
+    /// MERL binary, .bsdf file, name of an embedded material, or a formula
     #[arg(value_name = "MATERIAL")]
     material: String,
-    /// Sampler to try, with its settings (`merlkit samplers`); may be repeated [default: those named above]
+    /// Sampler to try, with settings (`merlkit samplers` lists them); repeatable [default: those named above]
     #[arg(long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
-    /// Relative error of one estimate, root of the mean square: 0.01 or 1%
+    /// Target relative RMSE of one estimate: 0.01 or 1%
     #[arg(long, value_name = "E", value_parser = args::target_error)]
     target_error: f64,
-    /// Most bytes that the sampler's tables may hold [default: any]
+    /// Maximum size of the sampler's tables in bytes [default: unlimited]
     #[arg(long, value_name = "BYTES")]
     max_bytes: Option<usize>,
-    /// Most seconds that building may take on the threads of this run, by the clock [default: any]
+    /// Maximum build time in seconds, measured with this run's threads [default: unlimited]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     max_build: Option<f64>,
-    /// Samples that share the precomputation: those of all that is rendered with the sampler
+    /// Total number of samples that the sampler will draw, over which its build time is spread
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     shared_by: u64,
     /// How values between the samples of a table are interpolated
@@ -56,10 +58,10 @@ pub struct Args {
     /// Seed of the draws
     #[arg(long, value_name = "K", default_value_t = 1)]
     seed: u64,
-    /// Write JSON with every figure to FILE as well, or to standard output (-) instead of the table [default: none]
+    /// Also write every number as JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
     #[arg(long, value_name = "FILE|-")]
     json: Option<Destination>,
-    /// Write the chosen sampler to FILE; the cosine, which has no tables, is no choice then [default: none]
+    /// Write the chosen sampler to FILE. Excludes the cosine, which has no tables to store [default: none]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Replace existing files [default: refuse]
@@ -72,7 +74,7 @@ fn seconds(argument: &str) -> Result<f64, String> {
         .parse()
         .ok()
         .filter(|s: &f64| s.is_finite() && *s > 0.0);
-    positive.ok_or_else(|| "expected seconds above 0".into())
+    positive.ok_or_else(|| "expected a number of seconds above 0".into())
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -136,7 +138,7 @@ fn candidates(args: &Args, material: &Loaded) -> Result<Vec<SamplerSpec>, Error>
         if stored && !spec.is_stored() {
             return Err(Error::argument(
                 format!("the sampler {spec} has no tables of its own to store"),
-                "leave out --output, or that sampler",
+                "omit --output, or that sampler",
             ));
         }
     }

@@ -98,7 +98,7 @@ pub fn unsteady_note<'a>(times: impl Iterator<Item = (&'a str, CallCost)>) -> Op
         n => format!(" and {n} more"),
     };
     let text = format!(
-        "repeats of the times of {named}{and_others} differ by more than {:.0} % (by up to {:.0} %): the machine was busy",
+        "repeated timings of {named}{and_others} differ by more than {:.0} % (by up to {:.0} %): the machine was busy",
         100.0 * UNSTEADY,
         100.0 * most
     );

@@ -152,14 +152,15 @@ impl Ruler {
         let count = ((self.high - first * step) / step + 1e-6)
             .floor()
             .clamp(0.0, 100.0) as usize;
-        let tick = |i: usize| {
+        let mut ticks = Vec::new();
+        for i in 0..=count {
             let value = (first + i as f64) * step;
-            Tick {
+            ticks.push(Tick {
                 at: self.pixel(value),
                 label: Some(number(value, step)),
-            }
-        };
-        (0..=count).map(tick).collect()
+            });
+        }
+        ticks
     }
 
     fn log_ticks(&self, most: f64) -> Vec<Tick> {
@@ -171,7 +172,7 @@ impl Ruler {
             (self.high + ROUNDING).floor() as i32,
         );
         let plain = first >= -3 && last <= 4;
-        let within = |p: f64| p >= self.low - ROUNDING && p <= self.high + ROUNDING;
+        let within = self.low - ROUNDING..=self.high + ROUNDING;
         let mut ticks = Vec::new();
         for exponent in first..=last {
             let labelled = exponent.rem_euclid(every) == 0;
@@ -183,7 +184,7 @@ impl Ruler {
                 } else {
                     every == 1
                 };
-                if !shown || !within(place) {
+                if !shown || !within.contains(&place) {
                     continue;
                 }
                 let named = if digit == 1 {
@@ -204,28 +205,28 @@ impl Ruler {
     /// 0, and 1, 2 and 5 times powers of ten from the top, as far as they are `spacing` apart.
     fn root_ticks(&self, spacing: f64) -> Vec<Tick> {
         let mut ticks = Vec::new();
-        let mut put = |value: f64| {
-            let at = self.pixel(value.sqrt());
-            let far = |t: &Tick| (t.at - at).abs() >= spacing;
-            if value.sqrt() <= self.high * (1.0 + 1e-9)
-                && value.sqrt() >= self.low
-                && ticks.iter().all(far)
-            {
-                ticks.push(Tick {
-                    at,
-                    label: Some(number(value, value)),
-                });
-            }
-        };
-        put(0.0);
+        self.push_root_tick(&mut ticks, 0.0, spacing);
         let top = (2.0 * self.high.log10()).floor().clamp(-300.0, 300.0) as i32;
         for exponent in (top - 6..=top).rev() {
             for digit in [5.0, 2.0, 1.0] {
-                put(digit * 10f64.powi(exponent));
+                self.push_root_tick(&mut ticks, digit * 10f64.powi(exponent), spacing);
             }
         }
         ticks.sort_by(|a, b| a.at.total_cmp(&b.at));
         ticks
+    }
+
+    /// Adds a tick of a root axis if its value lies on the axis, `spacing` or more from the others.
+    fn push_root_tick(&self, ticks: &mut Vec<Tick>, value: f64, spacing: f64) {
+        let place = value.sqrt();
+        let at = self.pixel(place);
+        let on_axis = place <= self.high * (1.0 + 1e-9) && place >= self.low;
+        if on_axis && ticks.iter().all(|t| (t.at - at).abs() >= spacing) {
+            ticks.push(Tick {
+                at,
+                label: Some(number(value, value)),
+            });
+        }
     }
 }
 
@@ -327,7 +328,12 @@ fn power(digit: u8, exponent: i32, plain: bool) -> String {
 }
 
 fn superscript(n: i32) -> String {
-    let raise = |c: char| match c {
+    n.to_string().chars().map(raise).collect()
+}
+
+/// A digit or a minus sign as an exponent.
+fn raise(c: char) -> char {
+    match c {
         '-' => '⁻',
         '1' => '¹',
         '2' => '²',
@@ -336,8 +342,7 @@ fn superscript(n: i32) -> String {
             .to_digit(10)
             .and_then(|d| char::from_u32(0x2070 + d))
             .unwrap_or(c),
-    };
-    n.to_string().chars().map(raise).collect()
+    }
 }
 
 /// With a true minus sign.

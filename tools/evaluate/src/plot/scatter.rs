@@ -55,8 +55,12 @@ impl Scatter {
     /// The picture: 640 pixels wide, 440 or so high, more with a long legend.
     pub fn svg(&self) -> String {
         let axes = (&self.x, &self.y);
-        let all = || self.groups.iter().flat_map(|g| &g.points);
-        let frame = Frame::new(axes, all().map(|p| p.x), all().map(|p| p.y), MARGIN);
+        let frame = Frame::new(
+            axes,
+            self.points().map(|p| p.x),
+            self.points().map(|p| p.y),
+            MARGIN,
+        );
         let mut svg = frame.begin(&self.caption, axes, &self.legend(), true);
         let placed = self.lay_out(&frame);
         if self.front {
@@ -80,44 +84,47 @@ impl Scatter {
         svg.finish()
     }
 
+    /// The points of all groups.
+    fn points(&self) -> impl Iterator<Item = &ScatterPoint> {
+        self.groups.iter().flat_map(|g| &g.points)
+    }
+
     fn legend(&self) -> Legend {
-        let entry = |g: &Group| Entry {
-            label: g.label.clone(),
-            style: Style(g.style),
-            line: false,
-            mark: true,
-        };
-        Legend::new(
-            self.groups
-                .iter()
-                .filter(|g| !g.label.is_empty())
-                .map(entry)
-                .collect(),
-        )
+        let mut entries = Vec::new();
+        for group in self.groups.iter().filter(|g| !g.label.is_empty()) {
+            entries.push(Entry {
+                label: group.label.clone(),
+                style: Style(group.style),
+                line: false,
+                mark: true,
+            });
+        }
+        Legend::new(entries)
     }
 
     fn lay_out<'a>(&'a self, frame: &Frame) -> Vec<Vec<Placed<'a>>> {
-        let drawable = |p: &&ScatterPoint| frame.pixel((p.x, p.y)).is_some();
-        let all: Vec<(f64, f64)> = self
-            .groups
-            .iter()
-            .flat_map(|g| &g.points)
-            .filter(drawable)
-            .map(|p| (p.x, p.y))
-            .collect();
-        let front = front(&all);
-        let place = |p: &'a ScatterPoint| {
-            let at = frame.pixel((p.x, p.y))?;
-            Some(Placed {
-                at,
-                label: &p.label,
-                on_front: front.contains(&(p.x, p.y)),
-            })
-        };
-        self.groups
-            .iter()
-            .map(|g| g.points.iter().filter_map(place).collect())
-            .collect()
+        let mut drawable = Vec::new();
+        for p in self.points() {
+            if frame.pixel((p.x, p.y)).is_some() {
+                drawable.push((p.x, p.y));
+            }
+        }
+        let front = front(&drawable);
+        let mut groups = Vec::new();
+        for group in &self.groups {
+            let mut placed = Vec::new();
+            for p in &group.points {
+                if let Some(at) = frame.pixel((p.x, p.y)) {
+                    placed.push(Placed {
+                        at,
+                        label: &p.label,
+                        on_front: front.contains(&(p.x, p.y)),
+                    });
+                }
+            }
+            groups.push(placed);
+        }
+        groups
     }
 }
 
@@ -166,19 +173,24 @@ fn draw_labels(svg: &mut Svg, area: &Area, placed: &[Vec<Placed<'_>>], front_onl
         if p.label.is_empty() || (front_only && !p.on_front) {
             continue;
         }
-        let fits = |(_, _, room): &((f64, f64), Anchor, Area)| {
-            let inside = area.holds((room.x, room.y)) && area.holds((room.right(), room.bottom()));
-            inside
-                && taken
-                    .iter()
-                    .enumerate()
-                    .all(|(i, t)| i == own || !overlap(t, room))
-        };
-        if let Some((at, anchor, room)) = places(p).into_iter().find(fits) {
-            svg.label_above(at, anchor, p.label);
-            taken.push(room);
+        for (at, anchor, room) in places(p) {
+            if is_free(&room, area, &taken, own) {
+                svg.label_above(at, anchor, p.label);
+                taken.push(room);
+                break;
+            }
         }
     }
+}
+
+/// Whether `room` lies within `area` and overlaps nothing that is taken, but for the label's `own` point.
+fn is_free(room: &Area, area: &Area, taken: &[Area], own: usize) -> bool {
+    let inside = area.holds((room.x, room.y)) && area.holds((room.right(), room.bottom()));
+    inside
+        && taken
+            .iter()
+            .enumerate()
+            .all(|(i, t)| i == own || !overlap(t, room))
 }
 
 fn around((x, y): (f64, f64)) -> Area {
@@ -197,26 +209,38 @@ fn overlap(a: &Area, b: &Area) -> bool {
 /// Where a label may stand, the best place first, and the room it takes there.
 fn places(p: &Placed<'_>) -> Vec<((f64, f64), Anchor, Area)> {
     let (width, (x, y)) = (width_of(p.label, TEXT), p.at);
-    let room = |left: f64, baseline: f64| Area {
-        x: left,
-        y: baseline - 10.0,
-        width,
-        height: 13.0,
-    };
     let mut out = Vec::new();
     // Left of a point and below it none can beat it, so that there is room.
     for dy in [15.0, 4.0, -6.0] {
         out.push((
             (x - 7.0, y + dy),
             Anchor::End,
-            room(x - 7.0 - width, y + dy),
+            label_room(x - 7.0 - width, y + dy, width),
         ));
     }
     for dy in [4.0, -6.0, 15.0] {
-        out.push(((x + 7.0, y + dy), Anchor::Start, room(x + 7.0, y + dy)));
+        out.push((
+            (x + 7.0, y + dy),
+            Anchor::Start,
+            label_room(x + 7.0, y + dy, width),
+        ));
     }
     for dy in [-8.0, 17.0] {
-        out.push(((x, y + dy), Anchor::Middle, room(x - width / 2.0, y + dy)));
+        out.push((
+            (x, y + dy),
+            Anchor::Middle,
+            label_room(x - width / 2.0, y + dy, width),
+        ));
     }
     out
+}
+
+/// What a label of that width covers.
+fn label_room(left: f64, baseline: f64, width: f64) -> Area {
+    Area {
+        x: left,
+        y: baseline - 10.0,
+        width,
+        height: 13.0,
+    }
 }

@@ -144,7 +144,7 @@ fn is_cascade(spec: &SamplerSpec, matches: impl Fn(&CascadeCdfSettings) -> bool)
 fn uniform_memory(comparison: &Comparison) -> Option<ThesisTable> {
     let whole = whole_cdfs(comparison, None);
     let mut sheet = Sheet::new(&[
-        "cells of the thesis, θ × φ",
+        "thesis cells, θ × φ",
         "thesis KB",
         "ours",
         "ours KB",
@@ -171,8 +171,8 @@ fn uniform_memory(comparison: &Comparison) -> Option<ThesisTable> {
                 .collect(),
         );
     }
-    let note = "Beside each resolution of the thesis the smallest of our whole CDFs that is as fine in both angles. A KB is \
-                1024 bytes, as in the thesis.";
+    let note = "Each resolution in the thesis is compared with our smallest uncompressed CDF that is at least as fine in both \
+                angles. 1 KB is 1024 bytes, as in the thesis.";
     ThesisTable::new("Table 5.9: memory of CDFs without compression", note, sheet)
 }
 
@@ -184,7 +184,7 @@ fn compressed(comparison: &Comparison) -> Option<ThesisTable> {
         };
         push_costs(&mut sheet, comparison, material, "compressed CDF", thesis);
     }
-    let note = "The thesis compresses CDFs of 33792 KB by Douglas and Peucker's method; ours is built compressed. A KB is \
+    let note = "The thesis compresses CDFs of 33792 KB with the Douglas–Peucker algorithm; ours are built compressed. 1 KB is \
                 1024 bytes.";
     ThesisTable::new("Table 5.10: compressed CDFs", note, sheet)
 }
@@ -211,13 +211,13 @@ fn precomputation(comparison: &Comparison) -> Option<ThesisTable> {
             }
         }
     }
-    let note = "Seconds to build, ours on all threads, and memory of the tables, 1 KB being 1024 bytes. The thesis has no \
-                half-vector table; it stands beside the thesis's adaptive disc.";
+    let note = "Build time in seconds, ours on all threads, and table memory; 1 KB is 1024 bytes. The thesis has no half-vector \
+                table; ours is compared with the thesis's adaptive disc.";
     ThesisTable::new("Table 6.23: precomputation and memory", note, sheet)
 }
 
 /// What the thesis has nothing like: held against its adaptive disc.
-const NEW: &str = "half-vector, beside adaptive disc";
+const NEW: &str = "half-vector, compared with adaptive disc";
 
 /// A row of memory and seconds, if ours was measured.
 fn push_costs(
@@ -268,10 +268,10 @@ fn drawing(comparison: &Comparison) -> Option<ThesisTable> {
             sheet.push(start.into_iter().chain(figures).collect());
         }
     }
-    let note = "The thesis's seconds are those spent on drawing directions for a picture of 450 × 200 pixels at 25 samples; \
-                ours are as many samples at the lit point on one thread, which count random numbers, density, BRDF and \
-                light as well. Beside uniform directions stands cosine.";
-    ThesisTable::new("Table 6.24: time of sampling", note, sheet)
+    let note = "The thesis gives the seconds for drawing the directions of a picture of 450 × 200 pixels at 25 samples per pixel. \
+                Ours are for the same number of samples at the lit point on one thread, and include random numbers, \
+                density, BRDF and light. Our cosine sampler is compared with the thesis's uniform directions.";
+    ThesisTable::new("Table 6.24: sampling time", note, sheet)
 }
 
 /// A figure to three digits.

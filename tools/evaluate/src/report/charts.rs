@@ -74,28 +74,35 @@ impl ChartSubject {
     /// The lobe at each angle; with a sampler, both densities.
     fn curves(&self) -> Vec<Named> {
         let Some(sampler) = &self.sampler else {
-            let named = |(style, &theta): (usize, &f64)| Named {
+            return self.lobes();
+        };
+        let mut curves = Vec::new();
+        for (i, &theta) in self.thetas.iter().enumerate() {
+            curves.push(Named {
+                label: format!("ideal, θ = {theta}°"),
+                style: 2 * i,
+                curve: views::ideal_density(self.brdf(), theta),
+            });
+            curves.push(Named {
+                label: format!("{}, θ = {theta}°", sampler.spec().name()),
+                style: 2 * i + 1,
+                curve: views::density(sampler.as_dyn(), theta),
+            });
+        }
+        curves
+    }
+
+    /// f·cos θ at each angle of wo.
+    fn lobes(&self) -> Vec<Named> {
+        let mut curves = Vec::new();
+        for (style, &theta) in self.thetas.iter().enumerate() {
+            curves.push(Named {
                 label: format!("θ = {theta}°"),
                 style,
                 curve: views::lobe(self.brdf(), theta),
-            };
-            return self.thetas.iter().enumerate().map(named).collect();
-        };
-        let both = |(i, &theta): (usize, &f64)| {
-            [
-                Named {
-                    label: format!("ideal, θ = {theta}°"),
-                    style: 2 * i,
-                    curve: views::ideal_density(self.brdf(), theta),
-                },
-                Named {
-                    label: format!("{}, θ = {theta}°", sampler.spec().name()),
-                    style: 2 * i + 1,
-                    curve: views::density(sampler.as_dyn(), theta),
-                },
-            ]
-        };
-        self.thetas.iter().enumerate().flat_map(both).collect()
+            });
+        }
+        curves
     }
 
     fn value_title(&self) -> &'static str {
@@ -126,8 +133,8 @@ impl ChartSubject {
                 self.reading()
             ),
             format!(
-                "Over the polar angle of the light direction wi in the plane of incidence, in sr⁻¹: {shown}. \
-                 The viewer wo stands at −θ, its mirror direction at θ."
+                "Against the polar angle of the light direction wi in the plane of incidence, in sr⁻¹: {shown}. \
+                 The view direction wo is at −θ, its mirror direction at θ."
             ),
         )
     }
@@ -169,7 +176,7 @@ impl ChartSubject {
             cut(&mut curves);
             caption
                 .description
-                .push_str(" Densities end at twice the greatest ideal one.");
+                .push_str(" Densities are cut off at twice the greatest ideal density.");
         }
         // A narrow lobe on an even scale is a line, and nothing beside it.
         let mean = curves.iter().map(|c| mean(&c.curve)).sum::<f64>() / curves.len().max(1) as f64;
@@ -204,7 +211,7 @@ impl ChartSubject {
         let values = views::slice(table.table());
         self.slice_of(
             Pixels::Values { width: THETA_H_BINS, values, bar },
-            "colours stand for the mean of red, green and blue on a logarithmic scale; white has no valid value",
+            "colours show the mean of red, green and blue on a logarithmic scale; white bins have no valid value",
         )
     }
 
@@ -229,7 +236,7 @@ impl ChartSubject {
         let caption = Caption::new(
             format!("{}: slice at φd = 90°", self.name()),
             format!(
-                "f of the table over the half angle θh and the difference angle θd, a bin a pixel: {how}."
+                "f of the table over the half angle θh and the difference angle θd, one pixel per bin: {how}."
             ),
         );
         let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
@@ -257,7 +264,9 @@ impl ChartSubject {
         let leaves = match cells.len() {
             0 => String::new(),
             count => {
-                format!("{count} squares of the tree at {tree:.1}°; a dot is one below a pixel")
+                format!(
+                    "{count} cells of the {tree:.1}° tree (cells smaller than a pixel appear as dots)"
+                )
             }
         };
         let lost = if failed == 0 {
@@ -279,12 +288,11 @@ impl ChartSubject {
                 self.reading()
             ),
         );
-        let pairs = |points: Vec<DVec2>| points.into_iter().map(|p| (p.x, p.y)).collect();
-        let cells = cells.into_iter().map(pairs).collect();
+        let cells = cells.into_iter().map(coordinate_pairs).collect();
         Disc {
             caption,
             cells,
-            points: pairs(points),
+            points: coordinate_pairs(points),
             marks: disc_marks(theta),
             labels: [leaves, drawn],
         }
@@ -299,7 +307,7 @@ impl ChartSubject {
         let (series, of) = self.compressed(CascadeCdf::marginal, |_| String::new())?;
         let caption = Caption::new(
             format!("{}: CDF over θh before and after compression", self.name()),
-            format!("Probability of a half vector below θh, by {of}."),
+            format!("Probability of a half vector below θh, from {of}."),
         );
         let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
         let y = Axis::new("probability below θh", Scale::Linear).with_range(0.0, 1.0);
@@ -317,15 +325,11 @@ impl ChartSubject {
     /// # Errors
     /// As [`Self::cdf`].
     pub fn cdf_azimuth(&self) -> Result<String> {
-        let span = |cdf: &CdfCurve| {
-            let [from, to] = cdf.theta_h.map(f64::to_degrees);
-            format!(", θh {from:.2}–{to:.2}°")
-        };
-        let (series, of) = self.compressed(CascadeCdf::conditional, span)?;
+        let (series, of) = self.compressed(CascadeCdf::conditional, theta_h_range)?;
         let caption = Caption::new(
             format!("{}: CDF over φh before and after compression", self.name()),
             format!(
-                "Probability of an azimuth of the half vector below φh, counted from wo, where θh halves the draws, by {of}."
+                "Probability that the half vector's azimuth, measured from wo, is below φh, at the median θh, from {of}."
             ),
         );
         let x = Axis::new("φh [°]", Scale::Linear).with_range(0.0, 360.0);
@@ -348,7 +352,7 @@ impl ChartSubject {
         let stored: Option<&CascadeCdf> = self.sampler.as_ref().and_then(Sampler::downcast);
         let Some(stored) = stored else {
             return Err(Error::argument(
-                "a CDF of another sampler",
+                "the sampler has no CDF to plot",
                 "choose cascade-cdf",
             ));
         };
@@ -363,30 +367,22 @@ impl ChartSubject {
         let mut series = Vec::new();
         for (i, theta) in self.thetas.iter().map(|t| t.to_radians()).enumerate() {
             let (before, after) = (curve(&whole, theta), curve(stored, theta));
-            let degrees =
-                |points: &[(f64, f64)]| points.iter().map(|p| (p.0.to_degrees(), p.1)).collect();
-            let at = |cdf: &CdfCurve| format!("θ = {:.1}°{}", cdf.theta_o.to_degrees(), span(cdf));
-            let line = |label, points: &[(f64, f64)], style| Series {
-                label,
-                points: degrees(points),
-                style,
-                marks: Marks::None,
-                ..Series::default()
-            };
-            series.push(line(
-                format!("{}, {} knots", at(&before), before.knots.len()),
+            let angle_before = format!("{}{}", theta_o_text(&before), span(&before));
+            let angle_after = format!("{}{}", theta_o_text(&after), span(&after));
+            series.push(line_in_degrees(
+                format!("{angle_before}, {} knots", before.knots.len()),
                 &before.curve,
                 5 * i,
             ));
-            series.push(line(
-                format!("{}, compressed", at(&after)),
+            series.push(line_in_degrees(
+                format!("{angle_after}, compressed"),
                 &after.curve,
                 5 * i + 1,
             ));
-            let label = format!("{}, its {} knots", at(&after), after.knots.len());
+            let label = format!("{angle_after}, its {} knots", after.knots.len());
             series.push(Series {
                 marks: Marks::Only,
-                ..line(label, &after.knots, 5 * i + 1)
+                ..line_in_degrees(label, &after.knots, 5 * i + 1)
             });
         }
         let label = SamplerSpec::new(settings);
@@ -407,7 +403,7 @@ impl ChartSubject {
             Some(measured) => {
                 let curves = views::albedo_by_rule(measured.table());
                 let labels = LookupRule::ALL.map(|rule| format!("{} lookup", rule.name()));
-                let how = "by what the table says between its samples".to_owned();
+                let how = "for the three rules of interpolation between table samples".to_owned();
                 (labels.into_iter().zip(curves).collect(), how)
             }
             None => {
@@ -492,15 +488,47 @@ fn least(curves: &[Named]) -> f64 {
     above.reduce(f64::min).unwrap_or(0.0)
 }
 
+fn coordinate_pairs(points: Vec<DVec2>) -> Vec<(f64, f64)> {
+    points.into_iter().map(|p| (p.x, p.y)).collect()
+}
+
+/// The angle of wo that a CDF was tabulated at.
+fn theta_o_text(cdf: &CdfCurve) -> String {
+    format!("θ = {:.1}°", cdf.theta_o.to_degrees())
+}
+
+/// The θh that a CDF over φh belongs to.
+fn theta_h_range(cdf: &CdfCurve) -> String {
+    let [from, to] = cdf.theta_h.map(f64::to_degrees);
+    format!(", θh {from:.2}–{to:.2}°")
+}
+
+/// A line through points whose abscissas are in radians.
+fn line_in_degrees(label: String, points: &[(f64, f64)], style: usize) -> Series {
+    Series {
+        label,
+        points: points.iter().map(|p| (p.0.to_degrees(), p.1)).collect(),
+        style,
+        marks: Marks::None,
+        ..Series::default()
+    }
+}
+
 /// `wo` and its mirror direction on the disc.
 fn disc_marks(theta: f64) -> Vec<DiscMark> {
-    let mark = |sign: f64, label: &str| DiscMark {
-        at: (sign * theta.to_radians().sin(), 0.0),
-        label: label.into(),
-    };
     match theta {
-        0.0 => vec![mark(0.0, "wo and mirror")],
-        _ => vec![mark(-1.0, "wo"), mark(1.0, "mirror")],
+        0.0 => vec![disc_mark(0.0, "wo and mirror")],
+        _ => vec![
+            disc_mark(-theta.to_radians().sin(), "wo"),
+            disc_mark(theta.to_radians().sin(), "mirror"),
+        ],
+    }
+}
+
+fn disc_mark(x: f64, label: &str) -> DiscMark {
+    DiscMark {
+        at: (x, 0.0),
+        label: label.into(),
     }
 }
 

@@ -39,7 +39,7 @@ pub fn export_row(
 
 /// A sheet for [`drawn_row`]s. The spread is that of `report`, of the mean of red, green and blue.
 pub fn table_sheet() -> Sheet {
-    Sheet::new(&["file", "MB", "holds", "relstd of mean RGB"])
+    Sheet::new(&["file", "MB", "content", "relstd of mean RGB"])
 }
 
 /// A file of values, of a half-vector table, or of both: its length, what it holds, and how its table draws if it has one.

@@ -125,6 +125,6 @@ fn rgb(value: [f32; 3]) -> String {
     value.map(|x| format!("{x:.4e}")).join(" ")
 }
 
-fn percent(share: f64) -> String {
-    format!("{:.2} %", 100.0 * share)
+fn percent(fraction: f64) -> String {
+    format!("{:.2} %", 100.0 * fraction)
 }

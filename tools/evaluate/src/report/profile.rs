@@ -59,14 +59,16 @@ impl SamplerReport {
         let azimuths = if m.symmetry == Symmetry::Isotropic {
             ""
         } else {
-            " of 7 at four azimuths each"
+            " of 7, each at four azimuths"
         };
         let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
-            "{}: {}; loaded (or decoded) in {:.1} ms, {:.1} MB. Builds on {threads} threads, calls on one by CPU time, all samplers in turn (lower quartile of {ROUNDS} rounds over 7 angles, and \
-             in brackets the interval that holds it with 95 %). 1 KB = 1000 bytes. relstd: standard deviation of the weight of mean RGB over its mean, by quadrature, mean and worst \
-             angle{azimuths}; holes: share of the albedo where the density is 0, worst angle; bias: of the albedo from {} draws, seed {}, \
-             at the angle where it is most standard errors (±) from 0; lost: failed draws.",
+            "{}: {}; loaded (or decoded) in {:.1} ms, {:.1} MB. Samplers are built on {threads} threads. Draws and densities are \
+             timed on one thread by CPU time, with samplers alternating: the lower quartile of {ROUNDS} rounds over 7 angles, \
+             with its 95 % confidence interval in brackets. 1 KB = 1000 bytes. relstd: relative standard deviation of the sample \
+             weight (mean RGB), by quadrature, mean and worst angle{azimuths}; holes: fraction of the albedo where the \
+             density is 0, worst angle; bias: bias of the albedo from {} draws, seed {}, at the angle where it is the most \
+             standard errors (±) from 0; lost: failed draws.",
             m.material,
             m.reading,
             1e3 * m.load.wall,
@@ -166,13 +168,13 @@ impl SamplerReport {
 pub fn thesis_legend() -> String {
     let sizes: Vec<String> = thesis_uniform_memory()
         .iter()
-        .map(|(h, p, kb)| format!("{h} × {p} cells {kb} of its KB"))
+        .map(|(h, p, kb)| format!("{h} × {p} cells take {kb} KB"))
         .collect();
     format!(
-        "Lines \"thesis\" are printed in R. Montes's thesis (2008), on an AMD Opteron; none was measured here. Its KB of 1024 \
-         bytes are KB of 1000 bytes in the table. Their sample \
-         column is the time spent on drawing for one picture of 450 × 200 pixels at 25 samples. Its uniform CDFs, any \
-         material (5.9): {}.",
+        "Rows marked \"thesis\" are quoted from R. Montes's thesis (2008), which used an AMD Opteron; they were not measured here. \
+         The thesis's KB of 1024 bytes are converted to KB of 1000 bytes in the table. In these rows, the sample column is \
+         the total time for drawing the directions of one picture of 450 × 200 pixels at 25 samples per pixel. The \
+         thesis's uniform CDFs, for any material (table 5.9), in KB of 1024 bytes: {}.",
         sizes.join(", ")
     )
 }

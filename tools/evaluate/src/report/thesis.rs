@@ -64,15 +64,20 @@ pub fn thesis_figures(material: &str) -> Vec<ThesisFigures> {
 
 /// The thesis's memory of uniform CDFs, whatever the material: (cells over θh, cells over φh, KB).
 pub fn thesis_uniform_memory() -> Vec<(u32, u32, f64)> {
-    let parse = |line: &str| {
-        let cells: Vec<&str> = line.split(',').collect();
-        Some((
-            cells.first()?.parse().ok()?,
-            cells.get(1)?.parse().ok()?,
-            cells.get(2)?.parse().ok()?,
-        ))
-    };
-    UNIFORM_MEMORY.lines().skip(1).filter_map(parse).collect()
+    UNIFORM_MEMORY
+        .lines()
+        .skip(1)
+        .filter_map(memory_row)
+        .collect()
+}
+
+fn memory_row(line: &str) -> Option<(u32, u32, f64)> {
+    let cells: Vec<&str> = line.split(',').collect();
+    Some((
+        cells.first()?.parse().ok()?,
+        cells.get(1)?.parse().ok()?,
+        cells.get(2)?.parse().ok()?,
+    ))
 }
 
 /// What the thesis's tables of costs have for a material: by method, memory in KB and seconds.
@@ -90,12 +95,17 @@ pub(super) fn cost_rows(material: &str) -> CostRows {
     let methods = ["uniform CDF", "compressed CDF", "adaptive disc"];
     let compressed = row(COMPRESSED_MEMORY, material).and_then(|r| Some((*r.get(2)?, *r.first()?)));
     let precompute = row(PRECOMPUTE, material).unwrap_or_default();
-    let cost =
-        |(i, &m): (usize, &&'static str)| Some((m, (*precompute.get(3 + i)?, *precompute.get(i)?)));
+    let mut costs = Vec::new();
+    for (i, method) in methods.into_iter().enumerate() {
+        // The seconds of all methods come first, then their KB.
+        if let (Some(&seconds), Some(&kb)) = (precompute.get(i), precompute.get(3 + i)) {
+            costs.push((method, (kb, seconds)));
+        }
+    }
     let sampling = row(SAMPLING, material).unwrap_or_default();
     CostRows {
         compressed,
-        precompute: methods.iter().enumerate().filter_map(cost).collect(),
+        precompute: costs,
         sampling: ["uniform"]
             .into_iter()
             .chain(methods)
@@ -111,19 +121,21 @@ pub(super) fn errors_by_samples(table: &'static str) -> Vec<(u64, Vec<(&'static 
         .split(',')
         .skip(1)
         .filter_map(|n| n.strip_prefix('n')?.parse().ok());
-    let lines = || {
-        table
-            .lines()
-            .skip(1)
-            .filter_map(|line| line.split_once(','))
-    };
-    let column = |(i, samples): (usize, u64)| {
-        let error = |(name, numbers): (&'static str, &str)| {
-            Some((name, numbers.split(',').nth(i)?.parse::<f64>().ok()?))
-        };
-        (samples, lines().filter_map(error).collect())
-    };
-    samples.enumerate().map(column).collect()
+    let mut columns = Vec::new();
+    for (i, samples) in samples.enumerate() {
+        columns.push((samples, error_column(table, i)));
+    }
+    columns
+}
+
+/// Each sampler's name and its number in column `i`, from 0.
+fn error_column(table: &'static str, i: usize) -> Vec<(&'static str, f64)> {
+    let mut errors = Vec::new();
+    for (name, numbers) in table.lines().skip(1).filter_map(|l| l.split_once(',')) {
+        let number = numbers.split(',').nth(i).and_then(|n| n.parse().ok());
+        errors.extend(number.map(|n| (name, n)));
+    }
+    errors
 }
 
 /// The numbers of a material's row, without its name.

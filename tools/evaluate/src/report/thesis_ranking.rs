@@ -72,13 +72,13 @@ const OF_SCENE_6: [Pair; 7] = [
 /// Both rankings, where the scene was rendered at one of the thesis's numbers of samples.
 pub(super) fn rankings(comparison: &Comparison) -> [Option<ThesisTable>; 2] {
     let of = |scene, table, pairs: &[Pair]| ranking(comparison, scene, table, pairs);
-    let note = "Each cell is the error over the least of its row, and the mean relative error itself. The scenes differ: \
-                absolute errors can't be compared, only which sampler beats which, and by how much.";
-    let scene_2 = "The thesis renders its scene 2, a sphere of high gloss; ours is a sphere of the named material on the \
-                   ground under a luminous square. Beside uniform directions stands cosine.";
+    let note = "Each cell is the ratio of the error to the smallest in its row, followed by the mean relative error itself. \
+                The scenes differ, so absolute errors can't be compared; the order of the samplers and the ratios can.";
+    let scene_2 = "The thesis renders its scene 2, a very glossy sphere; ours is a sphere of the named material on the ground \
+                   under a square light. Our cosine sampler is compared with the thesis's uniform directions.";
     let scene_6 = "The thesis renders its scene 6, a sphere under an environment; ours is a sphere of the named material in \
-                   the studio. Beside uniform directions with resampling stands cosine with resampling, of other numbers \
-                   of candidates.";
+                   the studio. Our cosine with resampling is compared with the thesis's uniform directions with \
+                   resampling; the numbers of candidates differ.";
     [
         ThesisTable::new(
             "Table 6.14: ranking by error, glossy sphere",
@@ -103,7 +103,7 @@ fn ranking(
     sheet
         .heading
         .extend(pairs.iter().map(|p| p.ours.to_owned()));
-    sheet.heading.push("order, the best first".into());
+    sheet.heading.push("order, best first".into());
     for (samples, thesis) in errors_by_samples(table) {
         let ours: Vec<_> = comparison
             .pictures

@@ -16,7 +16,7 @@ pub fn tuning_sheet(material: &str, tuning: &Tuning) -> Sheet {
         "ns measured",
         "samples",
         &to,
-        "on fresh seeds",
+        "with new seeds",
         "within limits",
         "slope",
     ]);
@@ -55,7 +55,7 @@ fn proved(tried: &Tried) -> String {
             percent(proof.error.low),
             percent(proof.error.high)
         ),
-        None if tried.unproved => "not proved".into(),
+        None if tried.unproved => "not confirmed".into(),
         None => String::new(),
     }
 }
@@ -68,7 +68,7 @@ pub fn tuning_summary(material: &str, tuning: &Tuning) -> String {
     };
     let mut lines = vec![match &tuning.proof {
         Some(proof) => format!(
-            "{material}: {} reaches {asked} % with {} samples, {} an estimate by counted time, {} measured: {} % ({} to {} %) over \
+            "{material}: {} reaches {asked} % with {} samples, {} per estimate (counted), {} measured: {} % ({} to {} %) over \
              seeds {} to {}",
             choice.curve.label,
             proof.samples,
@@ -81,7 +81,7 @@ pub fn tuning_summary(material: &str, tuning: &Tuning) -> String {
             proof.first_seed + proof.seeds - 1,
         ),
         None => format!(
-            "{material}: {} would be the quickest to {asked} %, but needs more samples than were measured",
+            "{material}: {} would be the fastest to reach {asked} %, but needs more samples than were measured",
             choice.curve.label
         ),
     }];
@@ -100,7 +100,7 @@ fn tie(tuning: &Tuning) -> Option<String> {
     }
     (!names.is_empty()).then(|| {
         format!(
-            "a tie within 25 % of counted time with {}: decided by samples, then bytes",
+            "a tie within 25 % of counted time with {}: fewer samples decide, then fewer bytes",
             names.join(", ")
         )
     })
@@ -122,7 +122,7 @@ fn neighbour(how: &str, tried: &Tried) -> String {
     let limits = if tried.allowed {
         ""
     } else {
-        ", beyond the limits"
+        ", outside the limits"
     };
     let samples = tried.reach.map_or(0.0, |r| r.samples);
     format!(
@@ -139,20 +139,22 @@ fn nearest(material: &str, tuning: &Tuning) -> String {
     let asked = percent(tuning.wish.error);
     match tuning.nearest() {
         Some((tried, end)) => format!(
-            "{material}: nothing within the limits reaches {asked} % with {MOST_SAMPLES:.0e} samples; {} is nearest, {} % with {}",
+            "{material}: no sampler within the limits reaches {asked} % with {MOST_SAMPLES:.0e} samples; {} is closest, with {} % at {} samples",
             tried.curve.label,
             percent(end.rmse),
             end.samples
         ),
         None => {
-            format!("{material}: no sampler keeps the limits; allow more bytes or a longer build")
+            format!(
+                "{material}: no sampler is within the limits; allow more bytes or a longer build"
+            )
         }
     }
 }
 
-/// Three significant digits of a share, in per cent.
-fn percent(share: f64) -> String {
-    let value = share * 100.0;
+/// Three significant digits of a fraction, in per cent.
+fn percent(fraction: f64) -> String {
+    let value = fraction * 100.0;
     let digits = if value >= 100.0 || value <= 0.0 {
         0.0
     } else {
@@ -171,7 +173,7 @@ mod tests {
     use super::percent;
 
     #[test]
-    fn shares_keep_three_digits() {
+    fn fractions_keep_three_digits() {
         for (share, text) in [
             (0.01, "1"),
             (0.0123, "1.23"),

@@ -166,7 +166,7 @@ pub fn cost_notes(curves: &[&Curve]) -> Vec<String> {
     }
     if !names.is_empty() {
         notes.push(format!(
-            "measured times disagree with counted ones by more than a factor of {DISAGREE}, beside the others: {}",
+            "measured times differ from counted ones by more than a factor of {DISAGREE}, relative to the other samplers: {}",
             names.join(", ")
         ));
     }

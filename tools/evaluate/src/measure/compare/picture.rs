@@ -209,24 +209,32 @@ pub fn pictures(
 ) -> Result<Vec<PictureResult>> {
     let (samplers, building) = time(|| build(materials, &competitor.spec));
     let samplers = samplers?;
-    let one = |&samples: &u64| {
+    let mut results = Vec::new();
+    for &samples in &plan.samples {
         let settings = plan.settings(samples, plan.seed, PointSet::Sobol);
         let (film, seconds) =
             render_with(scene, materials, &samplers, competitor.technique, &settings)?;
-        let shown = samples == PICTURE_SAMPLES;
-        let png = |image: Result<Image>| if shown { png(&image?) } else { Ok(Vec::new()) };
-        Ok(PictureResult {
+        // Only one number of samples is shown on the page.
+        let (picture, its_difference) = if samples == PICTURE_SAMPLES {
+            (
+                png(&film.to_image()?)?,
+                png(&difference(&film, reference)?)?,
+            )
+        } else {
+            (Vec::new(), Vec::new())
+        };
+        results.push(PictureResult {
             label: competitor.label(),
             competitor: competitor.clone(),
             samples,
             seconds,
             build_seconds: building.wall,
             errors: picture_errors(&film, reference),
-            png: png(film.to_image())?,
-            difference: png(difference(&film, reference))?,
-        })
-    };
-    plan.samples.iter().map(one).collect()
+            png: picture,
+            difference: its_difference,
+        });
+    }
+    Ok(results)
 }
 
 /// Renders `scene` and times it; loading and building are not counted.

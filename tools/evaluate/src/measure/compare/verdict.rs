@@ -106,35 +106,35 @@ fn sentence(material: &str, v: &Verdict) -> String {
     let percent = v.error * 100.0;
     let tie = match &v.ties[..] {
         [] => String::new(),
-        [one] => format!("; a tie with {one}, decided by samples, then bytes"),
+        [one] => format!("; a tie with {one}, in which fewer samples decide, then fewer bytes"),
         all => format!(
-            "; a tie with {} others ({}), decided by samples, then bytes",
+            "; a tie with {} others ({}), in which fewer samples decide, then fewer bytes",
             all.len(),
             all.join(", ")
         ),
     };
     let enough = v.cosine_ratio.filter(|r| *r <= ENOUGH);
     if let Some(ratio) = enough {
-        let beside = if v.sampler == "cosine" {
-            "nothing is quicker".to_owned()
+        let margin = if v.sampler == "cosine" {
+            "nothing is faster".to_owned()
         } else {
             format!("{ratio:.1}× the counted time of {}", v.best)
         };
-        return format!("{material}: cosine is enough to reach {percent} % ({beside}{tie})");
+        return format!("{material}: cosine is enough to reach {percent} % ({margin}{tie})");
     }
     let about = if v.cosine_extrapolated { "about " } else { "" };
     let against = match v.cosine_ratio {
-        Some(ratio) if ratio >= MANY => format!("more than {MANY}× less time than cosine"),
-        Some(ratio) if ratio >= 10.0 => format!("{about}{ratio:.0}× less time than cosine"),
-        Some(ratio) => format!("{about}{ratio:.1}× less time than cosine"),
-        None => "a time that cosine never would".into(),
+        Some(ratio) if ratio >= MANY => format!(" more than {MANY}× faster than cosine"),
+        Some(ratio) if ratio >= 10.0 => format!(" {about}{ratio:.0}× faster than cosine"),
+        Some(ratio) => format!(" {about}{ratio:.1}× faster than cosine"),
+        None => ", which cosine never does".into(),
     };
     let kilobytes = v.table_bytes as f64 / 1000.0;
     let next = v.next.as_ref().map_or(String::new(), |(who, ratio)| {
         format!("; next is {who} at {ratio:.1}×")
     });
     format!(
-        "{material}: {} ({kilobytes:.1} KB) reaches {percent} % in {against}, counted{tie}{next}",
+        "{material}: {} ({kilobytes:.1} KB) reaches {percent} %{against}, by counted time{tie}{next}",
         v.best
     )
 }

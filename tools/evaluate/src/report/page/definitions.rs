@@ -1,24 +1,20 @@
 //! What the words mean, and what the figures leave out.
 
 use super::Section;
-use super::html::{escape, table};
-use crate::measure::compare::{Comparison, LIT_FROM, MaterialComparison, Reference, TIE};
+use super::html::{definition_list, table};
+use crate::measure::compare::{Comparison, LIT_FROM, TIE};
 use crate::measure::cost::ROUNDS;
 use crate::report::Sheet;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
-    let entry = |(term, text): &(&str, String)| {
-        format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text))
-    };
-    let all: String = terms(comparison).iter().map(entry).collect();
-    let mut body = format!("<dl>\n{all}</dl>\n");
+    let mut body = definition_list(&terms(comparison));
     if comparison
         .materials
         .iter()
         .any(|m| !m.references.is_empty())
     {
         body += &table(
-            "References of the lit point and their own errors",
+            "References at the lit point, and their own errors",
             &references(comparison),
         );
     }
@@ -30,31 +26,32 @@ fn terms(comparison: &Comparison) -> Vec<(&'static str, String)> {
     let mut all = on_errors(plan.point.theta_o_deg.len());
     all.extend([
         ("Lookup rule", format!(
-            "A table holds samples; the rule says what lies between them. Here all is of {} lookup, except where a setting \
-             is the rule itself. Samplers and references use the same rule, so that an error is the estimate's, not the \
-             table's.",
+            "The rule by which values between the samples of a table are interpolated. This run uses {} lookup, except where \
+             the rule itself is the setting under test. Samplers and references use the same rule, so the errors measured \
+             are those of the estimates, not those of the table.",
             plan.lookup.name()
         )),
         ("Counted time", format!(
-            "A fixed number of nanoseconds for a sample of each sampler and for building it, on one thread, and the same on \
-             every machine: medians over materials on one core of an AMD EPYC. Verdicts, the order of tables and seconds to \
-             an error go by it, because a clock never says the same twice. It is right to some 25 %, so counted times within \
-             a factor of {TIE} are a tie."
+            "A fixed cost model, the same on every machine: nanoseconds per sample and for building each sampler on one \
+             thread. The costs are medians over materials, measured on one core of an AMD EPYC. Verdicts, the order of \
+             tables and the time to reach an error are based on counted time, because measured times vary between runs. The \
+             model is accurate to about 25 %, so counted times within a factor of {TIE} are a tie."
         )),
         ("Measured time", format!(
-            "A sample: CPU time of one thread, the lower quartile of {ROUNDS} short batches, all samplers in turn, with the \
-             interval that holds that quartile with 95 %. Building: once, by the clock, on all threads. A picture: the same, \
-             without loading and building. Seconds against which errors are drawn are N times the measured time of a sample."
+            "For a sample: the CPU time of one thread, as the lower quartile of {ROUNDS} short batches with its 95 % confidence \
+             interval; batches of different samplers alternate. For building: the wall-clock time of one build on all \
+             threads. For a picture: the wall-clock time on all threads, without loading and building. Charts of error \
+             against seconds use N times the measured time of a sample."
         )),
-        ("Shared by", "Building is done once and serves every later sample. Shared by 10⁶ samples, an estimate of N bears \
-                       N/10⁶ of it, at most all."
+        ("Build time spread over 10⁶ samples", "A sampler is built once and reused for every later sample. If its build time is spread over 10⁶ samples, an \
+                       estimate with N samples is charged N/10⁶ of it, and never more than all of it."
             .into()),
-        ("Bytes", "Those of the tables that directions are drawn by, the sampler's or the light's; 1 KB is 1000 bytes. The material's own table, which every renderer needs \
-                   to evaluate, is not counted."
+        ("Bytes", "The size of the tables used to draw directions from the sampler or the light; 1 KB is 1000 bytes. The material's \
+                   own table is not counted, because every renderer needs it to evaluate the BRDF."
             .into()),
-        ("What does not count", "Loading the material; writing files; rays (the point sees all of its light); errors of the \
-                                 measurement and of its table; other programs that ran on the machine at the same time, \
-                                 which make times longer."
+        ("What is not measured", "Loading the material, writing files, and tracing rays (the point is never in shadow). Errors of the BRDF \
+                                 measurement and its table are not included either. Other programs running on the machine \
+                                 at the same time are not corrected for; they increase the times."
             .into()),
     ]);
     all
@@ -62,29 +59,29 @@ fn terms(comparison: &Comparison) -> Vec<(&'static str, String)> {
 
 fn on_errors(angles: usize) -> Vec<(&'static str, String)> {
     vec![
-        ("Sample", "One direction: its random numbers, draw, density, BRDF and light. A draw that fails counts as a sample \
-                    of value 0. MIS takes half of its samples from the light."
+        ("Sample", "One direction: random numbers, draw, density, BRDF and light. A failed draw counts as a sample of value 0. \
+                    MIS takes half of its samples from the light."
             .into()),
         ("Relative RMSE", format!(
-            "Root of the mean, over {angles} viewing angles and all seeds, of ((estimate − reference)/reference)². Radiance \
-             is the mean of red, green and blue."
+            "The square root of the mean of ((estimate − reference)/reference)² over {angles} view angles and all seeds. \
+             Radiance is the mean of red, green and blue."
         )),
-        ("Interval", "95 %: the mean of squared errors ± 1.96 of its standard errors over seeds and angles, then the root. \
-                      It knows only what these seeds show: a rare bright sample that none of them met is not in it."
+        ("Confidence interval", "The 95 % interval of the RMSE: the square roots of the mean squared error ± 1.96 standard errors, over seeds and \
+                      angles. It reflects only these seeds; a rare bright sample that none of them drew is not covered."
             .into()),
-        ("Extrapolated", "Where the last error measured is above what is asked for, the last measurements' slope is \
-                          continued. Such figures are estimates."
+        ("Extrapolated", "If the last measured error is above the target, the slope of the last measurements is continued. \
+                          Such sample counts are estimates."
             .into()),
-        ("Reference, point", "Quadrature over the half-vector bins of the table, in which no sampler takes part. Its own \
-                              error is its difference from a quadrature of fewer points."
+        ("Reference, point", "Quadrature over the table's half-vector bins, without any sampler. Its own error is the difference \
+                              from a quadrature with fewer points."
             .into()),
-        ("Reference, pictures", "The same scene with many samples of the largest half-vector table and of the light, random \
-                                 numbers and another seed. Its own error is the mean of its pixels' standard errors over \
-                                 their values; a picture can't be seen to be better than that."
+        ("Reference, pictures", "The same scene rendered with many samples of the largest half-vector table and the light, using \
+                                 random numbers and another seed. Its own error is the mean relative standard error of its \
+                                 pixels; smaller errors of other pictures can't be resolved."
             .into()),
         ("Mean relative error", format!(
-            "Of a picture: mean of |picture − reference|/reference, by luminance, over lit pixels: those above {LIT_FROM} of \
-             the reference's mean."
+            "For a picture: the mean of |picture − reference|/reference, in luminance, over lit pixels. A pixel is lit if its \
+             reference is above {LIT_FROM} times the reference's mean."
         )),
     ]
 }
@@ -96,23 +93,15 @@ fn references(comparison: &Comparison) -> Sheet {
         "radiance",
         "relative error of the reference",
     ]);
-    let rows = |m: &MaterialComparison| {
-        let row = |r: &Reference| {
-            let figures = [
-                format!("{}°", r.theta_o_deg),
-                format!("{:.5}", r.radiance),
-                format!("{:.1e}", r.error),
-            ];
-            std::iter::once(m.material.clone())
-                .chain(figures)
-                .collect::<Vec<_>>()
-        };
-        m.references.iter().map(row).collect::<Vec<_>>()
-    };
-    comparison
-        .materials
-        .iter()
-        .flat_map(rows)
-        .for_each(|row| sheet.push(row));
+    for material in &comparison.materials {
+        for reference in &material.references {
+            sheet.push(vec![
+                material.material.clone(),
+                format!("{}°", reference.theta_o_deg),
+                format!("{:.5}", reference.radiance),
+                format!("{:.1e}", reference.error),
+            ]);
+        }
+    }
     sheet
 }

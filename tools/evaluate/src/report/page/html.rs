@@ -16,6 +16,15 @@ pub(super) fn paragraph(text: &str) -> String {
     format!("<p>{}</p>\n", escape(text))
 }
 
+/// Terms, each with its text.
+pub(super) fn definition_list(entries: &[(&str, String)]) -> String {
+    let mut list = String::from("<dl>\n");
+    for (term, text) in entries {
+        list += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text));
+    }
+    list + "</dl>\n"
+}
+
 /// A heading within a section.
 pub(super) fn subheading(text: &str) -> String {
     format!("<h3>{}</h3>\n", escape(text))
@@ -32,16 +41,25 @@ pub(super) fn table(caption: &str, sheet: &Sheet) -> String {
         .zip(&words)
         .map(|(h, class)| column_head(h, class))
         .collect();
-    let row = |cells: &Vec<String>| {
-        let cells = cells.iter().map(|c| escape(c)).enumerate();
-        let cell = |(i, text): (usize, String)| match i {
-            0 => format!("<th scope=\"row\">{text}</th>"),
-            _ => format!("<td{}>{text}</td>", words.get(i).unwrap_or(&"")),
-        };
-        format!("<tr>{}</tr>\n", cells.map(cell).collect::<String>())
-    };
-    let body: String = sheet.rows.iter().map(row).collect();
+    let mut body = String::new();
+    for row in &sheet.rows {
+        body += &table_row(row, &words);
+    }
     framed(caption, &format!("<tr>{heading}</tr>\n"), &body)
+}
+
+/// A row, whose first cell names it; `classes` are those of the columns.
+fn table_row(cells: &[String], classes: &[&str]) -> String {
+    let mut row = String::from("<tr>");
+    for (i, cell) in cells.iter().enumerate() {
+        let text = escape(cell);
+        if i == 0 {
+            row += &format!("<th scope=\"row\">{text}</th>");
+        } else {
+            row += &format!("<td{}>{text}</td>", classes.get(i).unwrap_or(&""));
+        }
+    }
+    row + "</tr>\n"
 }
 
 /// Marks columns of words, which begin on the left.

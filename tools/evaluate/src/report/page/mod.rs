@@ -50,7 +50,7 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     )
 }
 
-const TITLE: &str = "What accuracy costs in time";
+const TITLE: &str = "Sampler comparison: error against time and memory";
 const STYLE: &str = include_str!("style.css");
 
 /// A part of the page.

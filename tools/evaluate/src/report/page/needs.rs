@@ -13,12 +13,12 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     if tables.is_empty() {
         return None;
     }
-    let note = "Sobol points. N is the samples of one estimate; beside it the counted seconds of one estimate on one \
-                thread, with its part of the precomputation when that serves this estimate alone, or 10⁶ or 10⁹ samples. \
-                Counted times are the same in every run; measured nanoseconds of a sample stand beside the counted ones, \
-                with the interval that holds them with 95 %. The quickest to 1 % is first; the least of each column and \
-                what ties with it, within 25 %, is underlined. A ~ marks samples beyond what was measured, \
-                continued along the last measurements; “never” an error that does not fall.";
+    let note = "All errors are with Sobol points. N is the number of samples of one estimate, followed by the counted time of one \
+                estimate on one thread, with the build time charged to it alone, or spread over 10⁶ or 10⁹ samples. Choose \
+                the column for your target error and for how often the sampler will be reused. Counted times are the same \
+                in every run; measured nanoseconds per sample are given with their 95 % confidence interval. The fastest \
+                sampler to 1 % comes first. In each column, the smallest time and all within 25 % of it are underlined. A \
+                ~ marks sample counts that were extrapolated; “never” means that the error does not fall.";
     Section::new("needs", "What an error costs", paragraph(note) + &tables)
 }
 
@@ -47,16 +47,25 @@ fn table(material: &MaterialComparison) -> String {
     };
     let body: String = curves.iter().zip(&needs).map(row).collect();
     framed(
-        &format!("{}: what it takes to reach an error", material.material),
+        &format!(
+            "{}: samples and counted time to reach an error",
+            material.material
+        ),
         &head(),
         &body,
     )
 }
 
 fn head() -> String {
-    let first: String = ["sampler", "KB", "build", "ns a sample, counted", "measured"]
-        .map(|h| column_head(h, " rowspan=\"2\""))
-        .concat();
+    let first: String = [
+        "sampler",
+        "KB",
+        "build",
+        "ns per sample, counted",
+        "measured",
+    ]
+    .map(|h| column_head(h, " rowspan=\"2\""))
+    .concat();
     let group = |target: f64| {
         format!(
             "<th scope=\"colgroup\" class=\"first\" colspan=\"4\">to {} %</th>",
@@ -66,8 +75,8 @@ fn head() -> String {
     let columns = [
         column_head("N", " class=\"first\""),
         column_head("alone", ""),
-        column_head("of 10⁶", ""),
-        column_head("of 10⁹", ""),
+        column_head("over 10⁶", ""),
+        column_head("over 10⁹", ""),
     ];
     let groups = TARGETS.map(group).concat();
     format!(

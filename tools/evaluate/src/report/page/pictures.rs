@@ -16,9 +16,10 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
         return None;
     }
     let note = format!(
-        "{PICTURE_SAMPLES} Sobol samples a pixel, the reference first. Under each its mean relative error over the lit \
-         pixels, and the seconds to render it on all threads; below it its relative difference from the reference: black \
-         is none, white 100 % and more. A click, or the space bar, enlarges a picture and makes it small again."
+        "Pictures with {PICTURE_SAMPLES} Sobol samples per pixel, after the reference. Below each picture is its relative \
+         difference from the reference, from black (none) to white (100 % or more). The caption gives the mean relative \
+         error over the lit pixels, and the render time on all threads. Click a picture, or press the space bar, to enlarge \
+         it or to make it small again."
     );
     Section::new("pictures", "Pictures", paragraph(&note) + &all)
 }
@@ -42,7 +43,7 @@ fn reference(title: &str, picture: &PictureComparison) -> String {
     let reference = &picture.reference;
     let image = image(&reference.png, &format!("{title}, reference"));
     format!(
-        "<figure>{image}<figcaption><b>reference</b> {} samples, {}; off by {} itself</figcaption></figure>\n",
+        "<figure>{image}<figcaption><b>reference</b> {} samples, {}; own error {}</figcaption></figure>\n",
         reference.samples,
         escape(&reference.label),
         percent(reference.relative_error)
@@ -78,8 +79,8 @@ fn image(png: &[u8], alt: &str) -> String {
     )
 }
 
-fn percent(share: f64) -> String {
-    let percent = share * 100.0;
+fn percent(fraction: f64) -> String {
+    let percent = fraction * 100.0;
     if percent < 10.0 {
         format!("{percent:.2} %")
     } else {
@@ -126,9 +127,9 @@ fn chart(title: &str, picture: &PictureComparison, shown: &[&PictureResult]) -> 
     };
     let caption = Caption::new(
         title,
-        "Mean relative error over lit pixels against samples a pixel: the best at most samples of each kind of sampler.",
+        "Mean relative error over lit pixels against samples per pixel, for the sampler of each kind that is best at the highest sample count.",
     );
-    let x = Axis::new("samples a pixel", Scale::Log);
+    let x = Axis::new("samples per pixel", Scale::Log);
     let y = Axis::new("mean relative error", Scale::Log);
     Lines {
         caption,

@@ -12,11 +12,10 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     if all.is_empty() {
         return None;
     }
-    let note = "Relative RMSE of the lit point over all angles and seeds, on logarithmic scales. Of each kind of sampler the \
-                quickest to 1 % is shown; those that sample the light too have charts of their own, beside the quickest \
-                that does not. Bands hold the true error with 95 %; where one reaches below a third of the error found, it is \
-                drawn to there. In brackets the fitted slope: −0.5 is plain Monte \
-                Carlo, −1 halves the error with twice the samples.";
+    let note = "Relative RMSE at the lit point over all angles and seeds, on logarithmic scales. Only the fastest sampler of each \
+                kind to 1 % is shown. Samplers that also sample the light have separate charts, together with the fastest \
+                one that does not. Bands are 95 % confidence intervals, cut off below one third of the measured error. The \
+                fitted slope is in brackets: −0.5 is plain Monte Carlo; −1 halves the error with twice the samples.";
     Section::new(
         "point",
         "Error against samples and seconds",
@@ -36,8 +35,8 @@ impl Across {
     fn title(self) -> &'static str {
         match self {
             Self::Samples => "samples N",
-            Self::Seconds => "measured seconds of an estimate, one thread",
-            Self::SecondsWithBuild => "measured seconds of an estimate and of building the sampler",
+            Self::Seconds => "measured seconds per estimate, one thread",
+            Self::SecondsWithBuild => "measured seconds per estimate, with building the sampler",
         }
     }
 
@@ -95,7 +94,7 @@ fn material(material: &MaterialComparison) -> String {
         chart(name, &brdf, Across::SecondsWithBuild, Points::Sobol),
     ];
     if !light.is_empty() {
-        let name = format!("{name}, light too");
+        let name = format!("{name}, with light sampling");
         pictures.push(chart(&name, &light, Across::Samples, Points::Sobol));
         pictures.push(chart(
             &name,
@@ -129,7 +128,7 @@ fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> Strin
     let caption = Caption::new(
         format!("{name}: error against {}, {}", across.name(), points.name()),
         format!(
-            "Relative RMSE of the lit point against {}, {}, one curve a sampler.",
+            "Relative RMSE at the lit point against {}, {}, one curve per sampler.",
             across.title(),
             points.name()
         ),

@@ -17,10 +17,10 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
         return None;
     }
     let note = format!(
-        "Each sampler's own settings: bytes of its tables, seconds to build them, nanoseconds of a draw with its density, \
-         against the relative RMSE from {RMSE_SAMPLES} Sobol samples of the point seen at 45°, or the relative standard \
-         deviation of a draw's weight. Towards the lower left is better; the dashed steps join the settings that no other \
-         beats in both."
+        "Charts for different settings of each sampler. Table size and build time are plotted against the relative RMSE of \
+         {RMSE_SAMPLES} Sobol samples at the lit point, viewed at 45°. Nanoseconds per draw with its density are plotted \
+         against the relative standard deviation of the sample weight. Lower left is better; dashed steps join the \
+         Pareto-optimal settings, which no other setting beats in both."
     );
     Section::new("settings", "Settings", paragraph(&note) + &all)
 }
@@ -28,11 +28,13 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
 /// What a setting costs or gives: a title, and its value.
 type Measure = (&'static str, fn(&Setting) -> f64);
 
-const BYTES: Measure = ("bytes of tables", |s| s.table_bytes as f64);
+const BYTES: Measure = ("table size in bytes", |s| s.table_bytes as f64);
 const BUILD: Measure = ("seconds to build", |s| s.build_seconds);
-const DRAW: Measure = ("ns of a draw with its density", |s| s.sample_ns.ns);
+const DRAW: Measure = ("ns per draw with its density", |s| s.sample_ns.ns);
 const RMSE: Measure = ("relative RMSE", |s| s.rmse);
-const SPREAD: Measure = ("relative standard deviation of a weight", |s| s.relstd);
+const SPREAD: Measure = ("relative standard deviation of the sample weight", |s| {
+    s.relstd
+});
 
 fn pictures(of: &SettingsComparison) -> Vec<String> {
     [(BYTES, RMSE), (BUILD, RMSE), (DRAW, SPREAD)]
@@ -64,7 +66,7 @@ fn chart(of: &SettingsComparison, x: Measure, y: Measure) -> String {
     let caption = Caption::new(
         format!("{}: {}", of.material, x.0),
         format!(
-            "{} against {}, one mark a setting, by what is set.",
+            "{} against {}, one mark per setting; each style is one parameter.",
             y.0, x.0
         ),
     );

@@ -7,10 +7,10 @@ use crate::measure::compare::{Comparison, MaterialCharts};
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let first = comparison.charts.first()?;
     let note = format!(
-        "The viewer wo stands at {}° from the normal, on the left. Discs show the hemisphere of light directions from above, \
-         with directions as each sampler draws them; of the adaptive disc also the squares it divides the disc into. Polar \
-         plots show the plane of incidence: first the lobe f·cos θi at several angles, then the density each sampler should \
-         have and the one it has. The closer these two, the smaller the error.",
+        "The view direction wo is at {}° from the normal, on the left. Discs show the hemisphere of light directions from \
+         above, with directions drawn by each sampler; for the adaptive disc, they also show its cells. Polar plots show the \
+         plane of incidence: first the lobe f·cos θi at several angles, then the ideal density and that of each sampler. The \
+         closer these two are, the smaller the error.",
         first.theta_o_deg
     );
     let one = |of: &MaterialCharts| {

@@ -11,12 +11,12 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     if all.is_empty() {
         return None;
     }
-    let note = "Figures of R. Montes's thesis (Universidad de Granada, 2008), measured on its own machine, an AMD Opteron of \
-                2007, and from the MERL measurements themselves; beside them ours, of this run. Ratios are the thesis's \
-                figure over ours: above 1, ours is the smaller.";
+    let note = "Results from R. Montes's thesis (Universidad de Granada, 2008), compared with those of this run (“ours”). The \
+                thesis measured them with the original MERL data on an AMD Opteron of 2007. A ratio is the thesis's value \
+                divided by ours: above 1, ours is smaller.";
     Section::new(
         "thesis",
-        "Beside the thesis of 2008",
+        "Comparison with the thesis of 2008",
         paragraph(note) + &all,
     )
 }

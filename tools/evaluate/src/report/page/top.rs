@@ -1,7 +1,7 @@
 //! What was measured, and what it comes to.
 
 use super::Section;
-use super::html::{escape, paragraph, table};
+use super::html::{definition_list, escape, paragraph, table};
 use crate::measure::compare::{Comparison, Curve, MaterialComparison, Verdict, reach};
 use crate::measure::convergence::Technique;
 use crate::report::Sheet;
@@ -20,7 +20,7 @@ pub(super) fn measured(comparison: &Comparison) -> String {
     let last = (point.first_seed + point.seeds).saturating_sub(1);
     let extent = match plan.quick {
         true => {
-            "quick: fewer samplers, angles, seeds and settings than in a full run, so that the figures are rougher"
+            "quick: fewer samplers, angles, seeds and settings than in a full run, so the results are less precise"
         }
         false => "full",
     };
@@ -46,7 +46,7 @@ pub(super) fn measured(comparison: &Comparison) -> String {
         (
             "Seeds",
             format!(
-                "{} to {last}: {} estimates at each angle",
+                "{} to {last}: {} estimates per angle",
                 point.first_seed, point.seeds
             ),
         ),
@@ -57,22 +57,15 @@ pub(super) fn measured(comparison: &Comparison) -> String {
         (
             "Threads",
             format!(
-                "{} to build and render; one to time a sample",
+                "{} for building and rendering; one for timing a sample",
                 comparison.threads
             ),
         ),
     ];
-    let line = |(term, text): &(&str, String)| {
-        format!("<dt>{}</dt><dd>{}</dd>\n", escape(term), escape(text))
-    };
-    let intro = "Samplers of measured materials against one another: how far off an estimate is after so many samples, so \
-                 many seconds, and with so many bytes. All figures come from one run of merlkit compare; its \
-                 compare.json and compare.csv hold them in full.";
-    format!(
-        "{}<dl>\n{}</dl>\n",
-        paragraph(intro),
-        lines.iter().map(line).collect::<String>()
-    )
+    let intro = "A comparison of samplers for measured materials: the error of an estimate against the number of samples, the time \
+                 and the memory that it takes. All results are from one run of merlkit compare; compare.json and \
+                 compare.csv contain them in full.";
+    format!("{}{}", paragraph(intro), definition_list(&lines))
 }
 
 /// Every material's verdict.
@@ -85,7 +78,7 @@ pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
             Some(verdict) => verdict.sentence.clone(),
             None => {
                 format!(
-                    "{}: no sampler's error falls to 1 %, nor so that one could tell when",
+                    "{}: no sampler's error falls to 1 %, and none falls steadily enough to extrapolate",
                     m.material
                 )
             }
@@ -96,12 +89,12 @@ pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
         format!("<li>{}.{loses}</li>\n", escape(&sentence))
     };
     let items: String = comparison.materials.iter().map(item).collect();
-    let note = "The time to a relative error of 1 % at the lit point, with precomputation shared by 10⁶ samples, among \
-                samplers that draw from the BRDF alone. It is counted by a fixed cost of each sampler's draw, so that the \
-                same run gives the same verdict; measured times stand in the tables below. Counted times within 25 % of \
-                the least are a tie, which goes to the fewest samples, then to the fewest bytes. Extrapolated samples have \
-                a ~ in the tables.";
-    let table = table("Who reaches 1 % first", &summary(comparison));
+    let note = "Verdicts compare the time to reach a relative error of 1 % at the lit point, with the build time spread over 10⁶ \
+                samples, among samplers that draw from the BRDF only. Counted times come from a fixed cost per sample of \
+                each sampler, so that the same run gives the same verdict; the tables below also have measured times. \
+                Counted times within 25 % of the smallest are a tie; the sampler with the fewest samples wins, then the \
+                one with the fewest bytes. A ~ in the tables marks extrapolated sample counts.";
+    let table = table("Time to reach 1 %", &summary(comparison));
     let body = format!(
         "<ul class=\"verdicts\">\n{items}</ul>\n{}{table}",
         paragraph(note)
@@ -121,16 +114,16 @@ fn loses(material: &MaterialComparison) -> Option<String> {
     });
     Some(match half_vector {
         Some((label, _)) if verdict.ties.iter().any(|t| t == label) => format!(
-            "On {name} the half-vector table is not the choice: {} is, which ties with {label}.",
+            "On {name}, the choice is {}, not the half-vector table; it ties with {label}.",
             verdict.best
         ),
         Some((label, seconds)) => format!(
-            "On {name} the half-vector table is not the quickest: {} is, and {label} takes {}.",
+            "On {name}, the half-vector table is not the fastest: {} is, and {label} takes {}.",
             verdict.best,
             times(seconds, verdict)
         ),
         None => format!(
-            "On {name} the half-vector table is not the quickest: {} is, and no half-vector table reaches 1 %.",
+            "On {name}, the half-vector table is not the fastest: {} is, and no half-vector table reaches 1 %.",
             verdict.best
         ),
     })
@@ -160,12 +153,12 @@ fn quickest(curves: &[Curve], of: impl Fn(&Curve) -> bool) -> Option<(&str, f64)
 fn summary(comparison: &Comparison) -> Sheet {
     let mut sheet = Sheet::new(&[
         "material",
-        "quickest",
+        "fastest",
         "KB",
         "counted time to 1 %",
         "cosine",
         "best half-vector table",
-        "best that samples the light too",
+        "best with light sampling",
     ]);
     for material in &comparison.materials {
         let Some(verdict) = &material.verdict else {
