@@ -26,7 +26,9 @@ fn polarised_files_are_imported_without_their_polarisation() {
     let (out, notes) = answers(folder.path(), "import grey.pbsdf -o grey.binary");
     assert!(notes.contains("polarisation was left out"), "{notes}");
     assert!(
-        out.contains("median difference between the measurements and the table under floor lookup: 0.000 %"),
+        out.contains(
+            "median difference between the measurements and the table under floor lookup: 0.000 %"
+        ),
         "{out}"
     );
     let (value, _) = answers(folder.path(), "eval grey.binary --wo 20,0 --wi 60,130");
