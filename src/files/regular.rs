@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use crate::{Error, Result};
 
 /// A regular file open for reading, and its length when it was opened.
@@ -65,6 +67,23 @@ impl RegularFile {
             .seek(SeekFrom::Start(offset))
             .and_then(|_| self.file.read_exact(out));
         read.map_err(|e| self.explain(e, offset + out.len() as u64))
+    }
+
+    /// SHA-256 of the bytes, in hexadecimal: as many as there were when it was opened, so that a file that grows has an end.
+    ///
+    /// # Errors
+    /// As [`Self::read_at`].
+    pub fn sha256(mut self) -> Result<String> {
+        let mut hash = Sha256::new();
+        let mut buffer = vec![0; 1 << 16];
+        let mut offset = 0;
+        while offset < self.len {
+            let piece = (self.len - offset).min(buffer.len() as u64) as usize;
+            self.read_at(offset, &mut buffer[..piece])?;
+            hash.update(&buffer[..piece]);
+            offset += piece as u64;
+        }
+        Ok(hash.finalize().iter().map(|b| format!("{b:02x}")).collect())
     }
 
     /// All bytes, at most `limit`.

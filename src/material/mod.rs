@@ -156,26 +156,12 @@ impl Material {
     /// [`Error::Io`] if the file can't be read.
     pub fn sha256(&self) -> Result<String> {
         let digest = match &self.origin {
-            Origin::File(path) => hash_file(RegularFile::open(path)?)?,
+            Origin::File(path) => return RegularFile::open(path)?.sha256(),
             Origin::Embedded(name) => Sha256::digest(embedded::weights(name).unwrap_or_default()),
             Origin::Formula(text) => Sha256::digest(text),
         };
         Ok(digest.iter().map(|b| format!("{b:02x}")).collect())
     }
-}
-
-/// Hashes the length that the file had when it was opened, so that one that grows meanwhile has an end.
-fn hash_file(mut file: RegularFile) -> Result<sha2::digest::Output<Sha256>> {
-    let mut hash = Sha256::new();
-    let mut buffer = vec![0; 1 << 16];
-    let mut offset = 0;
-    while offset < file.len() {
-        let piece = (file.len() - offset).min(buffer.len() as u64) as usize;
-        file.read_at(offset, &mut buffer[..piece])?;
-        hash.update(&buffer[..piece]);
-        offset += piece as u64;
-    }
-    Ok(hash.finalize())
 }
 
 /// Why a path can't be opened; of a file that is called as an embedded material, how to name that.

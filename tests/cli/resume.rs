@@ -94,6 +94,10 @@ fn refuse_all_else(folder: &Path) {
             "lookup was floor, and is linear",
         ),
         (
+            "-o p --resume --invalid channel",
+            "invalid was cell, and is channel",
+        ),
+        (
             "-o p --resume --light lamps",
             "lights was [Environment(Studio)], and is [Environment(BroadLamps)]",
         ),

@@ -10,7 +10,6 @@ use merlkit::files::{Overwrite, RegularFile, check_writable};
 use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::{Material, Origin};
 use merlkit::render::{Refinement, Rendering};
-use sha2::{Digest, Sha256};
 
 use crate::failure::Failure;
 use crate::interrupt::StoppableWork;
@@ -130,9 +129,17 @@ impl Resumable<'_> {
     fn facts(&self, sources: &Sources) -> Result<Vec<(String, String)>, Error> {
         let picture = self.picture;
         let scene = picture.scene;
+        let mut invalid = Vec::new();
+        for material in picture.materials {
+            invalid.push(match material.keeps_channels_apart() {
+                true => "channel",
+                false => "cell",
+            });
+        }
         let mut facts = vec![
             ("sampler".into(), picture.sampler.to_string()),
             ("lookup".into(), picture.lookup.name().into()),
+            ("invalid".into(), invalid.join(", ")),
             ("effects".into(), format!("{:?}", picture.effects)),
             ("spheres".into(), format!("{:?}", scene.spheres)),
             ("floor".into(), format!("{:?}", scene.floor)),
@@ -179,7 +186,7 @@ impl Sources {
             known == path && time.is_some() && *time == time_written(path)
         };
         if self.written.iter().any(same) {
-            hash_file(path)
+            RegularFile::open(path)?.sha256()
         } else {
             Ok("a file that was changed during the render".into())
         }
@@ -202,19 +209,6 @@ fn map_file(light: &LightSpec) -> Option<&Path> {
         LightSpec::Environment(EnvironmentSource::File { path, .. }) => Some(path),
         _ => None,
     }
-}
-
-fn hash_file(path: &Path) -> Result<String, Error> {
-    let mut file = RegularFile::open(path)?;
-    let (mut hash, mut buffer) = (Sha256::new(), vec![0; 1 << 16]);
-    let mut offset = 0;
-    while offset < file.len() {
-        let piece = (file.len() - offset).min(buffer.len() as u64) as usize;
-        file.read_at(offset, &mut buffer[..piece])?;
-        hash.update(&buffer[..piece]);
-        offset += piece as u64;
-    }
-    Ok(hash.finalize().iter().map(|b| format!("{b:02x}")).collect())
 }
 
 /// The command of this process with `--resume`, as a shell takes it.

@@ -18,8 +18,8 @@ use crate::render::tracer::Tracer;
 
 /// A picture as far as it has come.
 ///
-/// It is traced in rounds of 64 paths a pixel, more in small pictures and fewer in large ones, and [`Budget::ToError`] pixel by pixel. After each it can be stopped; what it
-/// has collected is sums, so that it goes on to the bits of a picture that was never stopped, in this process or, by
+/// It is traced in rounds of 64 paths a pixel, more in small pictures and fewer in large ones, and [`Budget::ToError`] pixel by
+/// pixel. After each it can be stopped; what it has collected is sums, so that it goes on to the bits of a picture that was never stopped, in this process or, by
 /// [`Self::save`] and [`Self::restore`], in another.
 pub struct Rendering<'a> {
     tracer: Tracer<'a>,

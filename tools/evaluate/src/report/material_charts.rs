@@ -1,0 +1,39 @@
+//! The charts of a material that the page of a comparison shows.
+
+use super::charts::ChartSubject;
+use crate::measure::compare::{MaterialCharts, supported};
+use merlkit::Result;
+use merlkit::material::Loaded;
+use merlkit::sampler::SamplerSpec;
+
+/// Directions on each disc of [`material_charts`], and the seed of their draws.
+const CLOUD: (usize, u64) = (600, 0);
+/// Angle between `wo` and the normal in [`material_charts`], degrees; and those of the lobe alone.
+const SHOWN_DEG: f64 = 45.0;
+const LOBES_DEG: [f64; 4] = [10.0, 30.0, 60.0, 80.0];
+
+/// What `material` and those of the main samplers that it supports look like: the lobe, and by sampler its density and its
+/// directions.
+///
+/// # Errors
+/// Those of building the samplers.
+pub fn material_charts(material: &Loaded) -> Result<MaterialCharts> {
+    let lobes = ChartSubject::new(material, LOBES_DEG.to_vec(), None)?;
+    let mut charts = MaterialCharts {
+        material: material.name().into(),
+        theta_o_deg: SHOWN_DEG,
+        lobe: lobes.lobe_polar(),
+        densities: Vec::new(),
+        discs: Vec::new(),
+    };
+    let shown = ["adaptive-disc", "cascade-cdf", "half-vector", "cosine"];
+    for spec in SamplerSpec::parse_all(&shown)? {
+        if !supported(&spec, &[material.facts()]) {
+            continue;
+        }
+        let subject = ChartSubject::new(material, vec![SHOWN_DEG], Some(spec))?;
+        charts.densities.push(subject.lobe_polar());
+        charts.discs.push(subject.disc(CLOUD.0, CLOUD.1));
+    }
+    Ok(charts)
+}
