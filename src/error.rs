@@ -1,17 +1,16 @@
 //! The one error type: a kind, a place and what to do about it.
 
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fmt, io};
 
 /// Result of every fallible call in this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// What went wrong, where, and the fix.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {
     /// The operating system refused an operation on a file.
-    #[error("{}: cannot {action}: {source}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -21,7 +20,6 @@ pub enum Error {
         source: io::Error,
     },
     /// A file's content contradicts its format.
-    #[error("{}: at byte {offset}: expected {expected}, found {found}; {fix}", path.display())]
     Invalid {
         /// The file.
         path: PathBuf,
@@ -35,7 +33,6 @@ pub enum Error {
         fix: String,
     },
     /// The file is well formed but of a kind this crate does not read.
-    #[error("{}: {what} is not supported; {fix}", path.display())]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -45,13 +42,48 @@ pub enum Error {
         fix: String,
     },
     /// An argument is outside its documented domain.
-    #[error("{what}; {fix}")]
     Argument {
         /// What is wrong.
         what: String,
         /// What the user can do.
         fix: String,
     },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io {
+                path,
+                action,
+                source,
+            } => write!(f, "{}: cannot {action}: {source}", path.display()),
+            Self::Invalid {
+                path,
+                offset,
+                expected,
+                found,
+                fix,
+            } => write!(
+                f,
+                "{}: at byte {offset}: expected {expected}, found {found}; {fix}",
+                path.display()
+            ),
+            Self::Unsupported { path, what, fix } => {
+                write!(f, "{}: {what} is not supported; {fix}", path.display())
+            }
+            Self::Argument { what, fix } => write!(f, "{what}; {fix}"),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Io { source, .. } => Some(source),
+            Self::Invalid { .. } | Self::Unsupported { .. } | Self::Argument { .. } => None,
+        }
+    }
 }
 
 /// Words as a list of choices, for messages: "a, b or c".

@@ -6,6 +6,7 @@
 mod contents;
 mod header;
 mod identifier;
+#[cfg(feature = "npz")]
 mod npz;
 
 use std::path::Path;
@@ -45,6 +46,7 @@ impl Export {
     ///
     /// # Errors
     /// As [`write_new`].
+    #[cfg(feature = "npz")]
     pub fn write_npz(&self, path: &Path, overwrite: Overwrite) -> Result<u64> {
         write_new(path, overwrite, |out| {
             npz::write(self, out).map_err(|e| Error::io(path, "write", e))

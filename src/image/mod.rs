@@ -3,14 +3,19 @@
 mod exr;
 mod format;
 mod pfm;
+#[cfg(feature = "png")]
 mod png;
+#[cfg(feature = "png")]
 mod png_input;
 mod radiance;
 mod read;
+mod screen;
 
 pub use exr::{decode_exr, read_exr, write_exr};
-pub use png::{encode_png, encode_srgb, tone_map, write_png};
+#[cfg(feature = "png")]
+pub use png::{encode_png, write_png};
 pub use read::{decode_image, read_image};
+pub use screen::{encode_srgb, tone_map};
 
 pub(crate) use format::PictureFormat;
 pub(crate) use read::read_picture;

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::exr::{decode_exr, decode_exr_file};
 use super::format::{PictureFormat, recognise};
 use super::pfm::decode_pfm;
+#[cfg(feature = "png")]
 use super::png_input::decode_png;
 use super::radiance::decode_radiance;
 use super::{Image, MAX_PIXELS};
@@ -75,6 +76,16 @@ fn decode_picture(format: PictureFormat, bytes: &[u8], path: &Path) -> Result<Pi
         }
     };
     Ok(PictureFile::new(image, format))
+}
+
+/// Stands in for the decoder where PNG is left out.
+#[cfg(not(feature = "png"))]
+fn decode_png(_: &[u8], path: &Path) -> Result<Image> {
+    Err(Error::Unsupported {
+        path: path.to_owned(),
+        what: "a PNG, in this build of the library,".into(),
+        fix: "build it with the feature `png`, or convert the picture to OpenEXR".into(),
+    })
 }
 
 impl PictureFile {

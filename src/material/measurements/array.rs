@@ -1,9 +1,6 @@
 //! Tables as arrays of numpy: `.npy`, and `.npz` archives of them (NEP 1).
 
-use std::io::{Cursor, Read};
 use std::path::Path;
-
-use zip::ZipArchive;
 
 use crate::files::RegularFile;
 use crate::material::merl::{Header, MerlTable, THETA_D_BINS, THETA_H_BINS};
@@ -29,9 +26,12 @@ pub fn read_array(path: &Path, channels_apart: bool) -> Result<MerlTable> {
 }
 
 /// The array of an archive.
+#[cfg(feature = "npz")]
 fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>> {
+    use std::io::{Cursor, Read};
+
     let expected = "an .npz archive of numpy";
-    let mut archive = ZipArchive::new(Cursor::new(bytes))
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes))
         .map_err(|e| refuse(path, 0, expected, &e.to_string()))?;
     let mut names: Vec<String> = Vec::new();
     for name in archive.file_names().flatten() {
@@ -59,6 +59,16 @@ fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>> {
     let read = Read::take(&mut entry, LONGEST).read_to_end(&mut out);
     read.map_err(|e| Error::io(path, "read", e))?;
     Ok(out)
+}
+
+/// Stands in for the reader where archives are left out.
+#[cfg(not(feature = "npz"))]
+fn unpack(_: Vec<u8>, path: &Path) -> Result<Vec<u8>> {
+    Err(Error::Unsupported {
+        path: path.to_owned(),
+        what: "an .npz archive, in this build of the library,".into(),
+        fix: "build it with the feature `npz`, or save the array as .npy".into(),
+    })
 }
 
 fn refuse(path: &Path, offset: usize, expected: &str, found: &str) -> Error {

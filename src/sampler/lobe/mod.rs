@@ -6,11 +6,13 @@
 
 mod codec;
 mod fields;
+#[cfg(feature = "fit")]
 mod fit;
+mod nodes;
 mod settings;
 mod shape;
 
-pub(super) use fit::Nodes;
+pub(super) use nodes::Nodes;
 pub use settings::{LEAST_DIFFUSE, LobeKind, LobeParameters, LobeSettings};
 
 use std::sync::Arc;
@@ -41,11 +43,11 @@ impl Lobe {
     /// the cosine alone.
     ///
     /// # Errors
-    /// [`crate::Error::Argument`] for parameters outside their domains.
+    /// [`crate::Error::Argument`] for parameters outside their domains, and for none where the feature `fit` is left out.
     pub fn build(brdf: &dyn Brdf, settings: LobeSettings) -> Result<Self> {
         let parameters = match settings.parameters {
             Some(given) => given,
-            None => fit::fit(settings.kind, &Nodes::tabulate(brdf, settings.importance)),
+            None => fit_parameters(brdf, &settings)?,
         };
         Self::from_settings(settings, parameters)
     }
@@ -76,6 +78,22 @@ impl Lobe {
     pub fn parameters(&self) -> &LobeParameters {
         &self.parameters
     }
+}
+
+/// The parameters that suit a material best.
+#[cfg(feature = "fit")]
+fn fit_parameters(brdf: &dyn Brdf, settings: &LobeSettings) -> Result<LobeParameters> {
+    let nodes = Nodes::tabulate(brdf, settings.importance);
+    Ok(fit::fit(settings.kind, &nodes))
+}
+
+/// Stands in for the fit where it is left out.
+#[cfg(not(feature = "fit"))]
+fn fit_parameters(_: &dyn Brdf, _: &LobeSettings) -> Result<LobeParameters> {
+    Err(crate::Error::argument(
+        "this build of the library fits no lobes",
+        "give the lobe's parameters, or build with the feature `fit`",
+    ))
 }
 
 impl Method for Lobe {
