@@ -52,7 +52,7 @@ fn fill(template: &str, values: &[(&str, String)]) -> String {
 
 fn values(export: &Export) -> Vec<(&'static str, String)> {
     let mut values = description(export);
-    values.extend(arrays(export.table.stored()));
+    values.extend(arrays(&export.table.to_stored()));
     values
 }
 

@@ -26,7 +26,7 @@ pub(super) fn write(export: &Export, out: impl Write + Seek) -> std::io::Result<
 
 /// The half-vector table, by the names of its file's tensors.
 fn tables<W: Write + Seek>(export: &Export, zip: &mut Npz<W>) -> std::io::Result<()> {
-    let stored = export.table.stored();
+    let stored = export.table.to_stored();
     let (tables, rows) = (stored.cosines.len(), stored.edges.len() - 1);
     let slopes: Vec<u8> = stored.slopes.iter().flat_map(|x| x.to_le_bytes()).collect();
     zip.array(

@@ -93,8 +93,8 @@ impl ByAzimuth {
         }
     }
 
-    pub(super) fn stored(&self) -> Vec<&Stored> {
-        self.tables.iter().map(HalfVectorTable::stored).collect()
+    pub(super) fn to_stored(&self) -> Vec<Stored> {
+        self.tables.iter().map(HalfVectorTable::to_stored).collect()
     }
 
     /// The settings it was built with, the number of azimuths among them.

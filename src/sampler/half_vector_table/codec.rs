@@ -9,7 +9,7 @@ use crate::geometry::half_vector_chart::{MERL_PARTS, PARTS};
 use crate::sampler::store::{TensorWriter, Tensors};
 
 /// One half-vector table, or several one after the other.
-pub(super) fn write(all: &[&Stored], out: &mut TensorWriter) {
+pub(super) fn write(all: &[Stored], out: &mut TensorWriter) {
     out.add(
         "knot.cosine",
         all.iter().flat_map(|t| t.cosines.iter().copied()),

@@ -93,8 +93,8 @@ impl Method for HalfVector {
 
     fn write(&self, out: &mut TensorWriter) -> Result<()> {
         match self {
-            Self::Isotropic(table) => codec::write(&[table.stored()], out),
-            Self::Anisotropic(tables) => codec::write(&tables.stored(), out),
+            Self::Isotropic(table) => codec::write(&[table.to_stored()], out),
+            Self::Anisotropic(tables) => codec::write(&tables.to_stored(), out),
         }
         Ok(())
     }

@@ -47,7 +47,7 @@ impl HalfVectorTable {
     pub(super) fn from_parts(settings: HalfVectorSettings, stored: Stored) -> Self {
         Self {
             settings,
-            tables: IndexedTables::new(stored, settings.fold),
+            tables: IndexedTables::new(&stored, settings.fold),
         }
     }
 
@@ -62,8 +62,9 @@ impl HalfVectorTable {
         self.tables.interpolate(chart.cos_o())
     }
 
-    pub(crate) fn stored(&self) -> &Stored {
-        self.tables.stored()
+    /// What a file holds of the tables.
+    pub(crate) fn to_stored(&self) -> Stored {
+        self.tables.to_stored()
     }
 
     /// The point of the unit square that [`DirectionSampler::sample`] maps to `wi`, up to rounding; `None` unless both

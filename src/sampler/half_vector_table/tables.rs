@@ -3,9 +3,9 @@
 //! Integers make the tables small and the sums exact: a mixture of two normalised tables is normalised to the last bit, and
 //! rising probabilities stay rising.
 
-use std::hint::select_unpredictable;
-
-use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable, NODE_UNIT, WEIGHT_ONE};
+use super::lookup::{
+    AzimuthSegment, InterpolatedRow, InterpolatedTable, NODE_UNIT, ONE, WEIGHT_ONE,
+};
 use crate::geometry::half_vector_chart::{ChartEdge, PARTS};
 
 /// Slopes are in units of 1/128.
@@ -30,21 +30,39 @@ pub struct Stored {
     pub width: usize,
 }
 
-/// Tables and the indices that speed up their use.
+/// The tables as draws read them: what is needed together lies together.
 #[derive(Clone, Debug)]
 pub struct IndexedTables {
-    stored: Stored,
+    /// cos θo of each table, falling from 1.
+    cosines: Vec<f32>,
     /// Whether both sides of the plane of incidence are held as one.
     fold: bool,
+    /// Segments of a row.
+    segments: usize,
     /// Edges of the rows.
     edges: Vec<ChartEdge>,
     /// The row that holds each part of the chart.
     part_rows: [u8; PARTS],
-    /// `[table, row, block]`: sum of the nodes at both ends of the segments up to and with a block, but for the last.
-    blocks: Vec<u16>,
+    /// `[table][row_stride]`: 0, the probability up to and with each row, and 1 from there on.
+    rows: Vec<u16>,
+    row_stride: usize,
+    /// `[table][PIVOTS]`: the probability up to and with each group of [`GROUP`] rows, and 1 from there on.
+    pivots: Vec<[u16; PIVOTS]>,
+    /// `[row, table]`: slopes.
+    slopes: Vec<i8>,
+    /// `[row, table][record]`: the sums of the nodes at both ends of the segments up to and with each block but the last, then
+    /// the nodes, then 0 as far as the last block could have some. Two tables about a polar angle are neighbours.
+    records: Vec<u16>,
+    /// Numbers in a record.
+    record: usize,
     /// Blocks that have a sum.
     block_count: usize,
 }
+
+/// Rows that are compared with a probability at once.
+const GROUP: usize = 8;
+/// Groups of rows that are compared at once: enough for as many rows as a chart has parts.
+const PIVOTS: usize = PARTS.div_ceil(GROUP);
 
 /// Segments that are summed together before they are told apart.
 const BLOCK: usize = 4;
@@ -54,14 +72,24 @@ const fn blocks_of(segments: usize) -> usize {
     (segments - 1) / BLOCK
 }
 
-/// Bytes of all arrays of so many tables, rows and segments.
-pub const fn bytes(tables: usize, rows: usize, segments: usize) -> usize {
-    let row = size_of::<u16>() * (1 + segments + 1 + blocks_of(segments)) + size_of::<i8>();
-    let edge = size_of::<u16>() + size_of::<ChartEdge>();
-    tables * (size_of::<f32>() + rows * row) + (rows + 1) * edge + PARTS
+/// Numbers in the record of a row of so many segments.
+const fn record_of(segments: usize) -> usize {
+    blocks_of(segments) + (blocks_of(segments) + 1) * BLOCK + 1
 }
 
-/// Two tables, and the weight of the second: the table that is interpolated between them.
+/// Probabilities kept for a table of so many rows: whole groups, and 0 before them.
+const fn row_stride_of(rows: usize) -> usize {
+    1 + rows.div_ceil(GROUP) * GROUP
+}
+
+/// Bytes of all arrays of so many tables, rows and segments.
+pub const fn bytes(tables: usize, rows: usize, segments: usize) -> usize {
+    let row = size_of::<u16>() * record_of(segments) + size_of::<i8>();
+    let search = size_of::<u16>() * (row_stride_of(rows) + PIVOTS);
+    tables * (size_of::<f32>() + rows * row + search) + (rows + 1) * size_of::<ChartEdge>() + PARTS
+}
+
+/// Two neighbouring tables, and the weight of the second: the table that is interpolated between them.
 #[derive(Clone, Copy, Debug)]
 pub struct TablePair<'a> {
     pub(super) tables: &'a IndexedTables,
@@ -71,41 +99,102 @@ pub struct TablePair<'a> {
 }
 
 impl IndexedTables {
-    /// Adds the derived tables to arrays that keep the rules of [`Stored`].
-    pub fn new(stored: Stored, fold: bool) -> Self {
-        let edges = stored
-            .edges
-            .iter()
-            .map(|&e| ChartEdge::new(usize::from(e)))
-            .collect();
+    /// Arranges arrays that keep the rules of [`Stored`].
+    pub fn new(stored: &Stored, fold: bool) -> Self {
+        let segments = stored.width - 1;
+        let row_count = stored.edges.len() - 1;
+        let table_count = stored.cosines.len();
+        debug_assert!(stored.cosines.is_sorted_by(|a, b| a > b));
+        debug_assert_eq!(stored.nodes.len(), table_count * row_count * stored.width);
+        let mut edges = Vec::with_capacity(row_count + 1);
+        for &edge in &stored.edges {
+            edges.push(ChartEdge::new(usize::from(edge)));
+        }
         let part_rows = std::array::from_fn(|part| {
             stored.edges[1..].partition_point(|&e| usize::from(e) <= part) as u8
         });
-        let block_count = blocks_of(stored.width - 1);
-        // In each row, the sums of the nodes' pairs up to the end of each block.
-        let mut blocks = Vec::with_capacity(stored.nodes.len() / stored.width * block_count);
-        for row in stored.nodes.chunks(stored.width) {
-            let mut sum = 0;
-            for block in 0..block_count {
-                for k in block * BLOCK..(block + 1) * BLOCK {
-                    sum += row[k] + row[k + 1];
-                }
-                blocks.push(sum);
-            }
-        }
-        Self {
-            stored,
+        let mut tables = Self {
+            cosines: stored.cosines.clone(),
             fold,
+            segments,
             edges,
             part_rows,
-            blocks,
-            block_count,
+            rows: Vec::new(),
+            row_stride: row_stride_of(row_count),
+            pivots: Vec::with_capacity(table_count),
+            slopes: Vec::with_capacity(table_count * row_count),
+            records: Vec::with_capacity(table_count * row_count * record_of(segments)),
+            record: record_of(segments),
+            block_count: blocks_of(segments),
+        };
+        for cumulative in stored.rows.chunks(row_count) {
+            tables.push_search(cumulative);
         }
+        for row in 0..row_count {
+            for table in 0..table_count {
+                let k = table * row_count + row;
+                tables.slopes.push(stored.slopes[k]);
+                tables.push_record(&stored.nodes[k * stored.width..][..stored.width]);
+            }
+        }
+        tables
+    }
+
+    /// Adds what the row of a probability is found by in the next table.
+    fn push_search(&mut self, cumulative: &[u16]) {
+        let mut groups = cumulative.to_vec();
+        groups.resize(self.row_stride - 1, ONE);
+        let mut pivots = [ONE; PIVOTS];
+        for (pivot, group) in pivots.iter_mut().zip(groups.chunks(GROUP)) {
+            *pivot = group[GROUP - 1];
+        }
+        self.pivots.push(pivots);
+        self.rows.push(0);
+        self.rows.append(&mut groups);
+    }
+
+    /// Adds the record of a row of nodes.
+    fn push_record(&mut self, nodes: &[u16]) {
+        let start = self.records.len();
+        let mut sum = 0;
+        for block in 0..self.block_count {
+            for k in block * BLOCK..(block + 1) * BLOCK {
+                sum += nodes[k] + nodes[k + 1];
+            }
+            self.records.push(sum);
+        }
+        self.records.extend_from_slice(nodes);
+        self.records.resize(start + self.record, 0);
     }
 
     /// What a file holds of them.
-    pub fn stored(&self) -> &Stored {
-        &self.stored
+    pub fn to_stored(&self) -> Stored {
+        let (table_count, row_count) = (self.cosines.len(), self.row_count());
+        let mut stored = Stored {
+            cosines: self.cosines.clone(),
+            edges: Vec::with_capacity(row_count + 1),
+            rows: Vec::with_capacity(table_count * row_count),
+            slopes: Vec::with_capacity(table_count * row_count),
+            nodes: Vec::with_capacity(table_count * row_count * (self.segments + 1)),
+            width: self.segments + 1,
+        };
+        // A row begins at the first part that it holds; the last row ends where the chart does.
+        for row in 0..row_count {
+            let first = self.part_rows.partition_point(|&r| usize::from(r) < row);
+            stored.edges.push(first as u16);
+        }
+        stored.edges.push(PARTS as u16);
+        for table in 0..table_count {
+            let rows = &self.rows[table * self.row_stride + 1..][..row_count];
+            stored.rows.extend_from_slice(rows);
+            for row in 0..row_count {
+                let k = row * table_count + table;
+                stored.slopes.push(self.slopes[k]);
+                let nodes = &self.records[k * self.record + self.block_count..];
+                stored.nodes.extend_from_slice(&nodes[..stored.width]);
+            }
+        }
+        stored
     }
 
     /// Whether both sides of the plane of incidence are held as one.
@@ -116,11 +205,7 @@ impl IndexedTables {
 
     /// Bytes of all arrays.
     pub fn bytes(&self) -> usize {
-        bytes(
-            self.stored.cosines.len(),
-            self.row_count(),
-            self.stored.width - 1,
-        )
+        bytes(self.cosines.len(), self.row_count(), self.segments)
     }
 
     /// Number of rows.
@@ -144,14 +229,22 @@ impl IndexedTables {
     /// The tables about a polar angle, with weights that are linear in its cosine; beyond the last one, the last.
     #[inline]
     pub fn interpolate(&self, cos_o: f32) -> TablePair<'_> {
-        // Step 4: b = number of cosines above cosO, at most T − 1; a = max(b − 1, 0).
-        let cosines = &self.stored.cosines;
-        let last = cosines.len() - 1;
-        // Counting all is sooner done than searching: comparisons don't wait for each other.
-        let second =
-            (cosines.iter().map(|&c| u32::from(c > cos_o)).sum::<u32>() as usize).min(last);
+        // Step 4: b = number of cosines above cosO, at most T − 1. Counting all is sooner done than searching: comparisons
+        // don't wait for each other.
+        let mut above = 0;
+        for &cosine in &self.cosines {
+            above += u32::from(cosine > cos_o);
+        }
+        self.pair_at(above as usize, cos_o)
+    }
+
+    /// [`Self::interpolate`] where the number of cosines above that of `wo` is known.
+    #[inline(always)]
+    fn pair_at(&self, above: usize, cos_o: f32) -> TablePair<'_> {
+        // Step 4: a = max(b − 1, 0).
+        let second = above.min(self.cosines.len() - 1);
         let first = second.saturating_sub(1);
-        let (high, low) = (cosines[first], cosines[second]);
+        let (high, low) = (self.cosines[first], self.cosines[second]);
         // Step 4: w = ⌊65536·clamp((knot[a] − cosO)/(knot[a] − knot[b]), 0, 1) + ½⌋, the weight of table b.
         let weight = if high > low {
             ((high - cos_o) / (high - low)).clamp(0.0, 1.0)
@@ -167,7 +260,7 @@ impl IndexedTables {
     }
 }
 
-impl TablePair<'_> {
+impl<'a> TablePair<'a> {
     /// Step 5, mix(a, b): `first · (WEIGHT_ONE − weight) + second · weight`, which fits 32 bits: exact, by one product modulo 2³².
     #[inline(always)]
     pub(super) fn mix(&self, first: u16, second: u16) -> u32 {
@@ -175,58 +268,63 @@ impl TablePair<'_> {
         (first * WEIGHT_ONE).wrapping_add(second.wrapping_sub(first).wrapping_mul(self.weight))
     }
 
-    /// Row `row` of both tables, of `values` that hold `rows` of `width` for every table.
+    /// The records of a row in both tables.
     #[inline(always)]
-    fn rows<'b, T>(
-        &self,
-        values: &'b [T],
-        rows: usize,
-        row: usize,
-        width: usize,
-    ) -> (&'b [T], &'b [T]) {
-        let first = (self.first * rows + row) * width;
-        let second = (self.second * rows + row) * width;
-        (&values[first..][..width], &values[second..][..width])
+    fn records(&self, row: usize) -> (&'a [u16], &'a [u16]) {
+        let tables = self.tables;
+        let first = (row * tables.cosines.len() + self.first) * tables.record;
+        let second = (row * tables.cosines.len() + self.second) * tables.record;
+        (
+            &tables.records[first..][..tables.record],
+            &tables.records[second..][..tables.record],
+        )
     }
 
     /// Nodes of a row of both tables.
     #[inline(always)]
-    pub(super) fn nodes(&self, row: usize) -> (&[u16], &[u16]) {
-        let tables = self.tables;
-        self.rows(
-            &tables.stored.nodes,
-            tables.row_count(),
-            row,
-            tables.stored.width,
-        )
+    pub(super) fn nodes(&self, row: usize) -> (&'a [u16], &'a [u16]) {
+        let (first, second) = self.records(row);
+        let sums = self.tables.block_count;
+        (&first[sums..], &second[sums..])
     }
 
-    /// Step 12, coarse: the block of segments in which the sum passes `target`, and the sum below it.
+    /// `N` numbers of both tables' probabilities, from place `start` of [`IndexedTables::rows`] on.
     #[inline(always)]
-    fn find_block(&self, row: usize, target: u32) -> (usize, u32) {
+    fn cumulative<const N: usize>(&self, start: usize) -> (&'a [u16; N], &'a [u16; N]) {
         let tables = self.tables;
-        let (first, second) =
-            self.rows(&tables.blocks, tables.row_count(), row, tables.block_count);
-        let (mut block, mut below) = (0, 0);
-        for (&a, &b) in first.iter().zip(second) {
-            let sum = self.mix(a, b);
-            let passed = sum <= target;
-            block += usize::from(passed);
-            below = if passed { sum } else { below };
+        let first = &tables.rows[self.first * tables.row_stride + start..];
+        let second = &tables.rows[self.second * tables.row_stride + start..];
+        match (first.first_chunk(), second.first_chunk()) {
+            (Some(first), Some(second)) => (first, second),
+            _ => (&[ONE; N], &[ONE; N]),
         }
-        (block, below)
+    }
+
+    /// How many of the mixed numbers are at most `target`.
+    #[inline(always)]
+    fn count_passed<const N: usize>(
+        &self,
+        first: &[u16; N],
+        second: &[u16; N],
+        target: u32,
+    ) -> usize {
+        let mut passed = 0;
+        for k in 0..N {
+            passed += u32::from(self.mix(first[k], second[k]) <= target);
+        }
+        passed as usize
     }
 
     /// Nodes of all rows.
     #[inline]
     pub fn node_count(&self) -> usize {
-        self.tables.row_count() * self.tables.stored.width
+        self.tables.row_count() * (self.tables.segments + 1)
     }
 
     /// Segments a row, and the unit that makes densities at nodes 1 on average over [0, 1].
     #[inline]
     pub fn scale(&self) -> (f32, f32) {
-        let segments = (self.tables.stored.width - 1) as f32;
+        let segments = self.tables.segments as f32;
         (segments, 2.0 * segments * NODE_UNIT)
     }
 }
@@ -234,65 +332,72 @@ impl TablePair<'_> {
 impl InterpolatedTable for TablePair<'_> {
     #[inline(always)]
     fn segments(&self) -> usize {
-        self.tables.stored.width - 1
+        self.tables.segments
     }
 
     #[inline(always)]
     fn find_row_index(&self, target: u32) -> usize {
-        let n = self.tables.row_count();
-        let (first, second) = self.rows(&self.tables.stored.rows, 1, 0, n);
-        // Bisection of as many steps for every draw: nothing to mispredict, and draws of a batch don't wait for each other.
-        let mut index = 0;
-        let mut left = n;
-        while left > 1 {
-            let half = left / 2;
-            let last = index + half - 1;
-            let passed = self.mix(first[last], second[last]) <= target;
-            index = select_unpredictable(passed, index + half, index);
-            left -= half;
-        }
-        index
+        // Two levels of comparisons that don't wait for each other: the group of rows, then the row in it. What fills up the
+        // last group is above the target of every number below 1.
+        let tables = self.tables;
+        let (first, second) = (&tables.pivots[self.first], &tables.pivots[self.second]);
+        let start = GROUP * self.count_passed(first, second, target);
+        let (first, second) = self.cumulative::<GROUP>(1 + start);
+        (start + self.count_passed(first, second, target)).min(tables.row_count() - 1)
     }
 
     #[inline(always)]
     fn row(&self, index: usize) -> InterpolatedRow {
-        let (first, second) = self.rows(&self.tables.stored.rows, 1, 0, self.tables.row_count());
-        let below = if index == 0 {
-            0
-        } else {
-            self.mix(first[index - 1], second[index - 1])
-        };
+        // Place `index` holds the probability below the row, the next one that up to its end.
+        let (first, second) = self.cumulative::<2>(index);
+        let below = self.mix(first[0], second[0]);
         InterpolatedRow {
             index,
             below,
-            mass: self.mix(first[index], second[index]) - below,
+            mass: self.mix(first[1], second[1]) - below,
         }
     }
 
     #[inline(always)]
     fn slope(&self, row: usize) -> f32 {
-        let (first, second) =
-            self.rows(&self.tables.stored.slopes, self.tables.row_count(), row, 1);
-        let (first, second) = (i32::from(first[0]), i32::from(second[0]));
+        let slopes = &self.tables.slopes[row * self.tables.cosines.len()..];
+        let (first, second) = (
+            i32::from(slopes[self.first]),
+            i32::from(slopes[self.second]),
+        );
         let mixed = first * (WEIGHT_ONE - self.weight) as i32 + second * self.weight as i32;
         mixed as f32 * (SLOPE_UNIT / WEIGHT_ONE as f32)
     }
 
     #[inline(always)]
     fn find_segment_index(&self, row: usize, target: u32) -> (usize, u32) {
-        let (first, second) = self.nodes(row);
-        // Step 12: the block, then the segment within it.
-        let (block, mut below) = self.find_block(row, target);
-        let mut index = block * BLOCK;
-        let mut low = self.mix(first[index], second[index]);
-        let mut sum = below;
-        let others = (first.len() - 1 - index).min(BLOCK) - 1;
-        for i in index + 1..=index + others {
-            let high = self.mix(first[i], second[i]);
-            // A row's sums stay below NODE_TOTAL, which fits.
-            sum += low + high;
-            low = high;
+        let tables = self.tables;
+        let (first, second) = self.records(row);
+        // Step 12, coarse: the block of segments in which the sum passes the target, and the sum below it.
+        let (mut block, mut below) = (0, 0);
+        let sums = first[..tables.block_count].iter();
+        for (&a, &b) in sums.zip(&second[..tables.block_count]) {
+            let sum = self.mix(a, b);
             let passed = sum <= target;
+            block += usize::from(passed);
+            below = if passed { sum } else { below };
+        }
+        // Step 12, fine: the segment in the block. A row's sums stay below NODE_TOTAL, which fits; those that would pass the
+        // row's end are not counted.
+        let start = block * BLOCK;
+        let place = tables.block_count + start;
+        let (first, second) = (
+            &first[place..][..BLOCK + 1],
+            &second[place..][..BLOCK + 1],
+        );
+        let mut index = start;
+        let mut sum = below;
+        let mut low = self.mix(first[0], second[0]);
+        for k in 1..BLOCK {
+            let high = self.mix(first[k], second[k]);
+            sum = sum.wrapping_add(low).wrapping_add(high);
+            low = high;
+            let passed = (sum <= target) & (start + k < tables.segments);
             index += usize::from(passed);
             below = if passed { sum } else { below };
         }
@@ -302,12 +407,11 @@ impl InterpolatedTable for TablePair<'_> {
     #[inline(always)]
     fn segment(&self, row: usize, index: usize) -> AzimuthSegment {
         let (first, second) = self.nodes(row);
-        let low = self.mix(first[index], second[index]) as f32;
-        let high = self.mix(first[index + 1], second[index + 1]) as f32;
+        let (first, second) = (&first[index..][..2], &second[index..][..2]);
         AzimuthSegment {
             index: index as u32 as f32,
-            low,
-            high,
+            low: self.mix(first[0], second[0]) as f32,
+            high: self.mix(first[1], second[1]) as f32,
         }
     }
 }
@@ -326,6 +430,10 @@ mod tests {
     }
 
     fn example() -> IndexedTables {
+        IndexedTables::new(&example_stored(), false)
+    }
+
+    fn example_stored() -> Stored {
         let rows: Vec<u16> = [random(11, 1), random(11, 2), random(11, 3)]
             .iter()
             .flat_map(|m| {
@@ -339,15 +447,14 @@ mod tests {
         let nodes = (0..33)
             .flat_map(|i| quantise_nodes(&random(12, 10 + i)))
             .collect();
-        let stored = Stored {
+        Stored {
             cosines: vec![1.0, 0.5, 0.1],
-            edges: (0..=11).collect(),
+            edges: (0..=10).chain([PARTS as u16]).collect(),
             rows,
             slopes: (0..33).map(|i| (i * 7 - 110) as i8).collect(),
             nodes,
             width: 12,
-        };
-        IndexedTables::new(stored, false)
+        }
     }
 
     #[test]
@@ -430,16 +537,21 @@ mod tests {
 
     #[test]
     fn bytes_are_those_of_the_arrays() {
-        let (t, s) = (example(), example().stored);
-        let arrays = size_of_val(&s.cosines[..])
-            + size_of_val(&s.edges[..])
-            + size_of_val(&s.rows[..])
-            + size_of_val(&s.slopes[..])
-            + size_of_val(&s.nodes[..])
+        let t = example();
+        let arrays = size_of_val(&t.cosines[..])
             + size_of_val(&t.edges[..])
             + size_of_val(&t.part_rows)
-            + size_of_val(&t.blocks[..]);
+            + size_of_val(&t.rows[..])
+            + size_of_val(&t.pivots[..])
+            + size_of_val(&t.slopes[..])
+            + size_of_val(&t.records[..]);
         assert_eq!(t.bytes(), arrays);
+    }
+
+    #[test]
+    fn what_was_stored_comes_back() {
+        let stored = example_stored();
+        assert_eq!(IndexedTables::new(&stored, false).to_stored(), stored);
     }
 
     /// Densities are the derivatives of the probabilities.
