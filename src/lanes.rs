@@ -2,6 +2,9 @@
 //!
 //! Batches go through their steps a block of lanes at a time. Loops over such a block have a length that the compiler knows,
 //! and read and write columns, so they become vector code. Everything here lives on the stack.
+//!
+//! Closures, and functions that take them, are avoided: inside code for a newer processor they may stay functions for the
+//! oldest one, and each use of them a call.
 
 use glam::Vec3;
 
@@ -15,20 +18,40 @@ impl<T: Copy, const N: usize, const LANES: usize> Columns<T, N, LANES> {
     /// Every lane holds `values`.
     #[inline(always)]
     pub(crate) fn splat(values: [T; N]) -> Self {
-        Self(values.map(|value| [value; LANES]))
+        let mut columns = [[values[0]; LANES]; N];
+        for i in 1..N {
+            columns[i] = [values[i]; LANES];
+        }
+        Self(columns)
     }
 
     /// The numbers of a lane.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> [T; N] {
-        std::array::from_fn(|i| self.0[i][lane])
+        let mut values = [self.0[0][lane]; N];
+        for i in 1..N {
+            values[i] = self.0[i][lane];
+        }
+        values
+    }
+
+    /// A number of all lanes.
+    #[inline(always)]
+    pub(crate) fn column(&self, number: usize) -> &[T; LANES] {
+        &self.0[number]
+    }
+
+    /// A number of all lanes, to be replaced.
+    #[inline(always)]
+    pub(crate) fn column_mut(&mut self, number: usize) -> &mut [T; LANES] {
+        &mut self.0[number]
     }
 
     /// Replaces the numbers of a lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, values: [T; N]) {
-        for (column, value) in self.0.iter_mut().zip(values) {
-            column[lane] = value;
+        for i in 0..N {
+            self.0[i][lane] = values[i];
         }
     }
 }
@@ -85,6 +108,7 @@ impl<const LANES: usize> UnitDirections<LANES> {
     }
 
     /// The unit directions as columns.
+    #[inline(always)]
     pub(crate) fn columns(&self) -> &Columns<f32, 3, LANES> {
         &self.columns
     }

@@ -202,7 +202,7 @@ pub(crate) struct ChartPoint {
 
 impl HalfVectorChart {
     /// The chart about `wo`, which must be above the horizon and of unit length up to rounding.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(wo: Vec3) -> Self {
         // Step 1: sinO = √(wo.x² + wo.y²), cosO = wo.z, (C, S) = (wo.x, wo.y)/sinO; both of length 1 to the last bit.
         let rho2 = wo.x * wo.x + wo.y * wo.y;
@@ -254,13 +254,13 @@ impl HalfVectorChart {
     }
 
     /// Cosine of the polar angle of `wo`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn cos_o(&self) -> f32 {
         self.cos_o
     }
 
     /// The cap at an edge.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn edge_cap(&self, edge: ChartEdge) -> f32 {
         edge.fixed + edge.weight * self.cap_max
     }
@@ -361,7 +361,7 @@ impl HalfVectorChart {
     }
 
     /// The part that holds a point: below the last of MERL's parts by its squared tangent, as lookups find bins.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn find_part(&self, point: &ChartPoint) -> usize {
         let bin = AxisBins::get().theta_h.bin(point.tan2_theta_h);
         if bin < MERL_PARTS {

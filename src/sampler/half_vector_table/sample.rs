@@ -179,7 +179,7 @@ impl<'a> TableView<'a, TablePair<'a>> {
 impl<M: InterpolatedTable> TableView<'_, M> {
     /// Step 5: cap where a row begins, and its width.
     #[inline(always)]
-    fn row_span(&self, row: usize) -> (f32, f32) {
+    pub(super) fn row_span(&self, row: usize) -> (f32, f32) {
         let [low, high] = self.tables.edges(row);
         let low = self.chart.edge_cap(low);
         (low, self.chart.edge_cap(high) - low)
@@ -338,7 +338,7 @@ fn unit_azimuth(azimuth_fraction: f32, fold: bool) -> f32 {
 
 /// Step 10: a number in [0, 1) as the azimuth's probability and its side; folded, both sides meet in the middle.
 #[inline(always)]
-fn unfold(u: f32, fold: bool) -> (f32, f32) {
+pub(super) fn unfold(u: f32, fold: bool) -> (f32, f32) {
     let side = 2.0 * u - 1.0;
     if fold {
         (side.abs(), 1f32.copysign(side))

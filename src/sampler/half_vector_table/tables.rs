@@ -38,7 +38,7 @@ pub struct IndexedTables {
     /// Whether both sides of the plane of incidence are held as one.
     fold: bool,
     /// Segments of a row.
-    segments: usize,
+    pub(super) segments: usize,
     /// Edges of the rows.
     edges: Vec<ChartEdge>,
     /// The row that holds each part of the chart.
@@ -46,8 +46,9 @@ pub struct IndexedTables {
     /// `[table][row_stride]`: 0, the probability up to and with each row, and 1 from there on.
     rows: Vec<u16>,
     row_stride: usize,
-    /// `[table][PIVOTS]`: the probability up to and with each group of [`GROUP`] rows, and 1 from there on.
-    pivots: Vec<[u16; PIVOTS]>,
+    /// The probability of each table up to and with each group of [`GROUP`] rows, and 1 from there on: the first eight groups,
+    /// and the others, which few tables have.
+    pivots: Vec<[[u16; GROUP]; 2]>,
     /// `[row, table]`: slopes.
     slopes: Vec<i8>,
     /// `[row, table][record]`: the sums of the nodes at both ends of the segments up to and with each block but the last, then
@@ -56,16 +57,14 @@ pub struct IndexedTables {
     /// Numbers in a record.
     record: usize,
     /// Blocks that have a sum.
-    block_count: usize,
+    pub(super) block_count: usize,
 }
 
 /// Rows that are compared with a probability at once.
 const GROUP: usize = 8;
-/// Groups of rows that are compared at once: enough for as many rows as a chart has parts.
-const PIVOTS: usize = PARTS.div_ceil(GROUP);
 
 /// Segments that are summed together before they are told apart.
-const BLOCK: usize = 4;
+pub(super) const BLOCK: usize = 4;
 
 /// Blocks of a row that have a sum: all but the last.
 const fn blocks_of(segments: usize) -> usize {
@@ -85,7 +84,7 @@ const fn row_stride_of(rows: usize) -> usize {
 /// Bytes of all arrays of so many tables, rows and segments.
 pub const fn bytes(tables: usize, rows: usize, segments: usize) -> usize {
     let row = size_of::<u16>() * record_of(segments) + size_of::<i8>();
-    let search = size_of::<u16>() * (row_stride_of(rows) + PIVOTS);
+    let search = size_of::<u16>() * (row_stride_of(rows) + 2 * GROUP);
     tables * (size_of::<f32>() + rows * row + search) + (rows + 1) * size_of::<ChartEdge>() + PARTS
 }
 
@@ -144,8 +143,8 @@ impl IndexedTables {
     fn push_search(&mut self, cumulative: &[u16]) {
         let mut groups = cumulative.to_vec();
         groups.resize(self.row_stride - 1, ONE);
-        let mut pivots = [ONE; PIVOTS];
-        for (pivot, group) in pivots.iter_mut().zip(groups.chunks(GROUP)) {
+        let mut pivots = [[ONE; GROUP]; 2];
+        for (pivot, group) in pivots.as_flattened_mut().iter_mut().zip(groups.chunks(GROUP)) {
             *pivot = group[GROUP - 1];
         }
         self.pivots.push(pivots);
@@ -198,7 +197,7 @@ impl IndexedTables {
     }
 
     /// Whether both sides of the plane of incidence are held as one.
-    #[inline]
+    #[inline(always)]
     pub fn fold(&self) -> bool {
         self.fold
     }
@@ -209,25 +208,25 @@ impl IndexedTables {
     }
 
     /// Number of rows.
-    #[inline]
+    #[inline(always)]
     pub(super) fn row_count(&self) -> usize {
         self.edges.len() - 1
     }
 
     /// The row that holds a part of the chart.
-    #[inline]
+    #[inline(always)]
     pub fn row_of_part(&self, part: usize) -> usize {
         usize::from(self.part_rows[part])
     }
 
     /// The edges of a row.
-    #[inline]
+    #[inline(always)]
     pub fn edges(&self, row: usize) -> [ChartEdge; 2] {
         [self.edges[row], self.edges[row + 1]]
     }
 
     /// The tables about a polar angle, with weights that are linear in its cosine; beyond the last one, the last.
-    #[inline]
+    #[inline(always)]
     pub fn interpolate(&self, cos_o: f32) -> TablePair<'_> {
         // Step 4: b = number of cosines above cosO, at most T − 1. Counting all is sooner done than searching: comparisons
         // don't wait for each other.
@@ -236,6 +235,25 @@ impl IndexedTables {
             above += u32::from(cosine > cos_o);
         }
         self.pair_at(above as usize, cos_o)
+    }
+
+    /// [`Self::interpolate`] for each of several polar angles.
+    #[inline(always)]
+    pub fn interpolate_lanes<const LANES: usize>(
+        &self,
+        cos_o: &[f32; LANES],
+    ) -> [TablePair<'_>; LANES] {
+        let mut above = [0u32; LANES];
+        for &cosine in &self.cosines {
+            for lane in 0..LANES {
+                above[lane] += u32::from(cosine > cos_o[lane]);
+            }
+        }
+        let mut pairs = [self.pair_at(0, 1.0); LANES];
+        for lane in 0..LANES {
+            pairs[lane] = self.pair_at(above[lane] as usize, cos_o[lane]);
+        }
+        pairs
     }
 
     /// [`Self::interpolate`] where the number of cosines above that of `wo` is known.
@@ -257,6 +275,24 @@ impl IndexedTables {
             second,
             weight: (weight * WEIGHT_ONE as f32 + 0.5) as u32,
         }
+    }
+}
+
+/// A number of the first table in the lower half, and one of the second in the upper: what columns hold until they are mixed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PackedPair(u32);
+
+impl PackedPair {
+    #[inline(always)]
+    fn new(first: u16, second: u16) -> Self {
+        Self(u32::from(first) | u32::from(second) << 16)
+    }
+
+    /// Step 5, as [`TablePair::mix`].
+    #[inline(always)]
+    pub(super) fn mix(self, weight: u32) -> u32 {
+        let (first, second) = (self.0 & 0xffff, self.0 >> 16);
+        (first * WEIGHT_ONE).wrapping_add(second.wrapping_sub(first).wrapping_mul(weight))
     }
 }
 
@@ -315,14 +351,40 @@ impl<'a> TablePair<'a> {
         passed as usize
     }
 
+    /// Step 12, coarse: block `k` of a row's sums in both tables, of which there are [`IndexedTables::block_count`].
+    #[inline(always)]
+    pub(super) fn block_sums(&self, row: usize, k: usize) -> PackedPair {
+        let (first, second) = self.records(row);
+        PackedPair::new(first[k], second[k])
+    }
+
+    /// The nodes at the ends of a block's segments in both tables.
+    #[inline(always)]
+    pub(super) fn block_nodes(&self, row: usize, block: usize) -> [PackedPair; BLOCK + 1] {
+        let (first, second) = self.records(row);
+        let place = self.tables.block_count + block * BLOCK;
+        let (first, second) = (&first[place..][..BLOCK + 1], &second[place..][..BLOCK + 1]);
+        let mut packed = [PackedPair::default(); BLOCK + 1];
+        for k in 0..=BLOCK {
+            packed[k] = PackedPair::new(first[k], second[k]);
+        }
+        packed
+    }
+
+    /// Weight of the second table, in units of 1/[`WEIGHT_ONE`].
+    #[inline(always)]
+    pub(super) fn weight(&self) -> u32 {
+        self.weight
+    }
+
     /// Nodes of all rows.
-    #[inline]
+    #[inline(always)]
     pub fn node_count(&self) -> usize {
         self.tables.row_count() * (self.tables.segments + 1)
     }
 
     /// Segments a row, and the unit that makes densities at nodes 1 on average over [0, 1].
-    #[inline]
+    #[inline(always)]
     pub fn scale(&self) -> (f32, f32) {
         let segments = self.tables.segments as f32;
         (segments, 2.0 * segments * NODE_UNIT)
@@ -341,7 +403,11 @@ impl InterpolatedTable for TablePair<'_> {
         // last group is above the target of every number below 1.
         let tables = self.tables;
         let (first, second) = (&tables.pivots[self.first], &tables.pivots[self.second]);
-        let start = GROUP * self.count_passed(first, second, target);
+        let mut group = self.count_passed(&first[0], &second[0], target);
+        if tables.row_count() > GROUP * GROUP {
+            group += self.count_passed(&first[1], &second[1], target);
+        }
+        let start = GROUP * group;
         let (first, second) = self.cumulative::<GROUP>(1 + start);
         (start + self.count_passed(first, second, target)).min(tables.row_count() - 1)
     }
