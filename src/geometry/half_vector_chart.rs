@@ -226,6 +226,11 @@ impl HalfVectorChart {
         }
     }
 
+    /// Where [`Self::to_array`] has the cosine of the polar angle of `wo`.
+    pub(crate) const COS_O: usize = 4;
+    /// Where it has the cap of θmax.
+    pub(crate) const CAP_MAX: usize = 7;
+
     /// Its numbers, for columns of many charts.
     #[inline(always)]
     pub(crate) fn to_array(self) -> [f32; 8] {
@@ -367,9 +372,15 @@ impl HalfVectorChart {
         if bin < MERL_PARTS {
             return bin;
         }
+        self.find_upper_part(point)
+    }
+
+    /// The part that holds a point beyond the last of MERL's parts.
+    #[inline(always)]
+    pub(crate) fn find_upper_part(&self, point: &ChartPoint) -> usize {
         let low = MERL_CAPS[MERL_PARTS];
         let steps = (point.cap - low) / (self.cap_max - low) * UPPER_PARTS as f32;
-        MERL_PARTS + (steps.max(0.0) as usize).min(UPPER_PARTS - 1)
+        MERL_PARTS + (steps.max(0.0) as i32 as usize).min(UPPER_PARTS - 1)
     }
 }
 

@@ -6,9 +6,10 @@
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 
-use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable, NODE_TOTAL};
-use super::sample::{DensityTerms, DrawTerms, TableView, unfold};
-use super::tables::{BLOCK, IndexedTables, PackedPair, TablePair};
+use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable};
+use super::pair_lanes::PairLanes;
+use super::sample::{DensityTerms, DrawTerms, TableView};
+use super::tables::{IndexedTables, TablePair};
 use crate::batch::Wo;
 use crate::direction_sampler::DirectionSample;
 use crate::geometry::half_vector_chart::{ChartPoint, HalfVectorChart, PARTS};
@@ -95,8 +96,7 @@ fn sample_blocks(
         .zip(out.chunks_mut(LANES))
     {
         let wo = UnitDirections::load(wo);
-        let views = ViewLanes::new(tables, &wo, out.len());
-        let draws = views.draw(u);
+        let draws = PairLanes::new(tables, &wo).draw(u);
         for (lane, out) in out.iter_mut().enumerate().take(LANES) {
             *out = wo.is_upper(lane).then(|| draws.get(lane));
         }
@@ -137,133 +137,11 @@ fn pdf_blocks(tables: &IndexedTables, wo: &[Vec3], wi: &[Vec3], out: &mut [f32])
     {
         let wo = UnitDirections::load(wo);
         let wi = UnitDirections::load(wi);
-        let views = ViewLanes::new(tables, &wo, out.len());
-        let pdfs = densities(|lane| views.get(lane), wi.columns(), out.len());
+        let pdfs = PairLanes::new(tables, &wo).densities(wi.columns(), out.len());
         for (lane, out) in out.iter_mut().enumerate().take(LANES) {
             let upper = wo.is_upper(lane) & wi.is_upper(lane);
             *out = if upper { pdfs[lane] } else { 0.0 };
         }
-    }
-}
-
-/// The table about the `wo` of each lane.
-struct ViewLanes<'a> {
-    charts: Columns<f32, 8, LANES>,
-    pairs: [TablePair<'a>; LANES],
-}
-
-impl<'a> ViewLanes<'a> {
-    /// For the first `count` lanes, at least one.
-    #[inline(always)]
-    fn new(tables: &'a IndexedTables, wo: &UnitDirections<LANES>, count: usize) -> Self {
-        // Steps 1 and 2: the charts.
-        let mut charts = Columns::splat([0.0; 8]);
-        for lane in 0..count.min(LANES) {
-            let chart = HalfVectorChart::new(wo.get(lane));
-            charts.set(lane, chart.to_array());
-        }
-        // Step 4: the tables about each polar angle.
-        let mut cosines = [1.0; LANES];
-        for (lane, cosine) in cosines.iter_mut().enumerate() {
-            *cosine = HalfVectorChart::from_array(charts.get(lane)).cos_o();
-        }
-        let pairs = tables.interpolate_lanes(&cosines);
-        Self { charts, pairs }
-    }
-
-    #[inline(always)]
-    fn get(&self, lane: usize) -> TableView<'a, TablePair<'a>> {
-        let chart = HalfVectorChart::from_array(self.charts.get(lane));
-        TableView::from_pair(chart, self.pairs[lane])
-    }
-}
-
-impl<'a> ViewLanes<'a> {
-    /// A draw in each lane: the steps of [`TableView::sample`], with the mixing of tables in columns.
-    #[inline(always)]
-    fn draw(&self, u: &[Vec2]) -> DrawLanes {
-        let count = u.len().min(LANES);
-        let tables = self.pairs[0].tables;
-        // Step 7: the rows, and the fractions of them below u1. A search waits for each of its steps: alone in a loop, many
-        // searches overlap.
-        let mut rows = [0u32; LANES];
-        let mut fractions = [0.0f32; LANES];
-        for lane in 0..count {
-            let (row, fraction) = self.pairs[lane].find_row(u[lane].x);
-            rows[lane] = row.index as u32;
-            fractions[lane] = fraction;
-        }
-        let mut weights = [0u32; LANES];
-        for lane in 0..count {
-            weights[lane] = self.pairs[lane].weight();
-        }
-        // Steps 10 and 11: v = u2 or |2·u2 − 1|, its side, and t = ⌊v·65534·65536⌋.
-        let mut sides = [1.0f32; LANES];
-        let mut targets = [0u32; LANES];
-        for lane in 0..count {
-            let (v, side) = unfold(u[lane].y, tables.fold());
-            sides[lane] = side;
-            targets[lane] = (f64::from(v) * NODE_TOTAL) as u32;
-        }
-        // Step 12, coarse: the block of segments in which the sum passes t, and the sum below it.
-        let mut blocks = [0u32; LANES];
-        let mut below = [0u32; LANES];
-        let mut packed = [PackedPair::default(); LANES];
-        for k in 0..tables.block_count {
-            for lane in 0..count {
-                packed[lane] = self.pairs[lane].block_sums(rows[lane] as usize, k);
-            }
-            for lane in 0..LANES {
-                let sum = packed[lane].mix(weights[lane]);
-                let passed = sum <= targets[lane];
-                blocks[lane] += u32::from(passed);
-                below[lane] = if passed { sum } else { below[lane] };
-            }
-        }
-        // Step 12, fine: the nodes of the block, then the segment in it.
-        let mut nodes = Columns::<PackedPair, { BLOCK + 1 }, LANES>::splat([PackedPair::default(); BLOCK + 1]);
-        for lane in 0..count {
-            let found = self.pairs[lane].block_nodes(rows[lane] as usize, blocks[lane] as usize);
-            nodes.set(lane, found);
-        }
-        let segments = tables.segments as u32;
-        let mut terms = Columns::<f32, 9, LANES>::splat([0.0; 9]);
-        for lane in 0..LANES {
-            let mut low = nodes.column(0)[lane].mix(weights[lane]);
-            let mut high = nodes.column(1)[lane].mix(weights[lane]);
-            let start = BLOCK as u32 * blocks[lane];
-            let mut index = start;
-            let mut before = below[lane];
-            let mut sum = before;
-            let mut last = low;
-            let mut next = high;
-            for k in 1..BLOCK {
-                // The sum up to the end of segment k − 1 of the block; what would pass the row's end is not counted.
-                sum = sum.wrapping_add(last).wrapping_add(next);
-                last = next;
-                next = nodes.column(k + 1)[lane].mix(weights[lane]);
-                let passed = (sum <= targets[lane]) & (start + (k as u32) < segments);
-                index += u32::from(passed);
-                before = if passed { sum } else { before };
-                low = if passed { last } else { low };
-                high = if passed { next } else { high };
-            }
-            terms.column_mut(4)[lane] = index as i32 as f32;
-            terms.column_mut(5)[lane] = low as f32;
-            terms.column_mut(6)[lane] = high as f32;
-            terms.column_mut(7)[lane] = targets[lane].saturating_sub(before) as f32;
-        }
-        // Steps 3 and 5: the spans of the rows and their slopes.
-        for lane in 0..count {
-            let row = rows[lane] as usize;
-            let (low, width) = self.get(lane).row_span(row);
-            terms.column_mut(0)[lane] = low;
-            terms.column_mut(1)[lane] = width;
-            terms.column_mut(2)[lane] = self.pairs[lane].slope(row);
-        }
-        *terms.column_mut(3) = fractions;
-        *terms.column_mut(8) = sides;
-        DrawLanes::from_terms(|lane| self.get(lane), &terms, count)
     }
 }
 
@@ -294,16 +172,6 @@ impl DrawLanes {
             let found = view(lane).look_up_draw_in_row(row, fraction, u[lane].y);
             terms.set(lane, found.to_array());
         }
-        Self::from_terms(view, &terms, count)
-    }
-
-    /// The directions that terms choose, and their densities.
-    #[inline(always)]
-    fn from_terms<'a, M: InterpolatedTable + 'a>(
-        view: impl Fn(usize) -> TableView<'a, M>,
-        terms: &Columns<f32, 9, LANES>,
-        count: usize,
-    ) -> Self {
         // Steps 8 to 17, arithmetic.
         let mut wi = Columns::splat([0.0; 3]);
         for lane in 0..count {
@@ -330,6 +198,7 @@ pub(in crate::sampler) struct PointLanes {
 }
 
 impl PointLanes {
+    #[inline(always)]
     pub(in crate::sampler) fn new() -> Self {
         Self {
             numbers: Columns::splat([0.0; 3]),
@@ -346,6 +215,11 @@ impl PointLanes {
             azimuth_fraction,
             jacobian,
         }
+    }
+
+    #[inline(always)]
+    pub(super) fn tan2_theta_h(&self, lane: usize) -> f64 {
+        self.tan2_theta_h[lane]
     }
 
     #[inline(always)]

@@ -77,7 +77,7 @@ pub trait InterpolatedTable {
     #[inline(always)]
     fn find_row(&self, u: f32) -> (InterpolatedRow, f32) {
         // Step 7: t = ⌊u1·65535·65536⌋, and the first row with to(r) > t.
-        let target = (f64::from(u) * ROW_TOTAL) as u32;
+        let target = row_target(u);
         let row = self.row(self.find_row_index(target));
         // Step 8: x = (t − to(r − 1))/mass(r).
         let fraction = target.saturating_sub(row.below) as f32 / row.mass as f32;
@@ -88,7 +88,7 @@ pub trait InterpolatedTable {
     #[inline(always)]
     fn find_segment(&self, row: usize, u: f32) -> (AzimuthSegment, f32) {
         // Step 11: t = ⌊v·65534·65536⌋. Step 12: the first segment in which the sum passes it, and t less the sum before.
-        let target = (f64::from(u) * NODE_TOTAL) as u32;
+        let target = segment_target(u);
         let (index, below) = self.find_segment_index(row, target);
         (
             self.segment(row, index),
@@ -117,6 +117,18 @@ pub trait InterpolatedTable {
         }
         (below + position * (2.0 * low + (high - low) * position)) / NODE_TOTAL
     }
+}
+
+/// Step 7: t = ⌊u1·65535·65536⌋; a number that is not below 1 counts as the last that is.
+#[inline(always)]
+pub(super) fn row_target(u: f32) -> u32 {
+    ((f64::from(u) * ROW_TOTAL) as u32).min(ROW_TOTAL as u32 - 1)
+}
+
+/// Step 11: t = ⌊v·65534·65536⌋.
+#[inline(always)]
+pub(super) fn segment_target(v: f32) -> u32 {
+    (f64::from(v) * NODE_TOTAL) as u32
 }
 
 /// Step 13: the position on [0, 1] at which a segment's probability passes `rest`: rest/(n0 + √(n0² + (n1 − n0)·rest)).

@@ -19,6 +19,7 @@ mod build;
 mod codec;
 mod fields;
 mod lookup;
+mod pair_lanes;
 mod sample;
 mod settings;
 mod table;

@@ -47,14 +47,14 @@ pub(in crate::sampler) struct DrawTerms {
 #[derive(Clone, Copy)]
 pub(in crate::sampler) struct DensityTerms {
     /// Cap where the row begins, and its width.
-    low: f32,
-    width: f32,
-    slope: f32,
+    pub(super) low: f32,
+    pub(super) width: f32,
+    pub(super) slope: f32,
     /// The row's probability.
-    mass: f32,
-    segment: AzimuthSegment,
+    pub(super) mass: f32,
+    pub(super) segment: AzimuthSegment,
     /// Position within the segment, 0 to 1.
-    position: f32,
+    pub(super) position: f32,
 }
 
 impl DrawTerms {
@@ -106,6 +106,27 @@ impl DrawTerms {
     }
 }
 
+impl DrawTerms {
+    /// The coordinates in the chart that were chosen: cap and azimuth fraction.
+    #[inline(always)]
+    fn chart_coordinates(&self, per_segment: f32, fold: bool) -> (f32, f32) {
+        // Steps 8 and 9: x in the row by the density 1 + slope·(2x − 1), and cap = low + width·x.
+        let cap = self.low + self.width * invert_slope(self.slope, self.fraction);
+        // Step 13: y = (k + position in segment k)/S.
+        let y = (self.segment.index + invert_segment(self.segment, self.rest)) * per_segment;
+        // Step 14: β = 2y − 1, or y with the side's sign if folded.
+        let azimuth_fraction = if fold { y * self.side } else { 2.0 * y - 1.0 };
+        (cap, azimuth_fraction.clamp(-1.0, 1.0))
+    }
+
+    /// Steps 8 to 17: the direction that was chosen.
+    #[inline(always)]
+    pub(super) fn direction(&self, chart: &HalfVectorChart, per_segment: f32, fold: bool) -> Vec3 {
+        let (cap, azimuth_fraction) = self.chart_coordinates(per_segment, fold);
+        raise_above_horizon(chart.direction(cap, azimuth_fraction))
+    }
+}
+
 impl DensityTerms {
     /// Its numbers, for columns of many.
     #[inline(always)]
@@ -153,14 +174,12 @@ impl<'a> TableView<'a, TablePair<'a>> {
     /// The same where the tables of the two polar angles about that of `wo` are known.
     #[inline(always)]
     pub(in crate::sampler) fn from_pair(chart: HalfVectorChart, pair: TablePair<'a>) -> Self {
-        let (segments, unit) = pair.scale();
         Self {
             tables: pair.tables,
             chart,
             interpolated: pair,
-            per_segment: 1.0 / segments,
-            // The azimuth fraction runs over [−1, 1]: half the density on [0, 1].
-            density_unit: 0.5 * unit,
+            per_segment: pair.tables.per_segment(),
+            density_unit: pair.tables.density_unit(),
         }
     }
 
@@ -179,7 +198,7 @@ impl<'a> TableView<'a, TablePair<'a>> {
 impl<M: InterpolatedTable> TableView<'_, M> {
     /// Step 5: cap where a row begins, and its width.
     #[inline(always)]
-    pub(super) fn row_span(&self, row: usize) -> (f32, f32) {
+    fn row_span(&self, row: usize) -> (f32, f32) {
         let [low, high] = self.tables.edges(row);
         let low = self.chart.edge_cap(low);
         (low, self.chart.edge_cap(high) - low)
@@ -227,25 +246,13 @@ impl<M: InterpolatedTable> TableView<'_, M> {
     /// The coordinates in the chart that were chosen: cap and azimuth fraction.
     #[inline(always)]
     pub(in crate::sampler) fn chart_coordinates(&self, terms: DrawTerms) -> (f32, f32) {
-        // Steps 8 and 9: x in the row by the density 1 + slope·(2x − 1), and cap = low + width·x.
-        let cap = terms.low + terms.width * invert_slope(terms.slope, terms.fraction);
-        // Step 13: y = (k + position in segment k)/S.
-        let y =
-            (terms.segment.index + invert_segment(terms.segment, terms.rest)) * self.per_segment;
-        // Step 14: β = 2y − 1, or y with the side's sign if folded.
-        let azimuth_fraction = if self.tables.fold() {
-            y * terms.side
-        } else {
-            2.0 * y - 1.0
-        };
-        (cap, azimuth_fraction.clamp(-1.0, 1.0))
+        terms.chart_coordinates(self.per_segment, self.tables.fold())
     }
 
     /// Steps 8 to 17: the direction that was chosen.
     #[inline(always)]
     pub(super) fn direction(&self, terms: DrawTerms) -> Vec3 {
-        let (cap, azimuth_fraction) = self.chart_coordinates(terms);
-        raise_above_horizon(self.chart.direction(cap, azimuth_fraction))
+        terms.direction(&self.chart, self.per_segment, self.tables.fold())
     }
 
     /// Looks up what the density at a point depends on.
@@ -270,13 +277,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
     /// The density per solid angle at a point, sr⁻¹.
     #[inline(always)]
     pub(in crate::sampler) fn density(&self, point: &ChartPoint, terms: DensityTerms) -> f32 {
-        // Step 19: x, the position of the cap within the row.
-        let x = row_position(point.cap, terms.low, terms.width);
-        // Step 22: along = mass·(1 + slope·(2x − 1)), across = n0·(1 − f) + n1·f, and
-        //          pdf = along·across·unit/(width·dσ(wi) per coordinates).
-        let along = terms.mass * (1.0 + terms.slope * (2.0 * x - 1.0));
-        let across = terms.segment.low + (terms.segment.high - terms.segment.low) * terms.position;
-        (along * across * self.density_unit / (terms.width * point.jacobian)).min(f32::MAX)
+        density(point, &terms, self.density_unit)
     }
 
     /// Steps 18 to 22.
@@ -313,6 +314,18 @@ impl<M: InterpolatedTable> TableView<'_, M> {
     }
 }
 
+/// The density per solid angle at a point, sr⁻¹; `unit` is that of densities at nodes, per unit of the azimuth fraction.
+#[inline(always)]
+pub(super) fn density(point: &ChartPoint, terms: &DensityTerms, unit: f32) -> f32 {
+    // Step 19: x, the position of the cap within the row.
+    let x = row_position(point.cap, terms.low, terms.width);
+    // Step 22: along = mass·(1 + slope·(2x − 1)), across = n0·(1 − f) + n1·f, and
+    //          pdf = along·across·unit/(width·dσ(wi) per coordinates).
+    let along = terms.mass * (1.0 + terms.slope * (2.0 * x - 1.0));
+    let across = terms.segment.low + (terms.segment.high - terms.segment.low) * terms.position;
+    (along * across * unit / (terms.width * point.jacobian)).min(f32::MAX)
+}
+
 /// Step 19: a cap's position within a row, 0 to 1.
 #[inline(always)]
 fn row_position(cap: f32, low: f32, width: f32) -> f32 {
@@ -328,7 +341,7 @@ pub(in crate::sampler) fn raise_above_horizon(wi: Vec3) -> Vec3 {
 
 /// Step 21: the coordinate on [0, 1] of an azimuth fraction in [−1, 1], folded at the plane of incidence or whole.
 #[inline(always)]
-fn unit_azimuth(azimuth_fraction: f32, fold: bool) -> f32 {
+pub(super) fn unit_azimuth(azimuth_fraction: f32, fold: bool) -> f32 {
     if fold {
         azimuth_fraction.abs()
     } else {

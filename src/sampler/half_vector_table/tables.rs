@@ -57,7 +57,7 @@ pub struct IndexedTables {
     /// Numbers in a record.
     record: usize,
     /// Blocks that have a sum.
-    pub(super) block_count: usize,
+    block_count: usize,
 }
 
 /// Rows that are compared with a probability at once.
@@ -207,6 +207,53 @@ impl IndexedTables {
         bytes(self.cosines.len(), self.row_count(), self.segments)
     }
 
+    /// cos θo of each table, falling from 1.
+    #[inline(always)]
+    pub(super) fn cosines(&self) -> &[f32] {
+        &self.cosines
+    }
+
+    #[inline(always)]
+    pub(super) fn row_search(&self) -> RowSearch<'_> {
+        RowSearch {
+            pivots: &self.pivots,
+            rows: &self.rows,
+            stride: self.row_stride,
+            row_count: self.row_count(),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn records(&self) -> Records<'_> {
+        Records {
+            values: &self.records,
+            table_count: self.cosines.len(),
+            record: self.record,
+            block_count: self.block_count,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn slopes(&self) -> Slopes<'_> {
+        Slopes {
+            values: &self.slopes,
+            table_count: self.cosines.len(),
+        }
+    }
+
+    /// Length of a segment on the azimuth's [0, 1].
+    #[inline(always)]
+    pub(super) fn per_segment(&self) -> f32 {
+        1.0 / self.segments as f32
+    }
+
+    /// Unit of densities at nodes, per unit of the azimuth fraction: they are 1 on average over [0, 1], and half of that, as
+    /// the fraction runs over [−1, 1].
+    #[inline(always)]
+    pub(super) fn density_unit(&self) -> f32 {
+        0.5 * (2.0 * self.segments as f32 * NODE_UNIT)
+    }
+
     /// Number of rows.
     #[inline(always)]
     pub(super) fn row_count(&self) -> usize {
@@ -237,28 +284,9 @@ impl IndexedTables {
         self.pair_at(above as usize, cos_o)
     }
 
-    /// [`Self::interpolate`] for each of several polar angles.
-    #[inline(always)]
-    pub fn interpolate_lanes<const LANES: usize>(
-        &self,
-        cos_o: &[f32; LANES],
-    ) -> [TablePair<'_>; LANES] {
-        let mut above = [0u32; LANES];
-        for &cosine in &self.cosines {
-            for lane in 0..LANES {
-                above[lane] += u32::from(cosine > cos_o[lane]);
-            }
-        }
-        let mut pairs = [self.pair_at(0, 1.0); LANES];
-        for lane in 0..LANES {
-            pairs[lane] = self.pair_at(above[lane] as usize, cos_o[lane]);
-        }
-        pairs
-    }
-
     /// [`Self::interpolate`] where the number of cosines above that of `wo` is known.
     #[inline(always)]
-    fn pair_at(&self, above: usize, cos_o: f32) -> TablePair<'_> {
+    pub(super) fn pair_at(&self, above: usize, cos_o: f32) -> TablePair<'_> {
         // Step 4: a = max(b − 1, 0).
         let second = above.min(self.cosines.len() - 1);
         let first = second.saturating_sub(1);
@@ -288,87 +316,206 @@ impl PackedPair {
         Self(u32::from(first) | u32::from(second) << 16)
     }
 
-    /// Step 5, as [`TablePair::mix`].
+    #[inline(always)]
+    fn from_slopes(first: i8, second: i8) -> Self {
+        Self::new(i16::from(first) as u16, i16::from(second) as u16)
+    }
+
+    /// Step 5, mix(a, b): `first · (WEIGHT_ONE − weight) + second · weight`, which fits 32 bits: exact, by one product modulo 2³².
     #[inline(always)]
     pub(super) fn mix(self, weight: u32) -> u32 {
         let (first, second) = (self.0 & 0xffff, self.0 >> 16);
         (first * WEIGHT_ONE).wrapping_add(second.wrapping_sub(first).wrapping_mul(weight))
     }
+
+    /// Step 5 for slopes: the density's slope over a row, in (−1, 1).
+    #[inline(always)]
+    pub(super) fn mix_slopes(self, weight: u32) -> f32 {
+        let (first, second) = ((self.0 << 16) as i32 >> 16, self.0 as i32 >> 16);
+        let mixed = first * (WEIGHT_ONE - weight) as i32 + second * weight as i32;
+        mixed as f32 * (SLOPE_UNIT / WEIGHT_ONE as f32)
+    }
 }
 
-impl<'a> TablePair<'a> {
-    /// Step 5, mix(a, b): `first · (WEIGHT_ONE − weight) + second · weight`, which fits 32 bits: exact, by one product modulo 2³².
-    #[inline(always)]
-    pub(super) fn mix(&self, first: u16, second: u16) -> u32 {
-        let (first, second) = (u32::from(first), u32::from(second));
-        (first * WEIGHT_ONE).wrapping_add(second.wrapping_sub(first).wrapping_mul(self.weight))
-    }
+/// What the rows of probabilities are found in.
+#[derive(Clone, Copy)]
+pub(super) struct RowSearch<'a> {
+    pivots: &'a [[[u16; GROUP]; 2]],
+    rows: &'a [u16],
+    stride: usize,
+    row_count: usize,
+}
 
-    /// The records of a row in both tables.
-    #[inline(always)]
-    fn records(&self, row: usize) -> (&'a [u16], &'a [u16]) {
-        let tables = self.tables;
-        let first = (row * tables.cosines.len() + self.first) * tables.record;
-        let second = (row * tables.cosines.len() + self.second) * tables.record;
-        (
-            &tables.records[first..][..tables.record],
-            &tables.records[second..][..tables.record],
-        )
-    }
+/// A row in which a probability passes a target, and the probabilities below it and up to its end.
+#[derive(Clone, Copy)]
+pub(super) struct FoundRow {
+    pub(super) index: u32,
+    pub(super) below: u32,
+    pub(super) end: u32,
+}
 
-    /// Nodes of a row of both tables.
+impl RowSearch<'_> {
+    /// Step 7: the row in which the probability passes `target`, which is below 1 in units of 1/`ROW_TOTAL`.
+    ///
+    /// Two levels of comparisons that don't wait for each other: the group of rows, then the row in it. What fills up the
+    /// last group is above every target.
     #[inline(always)]
-    pub(super) fn nodes(&self, row: usize) -> (&'a [u16], &'a [u16]) {
-        let (first, second) = self.records(row);
-        let sums = self.tables.block_count;
-        (&first[sums..], &second[sums..])
-    }
-
-    /// `N` numbers of both tables' probabilities, from place `start` of [`IndexedTables::rows`] on.
-    #[inline(always)]
-    fn cumulative<const N: usize>(&self, start: usize) -> (&'a [u16; N], &'a [u16; N]) {
-        let tables = self.tables;
-        let first = &tables.rows[self.first * tables.row_stride + start..];
-        let second = &tables.rows[self.second * tables.row_stride + start..];
-        match (first.first_chunk(), second.first_chunk()) {
-            (Some(first), Some(second)) => (first, second),
-            _ => (&[ONE; N], &[ONE; N]),
+    pub(super) fn find(&self, tables: [u32; 2], weight: u32, target: u32) -> FoundRow {
+        let [first, second] = tables.map(|table| &self.pivots[table as usize]);
+        let mut group = count_passed(&first[0], &second[0], weight, target);
+        if self.row_count > GROUP * GROUP {
+            group += count_passed(&first[1], &second[1], weight, target);
+        }
+        // Place `start` holds the probability below the group.
+        let start = GROUP * group;
+        let [first, second] = tables.map(|table| self.chunk::<{ GROUP + 1 }>(table, start));
+        let mut row = 0;
+        for k in 1..=GROUP {
+            let sum = PackedPair::new(first[k], second[k]).mix(weight);
+            row += usize::from(sum <= target);
+        }
+        let row = row.min(GROUP - 1);
+        FoundRow {
+            index: (start + row) as u32,
+            below: PackedPair::new(first[row], second[row]).mix(weight),
+            end: PackedPair::new(first[row + 1], second[row + 1]).mix(weight),
         }
     }
 
-    /// How many of the mixed numbers are at most `target`.
+    /// The probabilities below a row and up to its end.
     #[inline(always)]
-    fn count_passed<const N: usize>(
-        &self,
-        first: &[u16; N],
-        second: &[u16; N],
-        target: u32,
-    ) -> usize {
-        let mut passed = 0;
-        for k in 0..N {
-            passed += u32::from(self.mix(first[k], second[k]) <= target);
+    pub(super) fn ends(&self, row: u32, tables: [u32; 2]) -> [PackedPair; 2] {
+        let [first, second] = tables.map(|table| self.chunk::<2>(table, row as usize));
+        [
+            PackedPair::new(first[0], second[0]),
+            PackedPair::new(first[1], second[1]),
+        ]
+    }
+
+    #[inline(always)]
+    fn chunk<const N: usize>(&self, table: u32, start: usize) -> &[u16; N] {
+        let rows = &self.rows[table as usize * self.stride + start..];
+        rows.first_chunk().unwrap_or(&[ONE; N])
+    }
+}
+
+/// How many of the mixed numbers are at most `target`.
+#[inline(always)]
+fn count_passed(first: &[u16; GROUP], second: &[u16; GROUP], weight: u32, target: u32) -> usize {
+    let mut passed = 0;
+    for k in 0..GROUP {
+        let sum = PackedPair::new(first[k], second[k]).mix(weight);
+        passed += u32::from(sum <= target);
+    }
+    passed as usize
+}
+
+/// The sums and nodes of all rows.
+#[derive(Clone, Copy)]
+pub(super) struct Records<'a> {
+    values: &'a [u16],
+    table_count: usize,
+    record: usize,
+    block_count: usize,
+}
+
+/// The records of a row in two tables.
+#[derive(Clone, Copy)]
+pub(super) struct RecordPair<'a> {
+    first: &'a [u16],
+    second: &'a [u16],
+    block_count: usize,
+}
+
+impl<'a> Records<'a> {
+    #[inline(always)]
+    pub(super) fn pair(&self, row: u32, [first, second]: [u32; 2]) -> RecordPair<'a> {
+        let row = row as usize * self.table_count;
+        RecordPair {
+            first: &self.values[(row + first as usize) * self.record..][..self.record],
+            second: &self.values[(row + second as usize) * self.record..][..self.record],
+            block_count: self.block_count,
         }
-        passed as usize
+    }
+}
+
+impl<'a> RecordPair<'a> {
+    /// Step 12, coarse: the block of segments in which the sum passes `target`, and the sum below it.
+    #[inline(always)]
+    pub(super) fn find_block(&self, weight: u32, target: u32) -> (u32, u32) {
+        let (mut block, mut below) = (0, 0);
+        let (first, second) = (&self.first[..self.block_count], &self.second[..self.block_count]);
+        for k in 0..self.block_count {
+            let sum = PackedPair::new(first[k], second[k]).mix(weight);
+            let passed = sum <= target;
+            block += u32::from(passed);
+            below = if passed { sum } else { below };
+        }
+        (block, below)
     }
 
-    /// Step 12, coarse: block `k` of a row's sums in both tables, of which there are [`IndexedTables::block_count`].
+    /// The nodes at the ends of a block's segments.
     #[inline(always)]
-    pub(super) fn block_sums(&self, row: usize, k: usize) -> PackedPair {
-        let (first, second) = self.records(row);
-        PackedPair::new(first[k], second[k])
-    }
-
-    /// The nodes at the ends of a block's segments in both tables.
-    #[inline(always)]
-    pub(super) fn block_nodes(&self, row: usize, block: usize) -> [PackedPair; BLOCK + 1] {
-        let (first, second) = self.records(row);
-        let place = self.tables.block_count + block * BLOCK;
-        let (first, second) = (&first[place..][..BLOCK + 1], &second[place..][..BLOCK + 1]);
+    pub(super) fn block_nodes(&self, block: u32) -> [PackedPair; BLOCK + 1] {
+        let place = self.block_count + block as usize * BLOCK;
+        let (first, second) = (
+            &self.first[place..][..BLOCK + 1],
+            &self.second[place..][..BLOCK + 1],
+        );
         let mut packed = [PackedPair::default(); BLOCK + 1];
         for k in 0..=BLOCK {
             packed[k] = PackedPair::new(first[k], second[k]);
         }
         packed
+    }
+
+    /// The nodes at both ends of a segment.
+    #[inline(always)]
+    pub(super) fn segment_nodes(&self, index: u32) -> [PackedPair; 2] {
+        let place = self.block_count + index as usize;
+        let (first, second) = (&self.first[place..][..2], &self.second[place..][..2]);
+        [
+            PackedPair::new(first[0], second[0]),
+            PackedPair::new(first[1], second[1]),
+        ]
+    }
+
+    /// All nodes of the row.
+    #[inline(always)]
+    fn nodes(&self) -> (&'a [u16], &'a [u16]) {
+        (
+            &self.first[self.block_count..],
+            &self.second[self.block_count..],
+        )
+    }
+}
+
+/// The slopes of all rows.
+#[derive(Clone, Copy)]
+pub(super) struct Slopes<'a> {
+    values: &'a [i8],
+    table_count: usize,
+}
+
+impl Slopes<'_> {
+    #[inline(always)]
+    pub(super) fn pair(&self, row: u32, [first, second]: [u32; 2]) -> PackedPair {
+        let row = &self.values[row as usize * self.table_count..][..self.table_count];
+        PackedPair::from_slopes(row[first as usize], row[second as usize])
+    }
+}
+
+impl<'a> TablePair<'a> {
+    /// Step 5, as [`PackedPair::mix`].
+    #[inline(always)]
+    pub(super) fn mix(&self, first: u16, second: u16) -> u32 {
+        PackedPair::new(first, second).mix(self.weight)
+    }
+
+    /// The numbers of the two tables.
+    #[inline(always)]
+    pub(super) fn numbers(&self) -> [u32; 2] {
+        [self.first as u32, self.second as u32]
     }
 
     /// Weight of the second table, in units of 1/[`WEIGHT_ONE`].
@@ -377,17 +524,21 @@ impl<'a> TablePair<'a> {
         self.weight
     }
 
+    #[inline(always)]
+    fn record(&self, row: usize) -> RecordPair<'a> {
+        self.tables.records().pair(row as u32, self.numbers())
+    }
+
+    /// Nodes of a row of both tables.
+    #[inline(always)]
+    pub(super) fn nodes(&self, row: usize) -> (&'a [u16], &'a [u16]) {
+        self.record(row).nodes()
+    }
+
     /// Nodes of all rows.
     #[inline(always)]
     pub fn node_count(&self) -> usize {
         self.tables.row_count() * (self.tables.segments + 1)
-    }
-
-    /// Segments a row, and the unit that makes densities at nodes 1 on average over [0, 1].
-    #[inline(always)]
-    pub fn scale(&self) -> (f32, f32) {
-        let segments = self.tables.segments as f32;
-        (segments, 2.0 * segments * NODE_UNIT)
     }
 }
 
@@ -399,71 +550,43 @@ impl InterpolatedTable for TablePair<'_> {
 
     #[inline(always)]
     fn find_row_index(&self, target: u32) -> usize {
-        // Two levels of comparisons that don't wait for each other: the group of rows, then the row in it. What fills up the
-        // last group is above the target of every number below 1.
-        let tables = self.tables;
-        let (first, second) = (&tables.pivots[self.first], &tables.pivots[self.second]);
-        let mut group = self.count_passed(&first[0], &second[0], target);
-        if tables.row_count() > GROUP * GROUP {
-            group += self.count_passed(&first[1], &second[1], target);
-        }
-        let start = GROUP * group;
-        let (first, second) = self.cumulative::<GROUP>(1 + start);
-        (start + self.count_passed(first, second, target)).min(tables.row_count() - 1)
+        let search = self.tables.row_search();
+        search.find(self.numbers(), self.weight, target).index as usize
     }
 
     #[inline(always)]
     fn row(&self, index: usize) -> InterpolatedRow {
-        // Place `index` holds the probability below the row, the next one that up to its end.
-        let (first, second) = self.cumulative::<2>(index);
-        let below = self.mix(first[0], second[0]);
+        let [below, end] = self.tables.row_search().ends(index as u32, self.numbers());
+        let below = below.mix(self.weight);
         InterpolatedRow {
             index,
             below,
-            mass: self.mix(first[1], second[1]) - below,
+            mass: end.mix(self.weight) - below,
         }
     }
 
     #[inline(always)]
     fn slope(&self, row: usize) -> f32 {
-        let slopes = &self.tables.slopes[row * self.tables.cosines.len()..];
-        let (first, second) = (
-            i32::from(slopes[self.first]),
-            i32::from(slopes[self.second]),
-        );
-        let mixed = first * (WEIGHT_ONE - self.weight) as i32 + second * self.weight as i32;
-        mixed as f32 * (SLOPE_UNIT / WEIGHT_ONE as f32)
+        let slopes = self.tables.slopes().pair(row as u32, self.numbers());
+        slopes.mix_slopes(self.weight)
     }
 
     #[inline(always)]
     fn find_segment_index(&self, row: usize, target: u32) -> (usize, u32) {
-        let tables = self.tables;
-        let (first, second) = self.records(row);
-        // Step 12, coarse: the block of segments in which the sum passes the target, and the sum below it.
-        let (mut block, mut below) = (0, 0);
-        let sums = first[..tables.block_count].iter();
-        for (&a, &b) in sums.zip(&second[..tables.block_count]) {
-            let sum = self.mix(a, b);
-            let passed = sum <= target;
-            block += usize::from(passed);
-            below = if passed { sum } else { below };
-        }
-        // Step 12, fine: the segment in the block. A row's sums stay below NODE_TOTAL, which fits; those that would pass the
-        // row's end are not counted.
-        let start = block * BLOCK;
-        let place = tables.block_count + start;
-        let (first, second) = (
-            &first[place..][..BLOCK + 1],
-            &second[place..][..BLOCK + 1],
-        );
+        // Step 12: the block, then the segment in it.
+        let record = self.record(row);
+        let (block, mut below) = record.find_block(self.weight, target);
+        let nodes = record.block_nodes(block);
+        let start = block as usize * BLOCK;
         let mut index = start;
         let mut sum = below;
-        let mut low = self.mix(first[0], second[0]);
-        for k in 1..BLOCK {
-            let high = self.mix(first[k], second[k]);
+        let mut low = nodes[0].mix(self.weight);
+        for (k, node) in nodes.iter().enumerate().take(BLOCK).skip(1) {
+            // A row's sums stay below NODE_TOTAL, which fits; those that would pass the row's end are not counted.
+            let high = node.mix(self.weight);
             sum = sum.wrapping_add(low).wrapping_add(high);
             low = high;
-            let passed = (sum <= target) & (start + k < tables.segments);
+            let passed = (sum <= target) & (start + k < self.tables.segments);
             index += usize::from(passed);
             below = if passed { sum } else { below };
         }
@@ -472,12 +595,11 @@ impl InterpolatedTable for TablePair<'_> {
 
     #[inline(always)]
     fn segment(&self, row: usize, index: usize) -> AzimuthSegment {
-        let (first, second) = self.nodes(row);
-        let (first, second) = (&first[index..][..2], &second[index..][..2]);
+        let [low, high] = self.record(row).segment_nodes(index as u32);
         AzimuthSegment {
             index: index as u32 as f32,
-            low: self.mix(first[0], second[0]) as f32,
-            high: self.mix(first[1], second[1]) as f32,
+            low: low.mix(self.weight) as f32,
+            high: high.mix(self.weight) as f32,
         }
     }
 }
@@ -625,7 +747,7 @@ mod tests {
     fn densities_integrate_to_one() {
         let tables = example();
         let pair = tables.interpolate(0.4);
-        let (_, unit) = pair.scale();
+        let unit = 2.0 * tables.density_unit();
         let density = |row: usize, y: f32| {
             let (s, position) = pair.locate_segment(row, y);
             f64::from((s.low + (s.high - s.low) * position) * unit)
