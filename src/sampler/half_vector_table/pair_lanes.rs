@@ -6,6 +6,7 @@
 
 use glam::Vec2;
 
+use super::batch::{LANES, PointLanes};
 use super::lookup::{AzimuthSegment, ROW_UNIT, row_target, segment_target};
 use super::sample::{DensityTerms, DrawTerms, density, unfold, unit_azimuth};
 use super::tables::{BLOCK, IndexedTables, PackedPair};
@@ -13,7 +14,6 @@ use crate::direction_sampler::DirectionSample;
 use crate::geometry::half_vector_chart::{ChartEdge, HalfVectorChart, MERL_PARTS};
 use crate::geometry::merl_axes::AxisBins;
 use crate::lanes::{Columns, UnitDirections};
-use super::batch::{LANES, PointLanes};
 
 /// The tables about the `wo` of each lane.
 pub(super) struct PairLanes<'a> {
@@ -101,11 +101,7 @@ impl<'a> PairLanes<'a> {
         let mut row_end = [1u32; LANES];
         let search = tables.row_search();
         for lane in 0..count {
-            let found = search.find(
-                [self.first[lane], self.second[lane]],
-                self.weight[lane],
-                row_targets[lane],
-            );
+            let found = search.find(self.first[lane], self.weight[lane], row_targets[lane]);
             rows[lane] = found.index;
             row_below[lane] = found.below;
             row_end[lane] = found.end;
@@ -113,7 +109,8 @@ impl<'a> PairLanes<'a> {
         // Step 12: the block of segments in which the sum passes t, the sum below it, and the nodes at its segments' ends.
         let mut blocks = [0u32; LANES];
         let mut below = [0u32; LANES];
-        let mut nodes = Columns::<PackedPair, { BLOCK + 1 }, LANES>::splat([PackedPair::default(); BLOCK + 1]);
+        let mut nodes =
+            Columns::<PackedPair, { BLOCK + 1 }, LANES>::splat([PackedPair::default(); BLOCK + 1]);
         let records = tables.records();
         for lane in 0..count {
             let pair = [self.first[lane], self.second[lane]];
@@ -235,9 +232,12 @@ impl<'a> PairLanes<'a> {
             let row = tables.row_of_part(part);
             let pair = [self.first[lane], self.second[lane]];
             edges.set(lane, tables.edges(row));
-            ends.set(lane, search.ends(row as u32, pair));
+            ends.set(lane, search.ends(row as u32, self.first[lane]));
             packed_slopes[lane] = slopes.pair(row as u32, pair);
-            nodes.set(lane, records.pair(row as u32, pair).segment_nodes(indices[lane]));
+            nodes.set(
+                lane,
+                records.pair(row as u32, pair).segment_nodes(indices[lane]),
+            );
         }
         let (low, width) = edges.spans(self.charts.column(HalfVectorChart::CAP_MAX));
         // Step 22, arithmetic.

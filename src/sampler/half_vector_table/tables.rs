@@ -43,12 +43,12 @@ pub struct IndexedTables {
     edges: Vec<ChartEdge>,
     /// The row that holds each part of the chart.
     part_rows: [u8; PARTS],
-    /// `[table][row_stride]`: 0, the probability up to and with each row, and 1 from there on.
-    rows: Vec<u16>,
+    /// `[pair][row_stride]`: of every two neighbouring tables 0, the probability up to and with each row, and 1 from there on.
+    rows: Vec<PackedPair>,
     row_stride: usize,
-    /// The probability of each table up to and with each group of [`GROUP`] rows, and 1 from there on: the first eight groups,
+    /// The probability of every pair up to and with each group of [`GROUP`] rows, and 1 from there on: the first eight groups,
     /// and the others, which few tables have.
-    pivots: Vec<[[u16; GROUP]; 2]>,
+    pivots: Vec<[[PackedPair; GROUP]; 2]>,
     /// `[row, table]`: slopes.
     slopes: Vec<i8>,
     /// `[row, table][record]`: the sums of the nodes at both ends of the segments up to and with each block but the last, then
@@ -81,11 +81,19 @@ const fn row_stride_of(rows: usize) -> usize {
     1 + rows.div_ceil(GROUP) * GROUP
 }
 
+/// Pairs of neighbouring tables; one table is its own neighbour.
+const fn pairs_of(tables: usize) -> usize {
+    if tables > 1 { tables - 1 } else { 1 }
+}
+
 /// Bytes of all arrays of so many tables, rows and segments.
 pub const fn bytes(tables: usize, rows: usize, segments: usize) -> usize {
     let row = size_of::<u16>() * record_of(segments) + size_of::<i8>();
-    let search = size_of::<u16>() * (row_stride_of(rows) + 2 * GROUP);
-    tables * (size_of::<f32>() + rows * row + search) + (rows + 1) * size_of::<ChartEdge>() + PARTS
+    let search = size_of::<PackedPair>() * (row_stride_of(rows) + 2 * GROUP);
+    tables * (size_of::<f32>() + rows * row)
+        + pairs_of(tables) * search
+        + (rows + 1) * size_of::<ChartEdge>()
+        + PARTS
 }
 
 /// Two neighbouring tables, and the weight of the second: the table that is interpolated between them.
@@ -120,14 +128,17 @@ impl IndexedTables {
             part_rows,
             rows: Vec::new(),
             row_stride: row_stride_of(row_count),
-            pivots: Vec::with_capacity(table_count),
+            pivots: Vec::with_capacity(pairs_of(table_count)),
             slopes: Vec::with_capacity(table_count * row_count),
             records: Vec::with_capacity(table_count * row_count * record_of(segments)),
             record: record_of(segments),
             block_count: blocks_of(segments),
         };
-        for cumulative in stored.rows.chunks(row_count) {
-            tables.push_search(cumulative);
+        for pair in 0..pairs_of(table_count) {
+            let second = (pair + 1).min(table_count - 1);
+            let [first, second] =
+                [pair, second].map(|table| &stored.rows[table * row_count..][..row_count]);
+            tables.push_search(first, second);
         }
         for row in 0..row_count {
             for table in 0..table_count {
@@ -139,17 +150,21 @@ impl IndexedTables {
         tables
     }
 
-    /// Adds what the row of a probability is found by in the next table.
-    fn push_search(&mut self, cumulative: &[u16]) {
-        let mut groups = cumulative.to_vec();
-        groups.resize(self.row_stride - 1, ONE);
-        let mut pivots = [[ONE; GROUP]; 2];
-        for (pivot, group) in pivots.as_flattened_mut().iter_mut().zip(groups.chunks(GROUP)) {
+    /// Adds what the row of a probability is found by between two tables.
+    fn push_search(&mut self, first: &[u16], second: &[u16]) {
+        let start = self.rows.len();
+        self.rows.push(PackedPair::default());
+        for (&first, &second) in first.iter().zip(second) {
+            self.rows.push(PackedPair::new(first, second));
+        }
+        let one = PackedPair::new(ONE, ONE);
+        self.rows.resize(start + self.row_stride, one);
+        let mut pivots = [[one; GROUP]; 2];
+        let groups = self.rows[start + 1..].chunks(GROUP);
+        for (pivot, group) in pivots.as_flattened_mut().iter_mut().zip(groups) {
             *pivot = group[GROUP - 1];
         }
         self.pivots.push(pivots);
-        self.rows.push(0);
-        self.rows.append(&mut groups);
     }
 
     /// Adds the record of a row of nodes.
@@ -184,8 +199,12 @@ impl IndexedTables {
         }
         stored.edges.push(PARTS as u16);
         for table in 0..table_count {
-            let rows = &self.rows[table * self.row_stride + 1..][..row_count];
-            stored.rows.extend_from_slice(rows);
+            // A table is the first of its pair; the last one is the second of the last pair.
+            let pair = table.min(pairs_of(table_count) - 1);
+            for row in &self.rows[pair * self.row_stride + 1..][..row_count] {
+                let [first, second] = row.halves();
+                stored.rows.push(if table == pair { first } else { second });
+            }
             for row in 0..row_count {
                 let k = row * table_count + table;
                 stored.slopes.push(self.slopes[k]);
@@ -316,6 +335,10 @@ impl PackedPair {
         Self(u32::from(first) | u32::from(second) << 16)
     }
 
+    fn halves(self) -> [u16; 2] {
+        [self.0 as u16, (self.0 >> 16) as u16]
+    }
+
     #[inline(always)]
     fn from_slopes(first: i8, second: i8) -> Self {
         Self::new(i16::from(first) as u16, i16::from(second) as u16)
@@ -340,8 +363,8 @@ impl PackedPair {
 /// What the rows of probabilities are found in.
 #[derive(Clone, Copy)]
 pub(super) struct RowSearch<'a> {
-    pivots: &'a [[[u16; GROUP]; 2]],
-    rows: &'a [u16],
+    pivots: &'a [[[PackedPair; GROUP]; 2]],
+    rows: &'a [PackedPair],
     stride: usize,
     row_count: usize,
 }
@@ -355,57 +378,46 @@ pub(super) struct FoundRow {
 }
 
 impl RowSearch<'_> {
-    /// Step 7: the row in which the probability passes `target`, which is below 1 in units of 1/`ROW_TOTAL`.
+    /// Step 7: the row in which the probability passes `target`, which is below 1 in units of 1/`ROW_TOTAL`, between table
+    /// `pair` and its neighbour.
     ///
     /// Two levels of comparisons that don't wait for each other: the group of rows, then the row in it. What fills up the
     /// last group is above every target.
     #[inline(always)]
-    pub(super) fn find(&self, tables: [u32; 2], weight: u32, target: u32) -> FoundRow {
-        let [first, second] = tables.map(|table| &self.pivots[table as usize]);
-        let mut group = count_passed(&first[0], &second[0], weight, target);
+    pub(super) fn find(&self, pair: u32, weight: u32, target: u32) -> FoundRow {
+        let pivots = &self.pivots[pair as usize];
+        let mut group = count_passed(&pivots[0], weight, target);
         if self.row_count > GROUP * GROUP {
-            group += count_passed(&first[1], &second[1], weight, target);
+            group += count_passed(&pivots[1], weight, target);
         }
         // Place `start` holds the probability below the group.
         let start = GROUP * group;
-        let [first, second] = tables.map(|table| self.chunk::<{ GROUP + 1 }>(table, start));
+        let rows = &self.rows[pair as usize * self.stride + start..][..GROUP + 1];
         let mut row = 0;
-        for k in 1..=GROUP {
-            let sum = PackedPair::new(first[k], second[k]).mix(weight);
-            row += usize::from(sum <= target);
+        if let Some(group) = rows[1..].first_chunk() {
+            row = count_passed(group, weight, target).min(GROUP - 1);
         }
-        let row = row.min(GROUP - 1);
         FoundRow {
             index: (start + row) as u32,
-            below: PackedPair::new(first[row], second[row]).mix(weight),
-            end: PackedPair::new(first[row + 1], second[row + 1]).mix(weight),
+            below: rows[row].mix(weight),
+            end: rows[row + 1].mix(weight),
         }
     }
 
     /// The probabilities below a row and up to its end.
     #[inline(always)]
-    pub(super) fn ends(&self, row: u32, tables: [u32; 2]) -> [PackedPair; 2] {
-        let [first, second] = tables.map(|table| self.chunk::<2>(table, row as usize));
-        [
-            PackedPair::new(first[0], second[0]),
-            PackedPair::new(first[1], second[1]),
-        ]
-    }
-
-    #[inline(always)]
-    fn chunk<const N: usize>(&self, table: u32, start: usize) -> &[u16; N] {
-        let rows = &self.rows[table as usize * self.stride + start..];
-        rows.first_chunk().unwrap_or(&[ONE; N])
+    pub(super) fn ends(&self, row: u32, pair: u32) -> [PackedPair; 2] {
+        let rows = &self.rows[pair as usize * self.stride + row as usize..][..2];
+        [rows[0], rows[1]]
     }
 }
 
 /// How many of the mixed numbers are at most `target`.
 #[inline(always)]
-fn count_passed(first: &[u16; GROUP], second: &[u16; GROUP], weight: u32, target: u32) -> usize {
+fn count_passed(numbers: &[PackedPair; GROUP], weight: u32, target: u32) -> usize {
     let mut passed = 0;
-    for k in 0..GROUP {
-        let sum = PackedPair::new(first[k], second[k]).mix(weight);
-        passed += u32::from(sum <= target);
+    for number in numbers {
+        passed += u32::from(number.mix(weight) <= target);
     }
     passed as usize
 }
@@ -444,7 +456,10 @@ impl<'a> RecordPair<'a> {
     #[inline(always)]
     pub(super) fn find_block(&self, weight: u32, target: u32) -> (u32, u32) {
         let (mut block, mut below) = (0, 0);
-        let (first, second) = (&self.first[..self.block_count], &self.second[..self.block_count]);
+        let (first, second) = (
+            &self.first[..self.block_count],
+            &self.second[..self.block_count],
+        );
         for k in 0..self.block_count {
             let sum = PackedPair::new(first[k], second[k]).mix(weight);
             let passed = sum <= target;
@@ -551,12 +566,15 @@ impl InterpolatedTable for TablePair<'_> {
     #[inline(always)]
     fn find_row_index(&self, target: u32) -> usize {
         let search = self.tables.row_search();
-        search.find(self.numbers(), self.weight, target).index as usize
+        search.find(self.first as u32, self.weight, target).index as usize
     }
 
     #[inline(always)]
     fn row(&self, index: usize) -> InterpolatedRow {
-        let [below, end] = self.tables.row_search().ends(index as u32, self.numbers());
+        let [below, end] = self
+            .tables
+            .row_search()
+            .ends(index as u32, self.first as u32);
         let below = below.mix(self.weight);
         InterpolatedRow {
             index,
