@@ -90,10 +90,12 @@ impl HalfVectorDomain {
         if theta_h <= self.theta_full() {
             return PI;
         }
+        // tan²(φmax/2) = −cos(2θh − θo)/cos(2θh + θo), by f64 cosines to 10⁻⁸.
         let sum = 2.0 * theta_h + self.theta_o;
         let difference = 2.0 * theta_h - self.theta_o;
         let far = approx::sin_cos_turns(sum.abs() * (1.0 / TAU)).1;
         let near = approx::sin_cos_turns(difference.abs() * (1.0 / TAU)).1;
+        // Next to θfull rounding may leave no azimuth to cut, and next to θmax it may carry `near` below 0.
         if far >= 0.0 {
             PI
         } else {
@@ -107,18 +109,22 @@ impl HalfVectorDomain {
     pub fn direction(&self, theta_h: f64, azimuth_fraction: f64) -> (Vec3, f64) {
         let phi_max = self.phi_max(theta_h);
         let (sin_h, cos_h) = approx::sin_cos_turns(theta_h * (1.0 / TAU));
+        // h has the azimuth fraction·φmax against wo. `sin_cos_turns` takes [0, 1], so negative turns go once round.
         let turn = azimuth_fraction * phi_max * (1.0 / TAU);
         let (sin, cos) = approx::sin_cos_turns(if turn < 0.0 { turn + 1.0 } else { turn });
         let h = self.turn(DVec3::new(sin_h * cos, sin_h * sin, cos_h), 1.0);
         let wi = reflect_about(self.wo, h);
+        // dσ(wi) = 4 (wo·h) dσ(h), dσ(h) = sin θh dθh dφ and dφ = φmax d(fraction).
         (wi.as_vec3(), 4.0 * self.wo.dot(h) * sin_h * phi_max)
     }
 
     /// θh and azimuth fraction of a direction: the inverse of [`Self::direction`], clamped to the rectangle where rounding leaves it.
     pub fn coordinates(&self, wi: Vec3) -> (f64, f64) {
+        // h has the direction of wo + wi. Neither angle depends on its length.
         let h = self.turn(self.wo + wi.as_dvec3(), -1.0);
         let (theta_h, phi) = to_spherical(h);
         let phi_max = self.phi_max(theta_h);
+        // At θmax a single azimuth is left, and its fraction is arbitrary.
         let fraction = if phi_max > 0.0 { phi / phi_max } else { 0.0 };
         (
             theta_h.clamp(0.0, self.theta_max()),
@@ -367,6 +373,7 @@ impl HalfVectorChart {
         if bin < MERL_PARTS {
             return bin;
         }
+        // Beyond MERL's parts the steps of the cap are equal. Tables have no jumps at these edges, so f32 decides.
         let low = MERL_CAPS[MERL_PARTS];
         let steps = (point.cap - low) / (self.cap_max - low) * UPPER_PARTS as f32;
         MERL_PARTS + (steps.max(0.0) as usize).min(UPPER_PARTS - 1)
