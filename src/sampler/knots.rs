@@ -84,6 +84,7 @@ impl ThetaKnots {
                 share: 0.0,
             };
         }
+        // Angles beyond the last knot use its table alone.
         let theta = approx::acos(f64::from(wo.z)).min(LAST);
         let step = FRAC_PI_2 / (self.count - 1) as f64;
         let first = ((theta / step) as usize).min(self.count - 2);
@@ -95,6 +96,7 @@ impl ThetaKnots {
         } else {
             0.0
         };
+        debug_assert!((0.0..=1.0).contains(&share));
         match self.choice {
             TableChoice::Mixture => KnotPair {
                 first,
