@@ -105,7 +105,7 @@ impl Piecewise2d {
 
     /// Density at `p` per unit area of the square; 0 outside [0, 1)².
     pub fn pdf(&self, p: DVec2) -> f64 {
-        // Probability over area, which is 1/(width·height) for each cell.
+        // The density is probability over area, and each cell has the area 1/(width·height).
         self.cell(p).map_or(0.0, |(x, y)| {
             self.mass(x, y) * (self.width * self.height) as f64
         })

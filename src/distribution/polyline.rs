@@ -10,7 +10,7 @@ pub fn simplify(y: &[f64], tolerance: f64) -> Vec<usize> {
         return (0..y.len()).collect();
     }
     // Chords that have not been checked are open. One that strays too far from the points is replaced by two, through
-    // the point that it strays from most. A list of them instead of recursion: depth is no concern.
+    // the point that it strays from most. The list takes the place of recursion.
     let mut keep = vec![0, y.len() - 1];
     let mut open = vec![(0, y.len() - 1)];
     while let Some((first, last)) = open.pop() {

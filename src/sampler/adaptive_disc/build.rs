@@ -82,7 +82,7 @@ fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
             let slice = Slice::new(brdf, settings, bounds.as_ref(), knots.theta(k));
             // Step 1: ∫ f, by which accepted draws are normalised.
             let integral = slice.integral(NORMALISER_TOLERANCE);
-            // Step 2: the leaves. Where ∫ f is not usable there are none, and the uniform disc serves.
+            // Step 2: the leaves. Where ∫ f is not usable there are none, and the uniform disc is drawn from.
             let leaves = match (&settings.construction, &bounds) {
                 _ if !USABLE.contains(&integral) => Vec::new(),
                 (Construction::Grid(side), _) => {

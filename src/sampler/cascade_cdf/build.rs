@@ -58,7 +58,7 @@ pub(in crate::sampler) fn masses(
         POINTS[0].div_ceil(rows).max(1),
         POINTS[1].div_ceil(columns).max(1),
     ];
-    // Midpoints, of which each cell has `fine[1]` along the azimuth.
+    // The azimuths are midpoints. Each cell has `fine[1]` of them.
     let azimuths: Vec<(f64, f64)> = (0..columns * fine[1])
         .map(|j| ((j as f64 + 0.5) / (columns * fine[1]) as f64 * TAU).sin_cos())
         .collect();

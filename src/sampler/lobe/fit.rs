@@ -95,7 +95,7 @@ pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
     let search = Search { kind, nodes };
     let (start, start_cost) = search.start();
     let origin = search.coordinates(&start);
-    // Edges of 0.7, which is about ln 2: a factor of 2 in each shape, and in the odds of the cosine.
+    // Edges of 0.7, about ln 2, double the shapes and the odds of the cosine.
     let mut simplex = vec![origin.clone()];
     for i in 0..origin.len() {
         let mut corner = origin.clone();
