@@ -87,6 +87,7 @@ impl Piecewise2d {
         // F(y) is inverted at u.y, then F(x | y) of that row at u.x.
         let (row, y) = find_interval(&self.rows, self.row_guide.row_guide(0), u.y);
         let (column, x) = find_interval(self.row(row), self.column_guide.row_guide(row), u.x);
+        debug_assert!((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y));
         Placed {
             column,
             row,

@@ -55,6 +55,7 @@ pub fn half_vector(wo: DVec3, wi: DVec3) -> Option<DVec3> {
 /// `w` mirrored about the unit vector `h`: the light direction whose half vector with `w` is `h`.
 #[inline]
 pub fn reflect_about(w: DVec3, h: DVec3) -> DVec3 {
+    debug_assert!((h.length_squared() - 1.0).abs() < 2e-4);
     2.0 * w.dot(h) * h - w
 }
 

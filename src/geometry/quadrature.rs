@@ -232,6 +232,7 @@ fn pieces(domain: &HalfVectorDomain) -> Vec<Piece> {
     }
     edges.sort_by(f64::total_cmp);
     edges.dedup();
+    debug_assert!(edges.is_sorted_by(|a, b| a < b));
     let mut pieces = Vec::with_capacity(edges.len() - 1);
     for pair in edges.windows(2) {
         pieces.push(piece(pair[0], pair[1], cut, end));

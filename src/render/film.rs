@@ -22,6 +22,7 @@ pub(super) struct Pixel {
 
 impl Film {
     pub(super) fn new(width: usize, height: usize, pixels: Vec<Pixel>) -> Self {
+        debug_assert_eq!(pixels.len(), width * height);
         Self {
             width,
             height,

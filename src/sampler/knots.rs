@@ -54,6 +54,7 @@ impl ThetaKnots {
 
     /// Angle of knot `k`, radians. A single table is that of normal incidence.
     pub fn theta(self, k: usize) -> f64 {
+        debug_assert!(k < self.count);
         if self.count == 1 {
             return 0.0;
         }
@@ -118,6 +119,7 @@ impl ThetaKnots {
 /// Splits [0, 1) at `at`: whether `u` fell below, and its position within its part, again uniform in [0, 1).
 #[inline]
 pub(super) fn split_unit(u: f64, at: f64) -> (bool, f64) {
+    debug_assert!((0.0..=1.0).contains(&at));
     // Both parts come at random: choose the operands, not the path.
     let below = u < at;
     let (low, width) = if below { (0.0, at) } else { (at, 1.0 - at) };
