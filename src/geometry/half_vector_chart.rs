@@ -114,13 +114,11 @@ impl HalfVectorDomain {
         let (sin, cos) = approx::sin_cos_turns(if turn < 0.0 { turn + 1.0 } else { turn });
         let h = self.turn(DVec3::new(sin_h * cos, sin_h * sin, cos_h), 1.0);
         let wi = reflect_about(self.wo, h);
-        // dσ(wi) = 4 (wo·h) dσ(h), dσ(h) = sin θh dθh dφ and dφ = φmax d(fraction).
         (wi.as_vec3(), 4.0 * self.wo.dot(h) * sin_h * phi_max)
     }
 
     /// θh and azimuth fraction of a direction: the inverse of [`Self::direction`], clamped to the rectangle where rounding leaves it.
     pub fn coordinates(&self, wi: Vec3) -> (f64, f64) {
-        // h has the direction of wo + wi. Neither angle depends on its length.
         let h = self.turn(self.wo + wi.as_dvec3(), -1.0);
         let (theta_h, phi) = to_spherical(h);
         let phi_max = self.phi_max(theta_h);
