@@ -27,6 +27,8 @@ impl Heuristic {
     /// density `other` ≥ 0; both times their numbers of samples, if these differ. The two techniques' weights sum to 1.
     #[inline]
     pub fn weight(self, own: f64, other: f64) -> f64 {
+        debug_assert!(own > 0.0 && other >= 0.0);
+        // own²/(own² + other²), or own/(own + other).
         // By the ratio, so that no square overflows.
         let ratio = other / own;
         match self {
@@ -76,6 +78,8 @@ impl<T> Reservoir<T> {
             return;
         };
         self.sum += weight;
+        debug_assert!(self.sum.is_finite());
+        // With the chance wᵢ/(w₁ + … + wᵢ) for each newcomer, candidate i is kept in the end with probability wᵢ/Σw.
         let chance = weight / self.sum;
         // What is left of `u` after the choice is as uniform as it was: it serves the next one.
         if self.u < chance {
@@ -89,6 +93,7 @@ impl<T> Reservoir<T> {
 
     /// The candidate kept; `None` if all weights were 0.
     pub fn kept(self) -> Option<Kept<T>> {
+        // Candidates of weight 0 count too: the mean is over all that were offered.
         let mean_weight = self.sum / f64::from(self.count);
         self.kept.map(|(candidate, weight)| Kept {
             candidate,

@@ -81,6 +81,7 @@ impl Curves {
     /// `cumulated` starts at 0 and never falls. All curves of one set must be given knots, or none, and fewer than
     /// [`WHOLE`] of them.
     pub fn push(&mut self, cumulated: &[f64], knots: Option<&[usize]>) {
+        debug_assert!(cumulated.is_sorted());
         match knots {
             Some(knots) => {
                 self.positions.extend(knots.iter().map(|&k| k as u16));
@@ -124,7 +125,9 @@ impl Curves {
     /// The piece of curve `curve` in which the probability passes `u` in [0, 1); it has mass. The curve must not be void.
     #[inline]
     pub fn find(&self, curve: usize, u: f64) -> Segment {
+        debug_assert!(!self.is_void(curve));
         let range = self.range(curve);
+        // cdf[i] ≤ 65535·u < cdf[i + 1]: for whole cdf[i] that is the same with ⌊65535·u⌋.
         let below = (u * f64::from(WHOLE)) as u16;
         let index = self.last_not_above(&self.cdf[range.clone()], below.min(WHOLE - 1));
         self.piece(range.start, index)
@@ -163,6 +166,7 @@ impl Curves {
     #[inline]
     fn last_not_above(&self, values: &[u16], limit: u16) -> usize {
         let end = values.len() - 1;
+        debug_assert!(values[0] <= limit && values[end] > limit);
         (0..self.halvings).rev().fold(0, |i, bit| {
             let next = (i + (1 << bit)).min(end);
             i + (usize::from(values[next] <= limit) << bit)
@@ -199,6 +203,7 @@ fn halvings(knots: u32) -> u32 {
 /// with mass keeps at least one unit.
 fn rising(cumulated: &[f64]) -> Vec<u16> {
     let total = cumulated.last().copied().unwrap_or(0.0);
+    // Without mass the curve is void, and there is nothing to divide by.
     if total <= 0.0 {
         return vec![0; cumulated.len()];
     }
@@ -218,6 +223,7 @@ fn rising(cumulated: &[f64]) -> Vec<u16> {
         units[i] = units[i].min(most);
         most = most.saturating_sub(least_units(cumulated, i));
     }
+    debug_assert!(units.is_sorted());
     units
 }
 

@@ -44,13 +44,16 @@ impl Piecewise2d {
         check(width, height, weights)?;
         // In units of the largest, sums can't overflow.
         let largest = weights.iter().fold(0.0, |m: f64, &w| m.max(w));
+        // Step 1: the conditional F(x | y) of each row, and the row's weight Σ w.
         let mut columns = Vec::with_capacity(height * (width + 1));
         let sums: Vec<f64> = weights
             .chunks_exact(width)
             .map(|row| push_cumulative(&mut columns, row, largest))
             .collect();
+        // Step 2: the marginal F(y).
         let mut rows = Vec::with_capacity(height + 1);
         push_cumulative(&mut rows, &sums, 1.0);
+        // Step 3: where searches of either begin.
         let row_guide = Guide::new(&rows, height);
         let column_guide = Guide::new(&columns, width);
         Ok(Self {
@@ -81,8 +84,10 @@ impl Piecewise2d {
 
     /// The cell, of positive mass, that `u` in [0, 1)² falls into, and where in it; coordinates outside are clamped.
     pub(crate) fn locate(&self, u: DVec2) -> Placed {
+        // F(y) is inverted at u.y, then F(x | y) of that row at u.x.
         let (row, y) = find_interval(&self.rows, self.row_guide.row_guide(0), u.y);
         let (column, x) = find_interval(self.row(row), self.column_guide.row_guide(row), u.x);
+        debug_assert!((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y));
         Placed {
             column,
             row,
@@ -101,6 +106,7 @@ impl Piecewise2d {
 
     /// Density at `p` per unit area of the square; 0 outside [0, 1)².
     pub fn pdf(&self, p: DVec2) -> f64 {
+        // The density is probability over area, and each cell has the area 1/(width·height).
         self.cell(p).map_or(0.0, |(x, y)| {
             self.mass(x, y) * (self.width * self.height) as f64
         })
@@ -111,6 +117,7 @@ impl Piecewise2d {
         if x >= self.width || y >= self.height {
             return 0.0;
         }
+        // p(x, y) = p(y) p(x | y)
         self.row_mass(y) * self.mass_within_row(x, y)
     }
 
@@ -205,6 +212,7 @@ fn push_cumulative(cdf: &mut Vec<f64>, weights: &[f64], unit: f64) -> f64 {
         sum += w / unit;
         cdf.push(sum);
     }
+    // Divided by the sum itself, the last value is exactly 1, so that no u in [0, 1) lies beyond it.
     let shares = &mut cdf[start + 1..];
     for (i, c) in shares.iter_mut().enumerate() {
         *c = if sum > 0.0 {
@@ -256,9 +264,11 @@ impl Guide {
 }
 
 fn push_starts(starts: &mut Vec<u16>, cdf: &[f64]) {
+    debug_assert!(cdf.is_sorted());
     let cells = cdf.len() - 1;
     let mut earlier = 0;
     for k in 0..cells {
+        // F never falls, so one pass over it counts the values before every cell.
         while earlier < cells && guide_cell(cdf[earlier], cells) < k {
             earlier += 1;
         }
@@ -276,6 +286,7 @@ fn guide_cell(u: f64, cells: usize) -> usize {
 fn find_interval(cdf: &[f64], guide: &[u16], u: f64) -> (usize, f64) {
     // Not a number counts as 0, and −0, whose sign would mislead, becomes 0.
     let u = u.max(0.0).min(1.0f64.next_down()) + 0.0;
+    // F(i) ≤ u < F(i + 1), so interval i has mass, and u lies at (u − F(i))/(F(i + 1) − F(i)) in it.
     let i = above(cdf, guide, u).saturating_sub(1).min(cdf.len() - 2);
     (i, (u - cdf[i]) / (cdf[i + 1] - cdf[i]))
 }

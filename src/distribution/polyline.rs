@@ -9,6 +9,8 @@ pub fn simplify(y: &[f64], tolerance: f64) -> Vec<usize> {
     if y.len() < 3 {
         return (0..y.len()).collect();
     }
+    // Chords that have not been checked are open. One that strays too far from the points is replaced by two, through
+    // the point that it strays from most. The list takes the place of recursion.
     let mut keep = vec![0, y.len() - 1];
     let mut open = vec![(0, y.len() - 1)];
     while let Some((first, last)) = open.pop() {
@@ -29,6 +31,7 @@ fn farthest(y: &[f64], first: usize, last: usize) -> Option<(usize, f64)> {
     let slope = (y[last] - y[first]) / (last - first) as f64;
     let mut worst: Option<(usize, f64)> = None;
     for (i, &value) in y.iter().enumerate().take(last).skip(first + 1) {
+        // |y(i) − chord(i)| with chord(i) = y(first) + slope·(i − first), along y.
         let distance = (value - (y[first] + slope * (i - first) as f64)).abs();
         if worst.is_none_or(|w| distance > w.1) {
             worst = Some((i, distance));

@@ -21,6 +21,7 @@ pub fn acos(x: f64) -> f64 {
         0.006_670_090_1,
         -0.001_262_491_1,
     ];
+    // acos x = √(1 − x)·P(x): the root takes up the infinite slope at x = 1, and P is smooth.
     let x = x.min(1.0);
     (1.0 - x).sqrt() * polynomial(&C, x)
 }
@@ -44,10 +45,12 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     if high == 0.0 {
         return 0.0;
     }
+    // Step 1: t = min/max in [0, 1], where atan t = t·P(t²). P has one coefficient more than `polynomial` takes.
     let t = ax.min(ay) / high;
     let t2 = t * t;
     let angle =
         t * (polynomial(&[C[0], C[1], C[2], C[3], C[4], C[5], C[6], C[7]], t2) + C[8] * t2.powi(8));
+    // Step 2: the octant. The angle is π/2 − atan t where |y| > |x|, then π − angle where x < 0, with the sign of y.
     // Octants come at random, so they are told apart without branches.
     let steep = f64::from(u8::from(ay > ax));
     let angle = steep * FRAC_PI_2 + (1.0 - 2.0 * steep) * angle;
@@ -59,14 +62,17 @@ pub fn atan2(y: f64, x: f64) -> f64 {
 /// Sine and cosine of `turns` full turns, 0 to 1, to 10⁻⁸; the sine to 10⁻⁸ of itself near 0.
 #[inline]
 pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
+    // Step 1: the nearest multiple k of a quarter turn, and x = 2π(turns − k/4) in [−π/4, π/4].
     // Truncation is an instruction everywhere; rounding is a call on the oldest x86-64.
     let nearest = (4.0 * turns + 0.5) as u32;
     // At most an eighth of a turn from a multiple of a quarter, where the cosine follows from the sine without loss.
     let x = (turns - 0.25 * f64::from(nearest)) * TAU;
+    // Step 2: sin x = x·P(x²), and cos x = √((1 − sin x)(1 + sin x)), which is positive there.
     let x2 = x * x;
     let low = 1.0 - 0.166_666_666_4 * x2 + x2 * x2 * (0.008_333_331_5 - 0.000_198_409_0 * x2);
     let s = x * (low + x2 * x2 * x2 * x2 * (0.000_002_752_6 - 0.000_000_023_9 * x2));
     let c = ((1.0 - s) * (1.0 + s)).sqrt();
+    // Step 3: an odd k swaps the two. Bit 1 of k is the sign of the sine, and bit 1 of k + 1 that of the cosine.
     // The quarter comes at random, so it is applied without branches.
     let odd = 0u64.wrapping_sub(u64::from(nearest & 1));
     let (s, c) = (s.to_bits(), c.to_bits());
@@ -94,13 +100,16 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
     const TAN_PI_8: f64 = 0.414_213_562_373_095;
     // Octants come at random, so they are distinguished by signs: compilers turn comparisons into branches.
     let (ax, ay) = (x.abs(), y.abs());
+    // Step 1: low ≤ high of |x| and |y|, and on which side of the diagonals and axes the point is.
     let (low, high) = if ay > ax { (ax, ay) } else { (ay, ax) };
     let steep = one_if_negative(ax - ay);
     let back = one_if_negative(x);
     let far = one_if_negative(TAN_PI_8 * high - low);
-    // Beyond π/8 as seen from π/4.
+    // Step 2: for tan α = low/high, t = tan(α − π/4) = (low − high)/(high + low) where α > π/8, else tan α.
+    // |t| ≤ tan(π/8) keeps the polynomial short. The summand MIN_POSITIVE makes t = 0 of (0, 0).
     let t = (low - far * high) / (high + far * low + f64::MIN_POSITIVE);
     let angle = t * polynomial(&C, t * t) + far * FRAC_PI_4;
+    // Step 3: back through the diagonal, the vertical axis and the horizontal axis.
     let angle = steep * FRAC_PI_2 + (1.0 - 2.0 * steep) * angle;
     let angle = back * PI + (1.0 - 2.0 * back) * angle;
     angle.copysign(y)
@@ -111,11 +120,13 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
 pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
     // To this, numbers are added as integers: rounding without a call, and vector code on the oldest x86-64.
     const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
+    // Step 1: the quarter k nearest to 4·turns, in the low bits of the sum, and x = 2π(turns − k/4) in [−π/4, π/4].
     let rounded = 4.0 * turns + ROUND;
     let quarter = rounded.to_bits();
     let x = (turns - 0.25 * (rounded - ROUND)) * TAU;
     let x2 = x * x;
     let x4 = x2 * x2;
+    // Step 2: s = (sin x/x − 1)/x² and c = (cos x − 1)/x². The leading terms are added last and keep all digits.
     let s = (-0.166_666_666_666_638_45 + 0.008_333_333_331_058_115 * x2)
         + (-0.000_198_412_668_997_644_8 + 0.000_002_755_598_643_096_349_3 * x2) * x4
         + -0.000_000_024_805_268_900_610_935 * (x4 * x4);
@@ -123,6 +134,7 @@ pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
         + (-0.001_388_888_505_353_456_3 + 0.000_024_799_852_339_582_005 * x2) * x4
         + -0.000_000_272_363_391_574_624_6 * (x4 * x4);
     let (s, c) = ((x + x * x2 * s).to_bits(), (1.0 + x2 * c).to_bits());
+    // Step 3: an odd k swaps the two. Bit 1 of k is the sign of the sine, and bit 1 of k + 1 that of the cosine.
     let odd = 0u64.wrapping_sub(quarter & 1);
     let sin = (s & !odd | c & odd) ^ ((quarter & 2) << 62);
     let cos = (c & !odd | s & odd) ^ ((quarter.wrapping_add(1) & 2) << 62);
@@ -147,6 +159,7 @@ fn sign_of_quarter(quarter: u32) -> u64 {
 /// 1 for numbers whose sign bit is set, else 0, without a branch.
 #[inline(always)]
 fn one_if_negative(v: f64) -> f64 {
+    // The arithmetic shift copies the sign bit to all bits, a mask under which 1.0 remains 1.0 or becomes 0.0.
     f64::from_bits(((v.to_bits() as i64 >> 63) as u64) & 1f64.to_bits())
 }
 

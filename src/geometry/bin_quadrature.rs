@@ -77,6 +77,8 @@ impl BinQuadrature {
     pub fn new(wo: Vec3, shape: BinShape) -> Option<Self> {
         let domain = HalfVectorDomain::new(wo)?;
         let (cut, end) = (domain.theta_full(), domain.theta_max());
+        // Step 1: the θh at which the integral over the azimuth jumps or bends. These are the edges of bins, θfull, from
+        // which on the horizon cuts azimuths, and θmax, where it leaves none.
         let mut edges = vec![0.0, cut, end];
         for bin in 0..=THETA_H_BINS {
             let edge = theta_h(bin as f64 + shape.offset);
@@ -99,6 +101,8 @@ impl BinQuadrature {
         }
         edges.sort_by(f64::total_cmp);
         edges.dedup();
+        debug_assert!(edges.is_sorted_by(|a, b| a < b));
+        // Step 2: each range gets the map θh(t) that makes its integrand smooth in t.
         let pieces = edges
             .windows(2)
             .map(|pair| piece(pair[0], pair[1], cut, end))
@@ -118,6 +122,7 @@ impl BinQuadrature {
     /// ∫ `value(wi)`·cos θi dσ(wi), for values ≥ 0 that jump where the table does; the errors of all parts, each the difference
     /// of Gauss's rules of two and of three points, add up to at most `tolerance` of it, or parts are as small as they may be.
     pub fn integrate(&self, tolerance: f64, mut value: impl FnMut(Vec3) -> f64) -> f64 {
+        // Step 1: one part for each piece.
         let mut cuts = Vec::new();
         let mut parts = Vec::new();
         for piece in 0..self.pieces.len() {
@@ -129,6 +134,7 @@ impl BinQuadrature {
             if error <= tolerance * total {
                 return total;
             }
+            // Step 2: halve the parts whose error exceeds an equal part of what is allowed in all.
             let allowed = tolerance * total / parts.len() as f64;
             let mut finer = Vec::with_capacity(2 * parts.len());
             let mut is_finer = false;
@@ -145,6 +151,7 @@ impl BinQuadrature {
                 is_finer = true;
             }
             parts = finer;
+            // Every part is within its allowance or as short as it may be.
             if !is_finer {
                 return parts.iter().map(|p| p.value).sum();
             }
@@ -219,6 +226,7 @@ impl BinQuadrature {
         let end = self.domain.phi_max(theta_h);
         cuts.clear();
         cuts.extend([0.0, end]);
+        // The change of variables is smooth everywhere, and two points integrate it over steps of this length.
         for step in 1..(PI / LONGEST) as usize {
             push_inside(cuts, step as f64 * LONGEST, end);
         }
@@ -232,6 +240,7 @@ impl BinQuadrature {
         // sin θo cos ψ sin φ + sin θo cos θh sin ψ cos φ = cos θo sin θh sin ψ at φd = ψ and at φd = ψ + π.
         for &(sin, cos) in &self.phi_d_edges {
             let (p, q) = (sin_o * cos_h * sin, sin_o * cos);
+            // p cos φ + q sin φ = √(p² + q²) cos(φ − middle), so that both solutions lie at ±`reach` from `middle`.
             let middle = q.atan2(p);
             let reach = (cos_o * sin_h * sin / p.hypot(q)).acos();
             for phi in [middle - reach, middle + reach] {

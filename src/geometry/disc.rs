@@ -7,10 +7,13 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Shirley and Chiu's concentric map: [0,1)² to the unit disc, area preserving and continuous.
 pub fn concentric_disc(u: DVec2) -> DVec2 {
+    // Step 1: the square [−1, 1]², whose centre has no azimuth.
     let p = 2.0 * u - DVec2::ONE;
     if p == DVec2::ZERO {
         return DVec2::ZERO;
     }
+    // Step 2: squares about the centre become circles. The larger coordinate is the radius and φ = π/4·y/x from the
+    // x axis, or π/2 − π/4·x/y near the y axis. A negative radius reaches the opposite quarter with the same φ.
     let (r, phi) = if p.x.abs() > p.y.abs() {
         (p.x, FRAC_PI_4 * (p.y / p.x))
     } else {
@@ -21,10 +24,12 @@ pub fn concentric_disc(u: DVec2) -> DVec2 {
 
 /// The point of the unit square that [`concentric_disc`] maps to `p`, to some 10⁻⁸; the rim and beyond go to the edge.
 pub fn concentric_square(p: DVec2) -> DVec2 {
+    // Step 1: the nearer axis, and the angle from it as a fraction of π/4, in [−1, 1].
     let r = p.length();
     let steep = p.y.abs() >= p.x.abs();
     let (along, across) = if steep { (p.y, p.x) } else { (p.x, p.y) };
     let share = approx::atan2(across * along.signum(), along.abs()) * (1.0 / FRAC_PI_4);
+    // Step 2: ±r along that axis, and this fraction of it across.
     let (along, across) = (r.copysign(along), r.copysign(along) * share);
     let q = if steep {
         DVec2::new(across, along)
@@ -36,6 +41,7 @@ pub fn concentric_square(p: DVec2) -> DVec2 {
 
 /// [0,1)² to the hemisphere with density cosθ/π per solid angle (Malley). `z` is 0 only on the rim of the disc.
 pub fn cosine_hemisphere(u: DVec2) -> DVec3 {
+    // dx dy = cosθ dσ: what is uniform on the disc, of density 1/π, has the density cosθ/π on the hemisphere.
     let d = concentric_disc(u);
     d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
 }

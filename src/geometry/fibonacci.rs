@@ -18,6 +18,7 @@ impl FibonacciLattice {
             generator: 1,
         };
         while lattice.size < (points as u64).min(1 << 30) {
+            // (F(k), F(k − 1)) is followed by (F(k + 1), F(k)).
             lattice = Self {
                 size: lattice.size + lattice.generator,
                 generator: lattice.size,
@@ -33,6 +34,7 @@ impl FibonacciLattice {
 
     /// The points, both coordinates strictly inside (0, 1).
     pub fn points(self) -> impl Iterator<Item = (f64, f64)> {
+        // For n = F(k), point i is ((i + ½)/n, ((i·F(k − 1) mod n) + ½)/n).
         let scale = 1.0 / self.size as f64;
         (0..self.size).map(move |i| {
             let column = i * self.generator % self.size;

@@ -13,6 +13,7 @@ pub struct Frame {
 impl Frame {
     /// Frame about the unit normal `n`, without branches at the pole (Duff et al. 2017).
     pub fn from_normal(n: Vec3) -> Self {
+        debug_assert!(n.is_normalized());
         let (x, y) = n.any_orthonormal_pair();
         Self { x, y, z: n }
     }
@@ -20,6 +21,7 @@ impl Frame {
     /// Frame about the unit normal `n` whose x runs along the circle about the unit vector `axis`, as `axis` × `n`; as
     /// [`Self::from_normal`] within 10⁻⁶ of that axis.
     pub fn around(n: Vec3, axis: Vec3) -> Self {
+        // |axis × n| is the sine of their angle. Below 10⁻⁶ the rounding of f32 would choose the direction.
         let along = axis.cross(n);
         if along.length_squared() < 1e-12 {
             return Self::from_normal(n);

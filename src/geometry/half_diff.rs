@@ -24,11 +24,13 @@ impl HalfDiff {
     /// φd = atan2((wo × wi).z, (wo.z − wi.z)·|H|/2). Arctangents keep small angles accurate where arc cosines don't. At
     /// θh = 0 the normal fixes no plane, and φd is the azimuth of `wi`.
     pub fn from_directions(wo: DVec3, wi: DVec3) -> Option<Self> {
+        // Step 1: H = wo + wi, which opposed directions don't have.
         let sum = wo + wi;
         let length = sum.length();
         if length == 0.0 {
             return None;
         }
+        // Step 2: φd, by both components of the difference vector times ρ, which cancels.
         let rho = sum.x.hypot(sum.y);
         let phi_d = if rho == 0.0 {
             wi.y.atan2(wi.x)
@@ -53,6 +55,7 @@ pub fn half_vector(wo: DVec3, wi: DVec3) -> Option<DVec3> {
 /// `w` mirrored about the unit vector `h`: the light direction whose half vector with `w` is `h`.
 #[inline]
 pub fn reflect_about(w: DVec3, h: DVec3) -> DVec3 {
+    debug_assert!((h.length_squared() - 1.0).abs() < 2e-4);
     2.0 * w.dot(h) * h - w
 }
 

@@ -13,7 +13,7 @@
 //! Both parametrisations are a rectangle over [0, θmax] × [−φmax, φmax]. The rectangle ends where the horizon begins, so every
 //! point of it is a direction above the horizon, every such direction is one point of it, and no draw is lost.
 //!
-//! | | [`HalfVectorDomain`] | [`HalfVectorChart`] |
+//! | | [`super::HalfVectorDomain`] | [`HalfVectorChart`] |
 //! |---|---|---|
 //! | for | quadrature, statistical tests | tables that are drawn from |
 //! | precision | f64 | f32, without trigonometry |
@@ -29,13 +29,11 @@
 //! `wo`, then equal steps to its end. Measured tables jump at the edges of MERL's bins, and a highlight stays in its bins when
 //! `wo` moves. Numbered steps are those of `docs/half-vector-table.md`.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::merl_axes::{AxisBins, theta_h_edge_cap};
-use super::{approx, is_upper, reflect_about, to_spherical};
 
 /// MERL's bins of θh that end below 45°, which half vectors reach for every `wo`.
 pub(crate) const MERL_PARTS: usize = 63;
@@ -47,91 +45,6 @@ pub(crate) const PARTS: usize = MERL_PARTS + UPPER_PARTS;
 /// Caps at the edges of MERL's bins, 0 to [`MERL_PARTS`].
 static MERL_CAPS: LazyLock<[f32; MERL_PARTS + 1]> =
     LazyLock::new(|| std::array::from_fn(|edge| theta_h_edge_cap(edge) as f32));
-
-/// The domain about one direction, with coordinates that are angles, in f64: for quadrature and statistical tests.
-///
-/// The coordinates are θh in [0, θmax] and the azimuth φ of h against that of `wo` as a fraction in [−1, 1] of φmax(θh).
-#[derive(Clone, Copy, Debug)]
-pub struct HalfVectorDomain {
-    wo: DVec3,
-    theta_o: f64,
-    /// Cosine and sine of the azimuth of `wo`; (1, 0) along the normal.
-    azimuth: (f64, f64),
-}
-
-impl HalfVectorDomain {
-    /// The domain about `wo`; `None` unless that is finite and above the horizon.
-    pub fn new(wo: Vec3) -> Option<Self> {
-        if !is_upper(wo) {
-            return None;
-        }
-        let wo = wo.as_dvec3().normalize();
-        let (theta_o, phi_o) = to_spherical(wo);
-        let (sin, cos) = phi_o.sin_cos();
-        Some(Self {
-            wo,
-            theta_o,
-            azimuth: (cos, sin),
-        })
-    }
-
-    /// The largest θh that reflects above the horizon: (π/2 + θo)/2.
-    pub fn theta_max(&self) -> f64 {
-        0.5 * (FRAC_PI_2 + self.theta_o)
-    }
-
-    /// The θh up to which every azimuth reflects above the horizon: (π/2 − θo)/2.
-    pub fn theta_full(&self) -> f64 {
-        0.5 * (FRAC_PI_2 - self.theta_o)
-    }
-
-    /// The largest azimuth of h against `wo` that reflects above the horizon, in [0, π].
-    pub fn phi_max(&self, theta_h: f64) -> f64 {
-        if theta_h <= self.theta_full() {
-            return PI;
-        }
-        let sum = 2.0 * theta_h + self.theta_o;
-        let difference = 2.0 * theta_h - self.theta_o;
-        let far = approx::sin_cos_turns(sum.abs() * (1.0 / TAU)).1;
-        let near = approx::sin_cos_turns(difference.abs() * (1.0 / TAU)).1;
-        if far >= 0.0 {
-            PI
-        } else {
-            2.0 * approx::atan2(near.max(0.0).sqrt(), (-far).sqrt())
-        }
-    }
-
-    /// The reflected direction at (θh, azimuth fraction), and dσ(wi) per dθh and d(azimuth fraction):
-    /// 4 (wo·h) sin θh φmax, sr.
-    #[inline]
-    pub fn direction(&self, theta_h: f64, azimuth_fraction: f64) -> (Vec3, f64) {
-        let phi_max = self.phi_max(theta_h);
-        let (sin_h, cos_h) = approx::sin_cos_turns(theta_h * (1.0 / TAU));
-        let turn = azimuth_fraction * phi_max * (1.0 / TAU);
-        let (sin, cos) = approx::sin_cos_turns(if turn < 0.0 { turn + 1.0 } else { turn });
-        let h = self.turn(DVec3::new(sin_h * cos, sin_h * sin, cos_h), 1.0);
-        let wi = reflect_about(self.wo, h);
-        (wi.as_vec3(), 4.0 * self.wo.dot(h) * sin_h * phi_max)
-    }
-
-    /// θh and azimuth fraction of a direction: the inverse of [`Self::direction`], clamped to the rectangle where rounding leaves it.
-    pub fn coordinates(&self, wi: Vec3) -> (f64, f64) {
-        let h = self.turn(self.wo + wi.as_dvec3(), -1.0);
-        let (theta_h, phi) = to_spherical(h);
-        let phi_max = self.phi_max(theta_h);
-        let fraction = if phi_max > 0.0 { phi / phi_max } else { 0.0 };
-        (
-            theta_h.clamp(0.0, self.theta_max()),
-            fraction.clamp(-1.0, 1.0),
-        )
-    }
-
-    /// `w` turned about the normal by the azimuth of `wo` (`sign` = 1), or back (−1).
-    fn turn(&self, w: DVec3, sign: f64) -> DVec3 {
-        let (cos, sin) = (self.azimuth.0, sign * self.azimuth.1);
-        DVec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z)
-    }
-}
 
 /// The least tan(φmax/4): narrower azimuths are less than f32 directions resolve.
 const LEAST_MAX_QUARTER_TAN: f32 = 1e-6;
@@ -378,6 +291,7 @@ impl HalfVectorChart {
     /// The part that holds a point beyond the last of MERL's parts.
     #[inline(always)]
     pub(crate) fn find_upper_part(&self, point: &ChartPoint) -> usize {
+        // Beyond MERL's parts the steps of the cap are equal. Tables have no jumps at these edges, so f32 decides.
         let low = MERL_CAPS[MERL_PARTS];
         let steps = (point.cap - low) / (self.cap_max - low) * UPPER_PARTS as f32;
         MERL_PARTS + (steps.max(0.0) as i32 as usize).min(UPPER_PARTS - 1)
@@ -421,7 +335,9 @@ fn quarter_tan_of(x: f32, y: f32, rho: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{FibonacciLattice, spherical};
+    use std::f64::consts::PI;
+
+    use crate::geometry::{FibonacciLattice, HalfVectorDomain, is_upper, spherical};
 
     #[test]
     fn coordinates_invert_directions_and_all_are_above_the_horizon() {

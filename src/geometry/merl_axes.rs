@@ -114,7 +114,9 @@ impl Tan2Cell {
     /// Cell `k` between rising edges, each a squared tangent.
     fn find(k: usize, edges: &[f64]) -> Self {
         let (start, end) = tan2_cells::bounds(k);
+        // Every number of the cell is beyond the edges up to its start. At most one more edge lies within the cell.
         let below = edges.partition_point(|&e| e <= start);
+        debug_assert!(edges.get(below + 1).is_none_or(|&next| next >= end));
         let edge = match edges.get(below) {
             Some(&edge) if edge < end => edge,
             _ => f64::INFINITY,
@@ -126,6 +128,7 @@ impl Tan2Cell {
 impl Tan2Bins {
     /// Bins between rising edges in radians; those at 0 and π/2 are left out.
     fn new(edges: impl Iterator<Item = f64>) -> Self {
+        // tan² rises with the angle, so its values are compared instead of angles and lookups need no arctangent.
         let edges: Vec<f64> = edges.map(|angle| angle.tan().powi(2)).collect();
         Self {
             cells: Box::new(std::array::from_fn(|k| Tan2Cell::find(k, &edges))),
@@ -143,6 +146,7 @@ impl Tan2Bins {
 
     #[cold]
     fn beyond(&self, tan2: f64) -> usize {
+        // No edge lies beyond the last cell, and none below the first, where NaN ends up too.
         if tan2 >= tan2_cells::HIGH {
             self.cells[CELLS - 1].below
         } else {

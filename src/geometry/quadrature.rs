@@ -197,17 +197,21 @@ impl Piece {
 
     /// θh at `t` in (0, 1), and dθh/dt.
     pub(super) fn theta_h(&self, t: f64) -> (f64, f64) {
+        debug_assert!((0.0..=1.0).contains(&t));
         match self.spacing {
             Spacing::Area => {
+                // θh = high·√t: rings of equal area about the pole, as far as sin θh = θh.
                 let root = t.sqrt();
                 (self.high * root, 0.5 * self.high / root)
             }
             Spacing::Root => {
+                // √θh = a + (b − a)t, so dθh/dt = 2√θh (b − a).
                 let (a, b) = (self.low.sqrt(), self.high.sqrt());
                 let s = a + (b - a) * t;
                 (s * s, 2.0 * s * (b - a))
             }
             Spacing::Ends => {
+                // θh = low + ½(high − low)(1 − cos πt). Its slope is 0 at both ends, which smooths the square roots of φmax there.
                 let half = 0.5 * (self.high - self.low);
                 let (sin, cos) = (PI * t).sin_cos();
                 (self.low + half * (1.0 - cos), half * PI * sin)
@@ -228,6 +232,7 @@ fn pieces(domain: &HalfVectorDomain) -> Vec<Piece> {
     }
     edges.sort_by(f64::total_cmp);
     edges.dedup();
+    debug_assert!(edges.is_sorted_by(|a, b| a < b));
     let mut pieces = Vec::with_capacity(edges.len() - 1);
     for pair in edges.windows(2) {
         pieces.push(piece(pair[0], pair[1], cut, end));

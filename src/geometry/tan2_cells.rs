@@ -14,6 +14,7 @@ const FIRST: u64 = LOW.to_bits() >> SHIFT;
 /// Cell of a squared tangent from [`LOW`] to below [`HIGH`]; past the last one for any other number and NaN.
 #[inline(always)]
 pub(crate) fn cell(tan2: f64) -> usize {
+    // The bits of positive numbers rise with them. Smaller numbers wrap round and negative ones and NaN exceed all.
     (tan2.to_bits() >> SHIFT).wrapping_sub(FIRST) as usize
 }
 
@@ -30,5 +31,6 @@ pub(crate) fn bounds(cell: usize) -> (f64, f64) {
 
 /// The least number of a cell.
 fn first_in_cell(cell: u64) -> f64 {
+    debug_assert!(cell <= CELLS as u64);
     f64::from_bits((FIRST + cell) << SHIFT)
 }

@@ -31,6 +31,7 @@ impl Area {
         let size = 0.5 * centre.distance(placement.subject);
         let edge_u = across * size;
         let edge_v = back.cross(across) * -size;
+        // E = L·Ω: a radiance of 2π/¼ in a solid angle of ¼ gives 2π.
         let radiance = Rgb::splat((std::f64::consts::TAU / 0.25) as f32);
         Self {
             corner: centre - 0.5 * (edge_u + edge_v),
@@ -84,6 +85,7 @@ impl LightSource for Area {
 impl Light for Area {
     /// A point uniform in area.
     fn sample(&self, from: DVec3, u: DVec2) -> Option<LightSample> {
+        // corner + u·edge_u + v·edge_v is uniform in area, and `pdf` is its density per solid angle.
         let to = self.corner + u.x * self.edge_u + u.y * self.edge_v - from;
         let (wi, distance) = (to.try_normalize()?, to.length());
         let pdf = self.pdf(wi, distance)?;
@@ -97,6 +99,7 @@ impl Light for Area {
 
     fn emitted_along(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<Emission> {
         let facing = self.facing();
+        // n·(from + t·direction − corner) = 0. Parallel rays have an infinite t or NaN, which the comparison refuses.
         let distance = facing.dot(self.corner - from) / facing.dot(direction);
         if !(distance > 0.0 && distance < reach) {
             return None;

@@ -62,6 +62,8 @@ impl Light for Point {
         let to = self.position - from;
         let distance = to.length();
         let wi = to.try_normalize()?;
+        // The irradiance is I/d². Radiance and density of a delta light are infinite, so their quotient is given, with the
+        // density 1.
         let radiance = (self.intensity.as_dvec3() / (distance * distance)).as_vec3();
         radiance.is_finite().then_some(LightSample {
             wi,

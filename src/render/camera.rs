@@ -26,6 +26,7 @@ impl Camera {
         let forward = (self.target - self.eye).normalize_or(-DVec3::Z);
         // Looking straight up or down, −z is up in the picture.
         let right = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
+        // tan(angle/2) is half of the picture's height at the distance 1.
         let half = (self.vertical_angle * 0.5).tan();
         let up = right.cross(forward);
         CameraAxes {
@@ -49,6 +50,7 @@ pub(super) struct CameraAxes {
 impl CameraAxes {
     /// The ray through a point of the picture, in [0, 1]² from its upper left corner.
     pub(super) fn ray(&self, p: DVec2) -> Ray {
+        // From the upper left corner: x runs from −across to +across, y from +up to −up.
         let direction =
             self.forward + (2.0 * p.x - 1.0) * self.across + (1.0 - 2.0 * p.y) * self.up;
         Ray {

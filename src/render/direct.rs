@@ -58,6 +58,7 @@ impl Tracer<'_> {
 
     /// What a drawn direction meets; nothing, where the plan says that nothing can be in the way.
     pub(super) fn next_hit(&self, ray: &Ray, leaving: usize) -> Option<Hit> {
+        // Lights are not objects. Where nothing hides them and no path goes on, a hit would change nothing.
         if self.shadows || self.interreflection {
             self.scene.hit(ray, Some(leaving))
         } else {
@@ -73,6 +74,7 @@ impl Tracer<'_> {
         sums: &mut [DVec3],
     ) {
         for (i, light) in self.scene.lights.iter().enumerate() {
+            // A delta light has one direction, and needs no random numbers for it.
             if light.is_delta() {
                 refill(&mut direct.points, run.vertices.len(), DVec2::ZERO);
             } else if self.light_sampling {
@@ -101,6 +103,7 @@ impl Tracer<'_> {
         choose_light(run.vertices, light, direct);
         self.reflect_light(surface, light, direct);
         for (k, lit) in direct.lights.iter().enumerate() {
+            // f_r·cos·L/q · w(q, p). Without a second technique p is 0 and w is 1. What reflects nothing needs no shadow ray.
             let reflected = direct.reflected[k].as_dvec3() * lit.radiance;
             let vertex = &run.vertices[lit.index];
             if reflected != DVec3::ZERO && !self.is_hidden(vertex, lit) {

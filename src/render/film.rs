@@ -22,6 +22,7 @@ pub(super) struct Pixel {
 
 impl Film {
     pub(super) fn new(width: usize, height: usize, pixels: Vec<Pixel>) -> Self {
+        debug_assert_eq!(pixels.len(), width * height);
         Self {
             width,
             height,
@@ -81,6 +82,7 @@ pub(super) struct RunningMoments {
 
 impl RunningMoments {
     pub(super) fn add(&mut self, radiance: DVec3) {
+        // m ← m + (x − m)/n and S ← S + (x − m before)(x − m after): no difference of large sums, as in Σx² − n m².
         self.count += 1.0;
         let before = radiance - self.mean;
         self.mean += before / self.count;
@@ -115,6 +117,7 @@ impl RunningMoments {
     }
 
     pub(super) fn pixel(&self) -> Pixel {
+        // δ² = S/(n(n − 1)), and 0 for a single sample.
         let error2 = self.squares / (self.count * (self.count - 1.0)).max(1.0);
         Pixel {
             mean: self.mean,

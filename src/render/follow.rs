@@ -108,6 +108,7 @@ impl<'a> Tracer<'a> {
                 throughput: DVec3::ONE,
             });
         }
+        // No other technique finds what the camera sees without a surface in between, so it counts in full.
         self.sum_emitted(emitted, |_, _| 1.0);
         bundle.radiance.clear();
         bundle.radiance.extend_from_slice(&emitted.sums);
@@ -148,6 +149,7 @@ impl<'a> Tracer<'a> {
         radiance: &mut [DVec3],
         paths: &mut Vec<ActivePath>,
     ) {
+        // A direction is of use if the light that it hits counts, or if the path may have another vertex along it.
         let follows = self.interreflection && run.bounce + 1 < self.scene.depth;
         if !(self.directions && (self.hits_count || follows)) {
             return;
@@ -204,6 +206,7 @@ impl<'a> Tracer<'a> {
         if !self.roulette || bounce + 1 < ROULETTE_FROM {
             return true;
         }
+        // Unbiased: T/c with probability c has the mean T. A path whose T is 1 or more in a channel goes on for certain.
         let chance = throughput.max_element().min(1.0);
         *throughput /= chance;
         f64::from(randoms.chances(bounce).x) < chance

@@ -35,6 +35,7 @@ impl PathRandoms {
         let PathId {
             seed, index, count, ..
         } = path;
+        // A set holds two pairs of numbers. The first has that of the BRDF and that of roulette, the others one for each light.
         let sets_per_vertex = 1 + (scene.lights.len() as u32).div_ceil(2);
         Self {
             points,

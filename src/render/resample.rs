@@ -43,6 +43,7 @@ impl Tracer<'_> {
             };
             let hit = self.next_hit(&kept.candidate.ray, run.vertices[i].hit.object);
             scratch.found.push((kept.candidate, hit));
+            // mean(t/p)/(t/p), by which f·cos·L'/p below becomes the estimate above.
             scratch.scales.push((i, kept.mean_weight / kept.weight));
         }
         self.sum_found(&scratch.found, &mut scratch.emitted);

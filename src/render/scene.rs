@@ -133,6 +133,7 @@ impl Scene {
             let Some(near) = candidate.least_distance(ray, leaving == Some(object)) else {
                 continue;
             };
+            // What is not nearer than the nearest so far needs no normal.
             let far = nearest.map_or(f64::INFINITY, |hit| hit.distance);
             if let Some(hit) = candidate.shape.intersect(ray, near, far) {
                 nearest = Some(Hit {
@@ -170,6 +171,7 @@ impl Object {
     fn least_distance(&self, ray: &Ray, leaving: bool) -> Option<f64> {
         match (leaving, self.is_convex) {
             (false, _) => Some(0.0),
+            // A ray never returns to the convex object that it leaves. To another it may, beyond the rounding of its origin.
             (true, true) => None,
             (true, false) => Some(LEAST_RETURN * ray.origin.abs().max_element()),
         }

@@ -59,9 +59,13 @@ impl Sphere {
     /// The discriminant is r² minus the squared distance of the centre from the line, which does not cancel when the ray
     /// starts far away (Haines et al. 2019).
     pub fn enter(&self, ray: &Ray) -> Option<f64> {
+        debug_assert!(ray.direction.is_normalized());
+        // Step 1: the foot of the perpendicular from the centre, at the distance `along`.
         let to_centre = self.centre - ray.origin;
         let along = to_centre.dot(ray.direction);
         let perpendicular = to_centre - along * ray.direction;
+        // Step 2: half of the chord, h² = r² − |perpendicular|². The near end is at along − h. The far end is seen from
+        // inside only.
         let half_chord2 = self.radius * self.radius - perpendicular.length_squared();
         if half_chord2 < 0.0 {
             return None;
@@ -102,6 +106,7 @@ pub(super) struct Floor;
 impl Floor {
     /// Distance along `ray` to where it goes below the plane y = 0; `None` if it never does.
     fn enter(ray: &Ray) -> Option<f64> {
+        // y + t·d.y = 0. A ray along the plane divides by 0, and its distance is not finite.
         let distance = ray.origin.y / -ray.direction.y;
         (distance > 0.0 && ray.direction.y < 0.0 && distance.is_finite()).then_some(distance)
     }

@@ -178,6 +178,8 @@ fn frame_row(half_width: f64, aspect: f64) -> Camera {
     let vertical_angle = 24f64.to_radians();
     let half = (vertical_angle * 0.5).tan();
     let (margin, target) = (1.12, DVec3::new(0.0, 0.95, 0.0));
+    // At the distance d the picture is 2·d·tan(angle/2) high. The spheres' height or the row's width decides, as
+    // one of them needs more distance. The 1 in the end is the radius, by which spheres are nearer than their centres.
     let distance = (margin * 1.1 / half).max(margin * half_width / (half * aspect)) + 1.0;
     let towards = DVec3::new(0.0, 0.22, 1.0).normalize();
     Camera {

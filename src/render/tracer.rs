@@ -36,6 +36,7 @@ impl<'a> Tracer<'a> {
         let light_sampling = plan.is_on(Effect::LightSampling);
         // Where lights are sampled and nothing is weighted, what directions hit would be counted twice.
         let hits_may_count = mis || !light_sampling;
+        // Resampling takes the place of counting each hit as it is drawn.
         let resampling = hits_may_count && plan.is_on(Effect::Resampling);
         Self {
             scene,

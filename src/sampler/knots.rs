@@ -54,6 +54,7 @@ impl ThetaKnots {
 
     /// Angle of knot `k`, radians. A single table is that of normal incidence.
     pub fn theta(self, k: usize) -> f64 {
+        debug_assert!(k < self.count);
         if self.count == 1 {
             return 0.0;
         }
@@ -84,6 +85,7 @@ impl ThetaKnots {
                 share: 0.0,
             };
         }
+        // Angles beyond the last knot use its table alone.
         let theta = approx::acos(f64::from(wo.z)).min(LAST);
         let step = FRAC_PI_2 / (self.count - 1) as f64;
         let first = ((theta / step) as usize).min(self.count - 2);
@@ -95,6 +97,7 @@ impl ThetaKnots {
         } else {
             0.0
         };
+        debug_assert!((0.0..=1.0).contains(&share));
         match self.choice {
             TableChoice::Mixture => KnotPair {
                 first,
@@ -116,6 +119,7 @@ impl ThetaKnots {
 /// Splits [0, 1) at `at`: whether `u` fell below, and its position within its part, again uniform in [0, 1).
 #[inline]
 pub(super) fn split_unit(u: f64, at: f64) -> (bool, f64) {
+    debug_assert!((0.0..=1.0).contains(&at));
     // Both parts come at random: choose the operands, not the path.
     let below = u < at;
     let (low, width) = if below { (0.0, at) } else { (at, 1.0 - at) };

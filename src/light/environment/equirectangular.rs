@@ -10,6 +10,7 @@ use crate::geometry::approx::{fine_atan2, fine_sin_cos_turns};
 #[inline(always)]
 pub(super) fn direction_of(longitude: f64, cos: f64) -> DVec3 {
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    // Half a turn, the middle of the map, is −z. A quarter more is +x.
     let (s, c) = fine_sin_cos_turns(longitude - 0.5);
     DVec3::new(sin * s, cos, -sin * c)
 }

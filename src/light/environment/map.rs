@@ -86,6 +86,7 @@ impl Environment {
 
     /// An environment of at least one pixel, all of them finite and ≥ 0.
     fn assemble(width: usize, height: usize, pixels: &[Rgb], sampling: SkySampling) -> Self {
+        // cosθ instead of θ, since solid angle is even in it.
         let cos_edges = (0..=height)
             .map(|row| (row as f64 / height as f64 * PI).cos())
             .collect();
@@ -110,6 +111,8 @@ impl Environment {
 
     /// The table that chooses directions in proportion to the masses of cells.
     fn tabulate(&self, cells: Piecewise2d) -> Table {
+        debug_assert!(self.cos_edges.is_sorted_by(|a, b| a >= b));
+        // pdf = P(row)·P(column | row)/Ω, where Ω is the same for all cells of a row.
         let densities = (0..self.height)
             .map(|y| cells.row_mass(y) / self.solid_angle(y))
             .collect();
@@ -216,6 +219,7 @@ impl Environment {
     #[inline]
     pub(super) fn choose(&self, u: DVec2) -> (f64, f64) {
         match &self.table {
+            // Solid angle is even in the longitude and in cosθ.
             None => (u.x, 1.0 - 2.0 * u.y),
             Some(table) => {
                 let at = table.cells.locate(u);
@@ -230,6 +234,7 @@ impl Environment {
 
     /// Solid angle of a cell of a row.
     fn solid_angle(&self, row: usize) -> f64 {
+        // Ω = Δφ·(cosθ_top − cosθ_bottom)
         TAU / self.width as f64 * (self.cos_edges[row] - self.cos_edges[row + 1])
     }
 

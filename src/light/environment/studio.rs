@@ -28,6 +28,7 @@ impl Softbox {
         if depth <= 0.0 {
             return Rgb::ZERO;
         }
+        // Projected from the scene's middle to the plane of the box at the distance 1, offsets are tangents.
         let coverage = self.coverage(direction.dot(across) / depth, self.half[0])
             * self.coverage(direction.dot(up) / depth, self.half[1]);
         self.radiance * coverage as f32

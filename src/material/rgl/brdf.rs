@@ -56,6 +56,9 @@ pub(super) struct GivenTables {
 impl RglBrdf {
     /// Normalises the tables of a file.
     pub fn new(file: BsdfFile) -> Self {
+        debug_assert!(
+            file.theta_i.is_sorted_by(|a, b| a < b) && file.phi_i.is_sorted_by(|a, b| a < b)
+        );
         Self {
             symmetry: file.symmetry(),
             area: file
@@ -95,6 +98,7 @@ impl RglBrdf {
     fn view_tables(&self, [theta, phi]: [f64; 2]) -> GivenTables {
         let scale = match &self.area {
             Some([_, sigma]) => {
+                // sigma, the projected area of the microfacets that wo sees, depends on wo alone.
                 let [sigma] = sigma.interpolate(square_point([theta, phi]), &SliceBlend::ONLY);
                 1.0 / (4.0 * sigma)
             }

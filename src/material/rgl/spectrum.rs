@@ -87,12 +87,15 @@ pub(in crate::material) fn colour_weights(wavelengths: &[f32]) -> [Vec<f32>; 3] 
     let mut white = [0.0; 3];
     for (i, [x, y, z, power]) in OBSERVER.into_iter().enumerate() {
         let nm = 380.0 + STEP * i as f64;
+        // The colour of light of this wavelength in D65: M·(x̄, ȳ, z̄)·power. A spectrum that is linear between its nodes
+        // gives the part `share` of it to each of the two about the wavelength.
         let rgb = TO_SRGB.map(|row| (row[0] * x + row[1] * y + row[2] * z) * power);
         for (k, share) in shares(nm, wavelengths) {
             (0..3).for_each(|c| sums[k][c] += share * rgb[c]);
         }
         (0..3).for_each(|c| white[c] += rgb[c]);
     }
+    // The division makes a spectrum of ones (1, 1, 1).
     std::array::from_fn(|c| sums.iter().map(|s| (s[c] / white[c]) as f32).collect())
 }
 

@@ -28,6 +28,7 @@ impl SliceBlend {
             parts: [(0, 0.0); 4],
             count: 0,
         };
+        // Weights of the corners, (1 − v)(1 − w) to v·w, sum to 1. So the mean of densities is a density.
         for (p, v) in [(p, 1.0 - v), (p + 1, v)] {
             for (t, w) in [(t, 1.0 - w), (t + 1, w)] {
                 // A neighbour past the end of an axis has no weight.
@@ -205,12 +206,15 @@ impl SquareWarp {
         let mut nodes = Vec::with_capacity(tensor.values.len());
         let mut rows = Vec::new();
         for slice in tensor.values.chunks_exact(w * h) {
+            // Step 1: ∫ over x along each row up to each node, by trapezoids, which are exact for linear functions.
             let sums: Vec<Vec<f64>> = slice
                 .chunks_exact(w)
                 .map(|row| running(row, step_x))
                 .collect();
             let totals: Vec<f32> = sums.iter().map(|s| s[w - 1] as f32).collect();
+            // Step 2: ∫ over y of the rows' totals, which are linear between rows too.
             let marginal = running(&totals, step_y);
+            // Step 3: all of it over the integral over the square, so that the density integrates to 1.
             let scale = 1.0 / marginal[h - 1];
             for (&value, &sum) in slice.iter().zip(sums.iter().flatten()) {
                 nodes.push([f64::from(value), sum].map(|v| (v * scale) as f32));
@@ -348,6 +352,8 @@ fn search(count: usize, is_below: impl Fn(usize) -> bool) -> usize {
 
 /// Where the integral of a density that goes from `a` to `b` over [0, 1] reaches `mass`: the x of a·x + (b − a)·x²/2 = mass.
 fn invert_linear_cdf(mass: f64, a: f64, b: f64) -> f64 {
+    // x = 2·mass/(a + √(a² + 2·mass·(b − a))): no cancellation for a near b, where the other form of the root divides by
+    // b − a.
     let root = (a * a + 2.0 * mass * (b - a)).max(0.0).sqrt();
     let x = 2.0 * mass / (a + root);
     if x.is_finite() {

@@ -166,6 +166,7 @@ impl AdaptivePicture {
         let looked = from.count().filter(|looked| *looked <= self.ahead)?;
         let done = from.count().filter(|done| *done <= self.rounds)?;
         restore_moments(from, &mut self.looks, |_| looked)?;
+        // The first look decides how many of the other paths each pixel gets, so these numbers are not stored.
         let mut numbers = Vec::new();
         if looked == self.ahead {
             numbers = distribute(&self.looks, self.width, self.rest);
@@ -236,6 +237,7 @@ fn pixels_of_colour(colour: usize, width: usize, count: usize) -> Vec<usize> {
 fn in_proportion(scores: &[f64], mean: f64) -> Vec<f64> {
     let (least, most) = (LEAST.min(mean), MOST * mean);
     let sum: f64 = scores.iter().sum();
+    // Where no noise was seen, nothing says that one pixel needs more than another.
     if !(sum > 0.0 && sum.is_finite()) {
         return vec![mean; scores.len()];
     }
@@ -296,6 +298,7 @@ fn noise_score(
     if count == 0.0 || variance == 0.0 {
         return 0.0;
     }
+    // Σ v·n^−1.5 is least for a given Σ n if n ∝ v^(1/2.5), here with v = variance/(level² + dark²).
     // By roots: squares of what is dim would vanish.
     ((variance / count).sqrt() / (level / count).hypot(dark)).powf(2.0 * POWER)
 }

@@ -104,6 +104,7 @@ pub(super) fn relative_rmse(pairs: impl Iterator<Item = (DVec3, DVec3)>) -> f64 
         square += s.element_sum();
         count += 3.0;
     }
+    // √(Σs/n)/(Σm/n) = √(n·Σs)/Σm, over n channels of pixels.
     if mean > 0.0 {
         (square * count).sqrt() / mean
     } else {

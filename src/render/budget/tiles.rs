@@ -60,6 +60,8 @@ impl Replicates {
     pub(super) const FEWEST_PATHS: u64 = Self::FEWEST * REPLICATES as u64;
 
     pub(super) fn pixel(&self) -> Pixel {
+        // With the mean x_r of each of n replicates: δ² = Σ (x_r − mean)²/(n(n − 1)). The paths within a replicate may
+        // depend on one another, as Sobol points do, since only the replicates need to be independent.
         let means = self.sums.map(|sum| sum / self.count.max(1) as f64);
         let n = REPLICATES as f64;
         let mean = means.iter().sum::<DVec3>() / n;

@@ -209,6 +209,7 @@ fn column_and_row(tracer: &Tracer<'_>, pixel: usize) -> [usize; 2] {
 /// Whether one of nine rays through a pixel meets an object.
 fn shows_object(tracer: &Tracer<'_>, pixel: usize) -> bool {
     (0..9u32).any(|i| {
+        // The rays pass the corners, the middles of the sides and the centre, so that an object at the edge is found too.
         let within = DVec2::new(f64::from(i % 3), f64::from(i / 3)) / 2.0;
         let ray = tracer.ray(column_and_row(tracer, pixel), within);
         tracer.scene.hit(&ray, None).is_some()
@@ -261,6 +262,7 @@ impl Refiner<'_> {
                         }
                         self.extend(*pixel, replicates, open.count);
                     }
+                    // The next round would need 2·count paths in each of the replicates, more than `most` allows.
                     let last = open.count > self.most / (2 * REPLICATES as u64);
                     self.decide(&mut open.halves, last);
                     if open.halves.iter().all(HalfTile::has_stopped) {
@@ -311,6 +313,7 @@ impl Refiner<'_> {
         let seed = self.tracer.settings.pixel_seed(pixel);
         let (sums, from) = (&mut replicates.sums, replicates.count);
         let paths = (0..REPLICATES as u64).flat_map(|r| {
+            // Each replicate has a scramble of its own, and goes on in its sequence where it was left.
             let seed = mix(seed ^ mix(1 + r));
             (from..count).map(move |index| {
                 (
@@ -324,6 +327,7 @@ impl Refiner<'_> {
                 )
             })
         });
+        // Radiance comes back in the order of the paths, so their replicates are counted along.
         let mut owners = paths.clone().map(|(r, _)| r as usize);
         self.tracer
             .trace(paths.map(|(_, path)| path), |_, radiance| {

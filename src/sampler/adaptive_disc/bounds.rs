@@ -76,6 +76,7 @@ impl MaxTable {
             };
             values.push(importance.reduce(bound));
         }
+        // Level l + 1 holds the maxima of neighbouring pairs of level l. The last has one maximum for all of φd.
         let phi_d_bins = table.phi_d_bins();
         let mut levels = vec![values];
         let mut widths = vec![phi_d_bins];
@@ -92,6 +93,8 @@ impl MaxTable {
             levels.push(next);
             widths.push(width.div_ceil(2));
         }
+        // A value that is interpolated between lower edges of bins depends on the next bin too, and one between their
+        // middles on the bins of both sides.
         let reach = match brdf.rule() {
             LookupRule::Floor => (0, 0),
             LookupRule::Linear => (0, 1),
@@ -115,12 +118,14 @@ impl MaxTable {
 
     /// Upper bound of f(wo, ·) over a rectangle of the disc, for `wo` in the plane of φ = 0 with x ≥ 0.
     pub fn over(&self, wo: DVec3, rect: Rect) -> f32 {
+        // Step 1: the bins of each angle that the rectangle reaches.
         let region = Region::enclose(wo, rect);
         let h = self.widen(region.theta_h(), THETA_H_BINS);
         let d = self.widen(region.theta_d(), THETA_D_BINS);
         let phi = region
             .phi_d(self.phi_d_bins)
             .map(|r| (r.0 - self.reach.0 as i64, r.1 + self.reach.1 as i64));
+        // Step 2: the maximum over these, row by row.
         let whole = &self.levels[self.levels.len() - 1];
         let mut max = 0.0f32;
         for row_h in h.low..=h.high {
@@ -147,6 +152,7 @@ impl MaxTable {
         let bins = self.phi_d_bins as i64;
         match phi {
             Some((low, high)) if high - low + 1 < bins => {
+                // Unwrapped bins may pass the end of the turn. The run is then cut in two there.
                 let (a, b) = (
                     low.rem_euclid(bins) as usize,
                     high.rem_euclid(bins) as usize,
@@ -165,6 +171,9 @@ impl MaxTable {
     /// Maximum over bins `a..=b` of a row, climbing the levels.
     fn run(&self, row: usize, mut a: usize, mut b: usize) -> f32 {
         let mut max = 0.0f32;
+        debug_assert!(a <= b && b < self.phi_d_bins);
+        // An odd `a` is the second of its pair and an even `b` the first. Both are taken at this level. What is left
+        // consists of whole pairs, which the next level holds.
         for (level, &width) in self.levels.iter().zip(&self.widths) {
             let cells = &level[row * width..(row + 1) * width];
             if a & 1 == 1 {
@@ -198,6 +207,7 @@ struct Region {
 
 impl Region {
     fn enclose(wo: DVec3, rect: Rect) -> Self {
+        debug_assert!(wo.x >= 0.0 && wo.y == 0.0);
         let rect = Rect {
             low: rect.low - SLACK,
             high: rect.high + SLACK,
@@ -209,10 +219,12 @@ impl Region {
         let z = ((lowest - SLACK).max(0.0), highest + SLACK);
         // ρ = |wo.xy + wi.xy| is a distance from −wo.xy.
         let rho2 = rect.distances_squared(DVec2::new(-wo.x, 0.0));
+        // tan²θh = ρ²/(wo.z + z)², least for the nearest ρ and the highest z.
         let tan2_theta_h = (
             rho2.0 / (wo.z + z.1).powi(2),
             rho2.1 / (wo.z + z.0).max(1e-30).powi(2),
         );
+        // wo·wi = wo.x·x + wo.z·z rises with x and z, since wo.y = 0 and wo.x ≥ 0.
         let cosine = (
             wo.x * rect.low.x + wo.z * z.0 - SLACK,
             wo.x * rect.high.x + wo.z * z.1 + SLACK,
@@ -225,6 +237,8 @@ impl Region {
             (1.0 - low) / (1.0 + low).max(1e-30),
         );
         let cos_theta_d = (((1.0 + low) * 0.5).sqrt(), ((1.0 + high) * 0.5).sqrt());
+        // Along the plane of the normal the difference vector is (wo.z − z)·cos θd, up to a positive factor, with
+        // cos θd = √((1 + c)/2). The extremes of a product of two intervals are products of their ends.
         let dz = (wo.z - z.1, wo.z - z.0);
         let ends = [
             dz.0 * cos_theta_d.0,
@@ -262,6 +276,7 @@ impl Region {
     /// Bins of φd, unwrapped: may run below 0 or past the last; `None` for all.
     fn phi_d(&self, bins: usize) -> Option<(i64, i64)> {
         let ((a0, a1), (c0, c1)) = (self.along, self.across);
+        // A box around the origin has all azimuths. In any other, azimuths are extreme at the corners.
         if a0 <= 0.0 && a1 >= 0.0 && c0 <= 0.0 && c1 >= 0.0 {
             return None;
         }

@@ -53,6 +53,7 @@ fn warps(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) ->
         .into_par_iter()
         .map(|k| {
             let slice = Slice::new(brdf, settings, Some(&bounds), knots.theta(k));
+            // A warp's density is that of its own probabilities. ∫ f only scales the waste that divisions are compared with.
             let integral = slice.rough_integral(DIVISION_TOLERANCE);
             if USABLE.contains(&integral) {
                 WarpGrower {
@@ -79,7 +80,9 @@ fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
         .into_par_iter()
         .map(|k| {
             let slice = Slice::new(brdf, settings, bounds.as_ref(), knots.theta(k));
+            // Step 1: ∫ f, by which accepted draws are normalised.
             let integral = slice.integral(NORMALISER_TOLERANCE);
+            // Step 2: the leaves. Where ∫ f is not usable there are none, and the uniform disc is drawn from.
             let leaves = match (&settings.construction, &bounds) {
                 _ if !USABLE.contains(&integral) => Vec::new(),
                 (Construction::Grid(side), _) => {
@@ -96,6 +99,8 @@ fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -
                 .grow(),
                 (_, None) => Vec::new(),
             };
+            // Step 3: a draw takes ΣV/∫f trials on average, with V = M·A of a leaf. Leaves that are chosen by V have the
+            // density f/∫f. Those chosen by their own estimates I of ∫ f are normalised by ΣI.
             let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
             let volume: f64 = leaves.iter().map(Grown::volume).sum();
             match settings.leaves {
@@ -160,19 +165,23 @@ impl<'a, C: Contents> Grower<'a, C> {
         let Some(rect) = square.inside_disc() else {
             return;
         };
+        // Step 1: near the root squares are split unseen, as few points say little about them.
         let has_room = depth < self.settings.depth && self.leaves.len() + 4 * SPARE < MOST_LEAVES;
         if has_room && self.contents.too_coarse(depth) {
             return self.split(square, depth);
         }
+        // Step 2: the largest value seen is at most the bound, so a split that it asks for needs no bound.
         let content = self.contents.content(square, rect);
         let may_split = has_room && !self.contents.too_fine(square);
         if may_split && self.wants_split(&content, content.seen) {
             return self.split(square, depth);
         }
+        // Step 3: the same with the true bound, which also finds peaks that no point met.
         let bound = self.contents.bound(rect, &content);
         if may_split && self.wants_split(&content, f64::from(bound)) {
             return self.split(square, depth);
         }
+        // Step 4: a leaf, chosen in proportion to I = ∫ f over it or, under an envelope, to V = M·A.
         let weight = match self.settings.leaves {
             LeafChoice::Integral => content.integral,
             LeafChoice::Envelope | LeafChoice::Warp => f64::from(bound) * content.area,
@@ -217,6 +226,7 @@ impl Contents for PointValues<'_> {
 
     fn content(&self, _: QuadCell, rect: Rect) -> Content {
         let (mut sum, mut seen) = (0.0, 0.0f64);
+        // I = mean of f at the midpoints of a grid, times the area. Points beyond the rim count as 0.
         let side = points_a_side(self.slice.settings.leaves);
         for k in 0..side * side {
             let t = DVec2::new((k % side) as f64 + 0.5, (k / side) as f64 + 0.5) / side as f64;
@@ -256,6 +266,7 @@ impl DiscImage {
             let [x, y] = [k % n, k / n].map(|i| (i as f64 + 0.5) / n as f64 * 2.0 - 1.0);
             values.push(slice.value_on_disc(DVec2::new(x, y)) as f32);
         }
+        // ∫ f dx dy = Σ f·(2/n)², where f is 0 outside the disc.
         let total = values.iter().map(|&v| f64::from(v)).sum::<f64>() * (2.0 / n as f64).powi(2);
         Self {
             side: n,

@@ -135,6 +135,8 @@ impl AdaptiveDisc {
     /// of the uniform disc.
     #[inline]
     fn knot_density(&self, k: usize, turn: DVec2, wi: Vec3) -> f64 {
+        // Trees give densities per dx dy = cosθi dσ(wi). Accepted draws have f/∫f under any bounds. A warp is built
+        // for azimuth 0, so wi is turned back.
         let projected = match &self.trees {
             Trees::Rejecting(forest) if forest.integral(k) > 0.0 => {
                 self.value(k, turn, wi) / forest.integral(k)
@@ -156,6 +158,7 @@ impl AdaptiveDisc {
         }
         let knot = self.knot_direction(k, view.turn);
         let wi = wi.as_dvec3();
+        // `carry` turns directions below the horizon up, so two directions of the knot may end at wi. Densities add.
         let turned_up = match turned_up_sum(view.wo, wi) {
             Some(sum) => self.carried_density(k, view.turn, knot, sum),
             None => 0.0,
@@ -183,6 +186,7 @@ impl AdaptiveDisc {
         if self.settings.carry == Carry::Direction {
             return drawn;
         }
+        // The half vector of knot and drawn direction is kept, and wo is reflected about it: 2 (wo·h) h − wo.
         let sum = self.knot_direction(k, view.turn) + drawn.as_dvec3();
         let wi = 2.0 * view.wo.dot(sum) / sum.length_squared() * sum - view.wo;
         DVec3::new(wi.x, wi.y, wi.z.abs()).as_vec3()
@@ -217,6 +221,7 @@ impl AdaptiveDisc {
             } else {
                 0.0
             };
+        // pdf = (1 − ε)·((1 − t)·pdf_first + t·pdf_second) + ε·cosθ/π
         let floor = self.settings.floor;
         let density = (1.0 - floor) * trees + floor * FRAC_1_PI * f64::from(wi.z);
         density.min(f64::from(f32::MAX)) as f32
@@ -244,6 +249,8 @@ impl AdaptiveDisc {
         mut point: DVec2,
         random: &mut Stream,
     ) -> Option<Vec3> {
+        // A point of the leaf is accepted with the probability f/M. After a rejection an envelope chooses its leaf anew. A
+        // leaf that was chosen by its integral is kept until a point is accepted.
         let mut leaf = forest.draw(k, point.x);
         point.x = leaf.rest;
         for _ in 0..MAX_TRIALS {

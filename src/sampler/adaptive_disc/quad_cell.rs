@@ -28,6 +28,7 @@ impl QuadCell {
     /// Child 0..4: bit 0 is the upper half in x, bit 1 in y.
     #[inline]
     pub fn child(self, i: usize) -> Self {
+        debug_assert!(i < 4);
         let side = self.side * 0.5;
         Self {
             corner: self.corner + side * DVec2::new((i & 1) as f64, (i >> 1) as f64),
@@ -38,6 +39,7 @@ impl QuadCell {
     /// Depth in the upper four bits, then the square's column and row among all of its depth, fourteen bits each.
     pub fn code(self) -> u32 {
         let depth = (2.0 / self.side).log2().round() as u32;
+        debug_assert!(depth <= DEEPEST);
         let place = |x: f64| ((x + 1.0) / self.side).round() as u32;
         depth << 28 | place(self.corner.x) << 14 | place(self.corner.y)
     }
@@ -95,6 +97,7 @@ impl Rect {
 
     /// Smallest and largest squared distance from `p`.
     pub fn distances_squared(self, p: DVec2) -> (f64, f64) {
+        // Along each axis the nearest distance is 0 where the rectangle spans p, and the farthest is that of an end.
         let (low, high) = (self.low - p, self.high - p);
         let near = low.max(-high).max(DVec2::ZERO);
         let far = low.abs().max(high.abs());

@@ -44,12 +44,14 @@ impl<'a> Slice<'a> {
 
     /// ∫ f over the disc by lattices: enough to decide on divisions.
     pub fn rough_integral(&self, tolerance: f64) -> f64 {
+        // dx dy = cosθi dσ(wi)
         Quadrature::new(self.wo, 1)
             .integrate_refined(tolerance, |wi| self.value(wi) * f64::from(wi.z))
     }
 
     /// ∫ f over the disc to `tolerance`, relative: every density is divided by it.
     pub fn integral(&self, tolerance: f64) -> f64 {
+        // Values jump at the edges of bins under floor lookup. Interpolated ones bend there, or at the middles of bins.
         let (offset, is_constant) = match self.brdf.rule() {
             LookupRule::Floor => (0.0, true),
             LookupRule::Linear => (0.0, false),

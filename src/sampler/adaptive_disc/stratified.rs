@@ -63,6 +63,7 @@ fn share_draws(
 ///
 /// Systematic sampling: one random offset for all, where algorithm 17 draws the remainders one by one.
 fn share_out<const N: usize>(count: usize, weights: [f64; N], random: &mut Stream) -> [usize; N] {
+    // The first i get ⌊count·(w₁ + … + wᵢ)/Σw + offset⌋ in all. The uniform offset makes each expectation exact.
     let total: f64 = weights.iter().sum();
     let offset = random.next_f64();
     let mut cumulated = 0.0;

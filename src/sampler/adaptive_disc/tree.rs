@@ -84,6 +84,7 @@ impl Forest {
         let mut leaves = Vec::new();
         let mut starts = vec![0];
         for (grown, _) in trees {
+            // The CDF over the leaves in fixed point. The last is exactly 1, so that every u < 1 finds a leaf.
             let total: f64 = grown.iter().map(|g| g.weight).sum();
             let mut sum = 0.0;
             leaves.extend(grown.iter().enumerate().map(|(i, g)| {
@@ -129,6 +130,8 @@ impl Forest {
     #[inline]
     pub(super) fn draw(&self, k: usize, u: f64) -> Drawn {
         let leaves = self.tree(k);
+        debug_assert!((0.0..=1.0).contains(&u) && !leaves.is_empty());
+        // The guide's leaf holds ⌊u·n⌋/n ≤ u, so the leaf of u is that one or a later one.
         let r = u * f64::from(WHOLE);
         let start = self.starts[k] as usize;
         let mut i = usize::from(
@@ -137,6 +140,7 @@ impl Forest {
         while i + 1 < leaves.len() && f64::from(leaves[i].upper) <= r {
             i += 1;
         }
+        // (u − F(i − 1))/(F(i) − F(i − 1)) is uniform again, and places the point in the leaf.
         let below = if i == 0 {
             0.0
         } else {

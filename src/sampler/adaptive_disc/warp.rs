@@ -83,6 +83,7 @@ impl Warps {
         let mut side = 1.0;
         let mut node = Some(self.starts[k] as usize);
         while let Some(n) = node.map(|n| self.nodes[n]) {
+            // x chooses a half, then y one within that half. What is left of each is uniform in [0, 1) again.
             let (left, x) = split_unit(u.x, n.share(0));
             let (low, y) = split_unit(u.y, n.share(1 + usize::from(!left)));
             (u, side) = (DVec2::new(x, y), side * 0.5);
@@ -98,6 +99,7 @@ impl Warps {
     #[inline]
     pub fn density(&self, k: usize, p: DVec2) -> f64 {
         let mut at = concentric_square(p);
+        // 1/π on the whole disc, times 4·P(child) a level, as a child has a quarter of its parent's area.
         let mut density = FRAC_1_PI;
         let mut node = Some(self.starts[k] as usize);
         while let Some(n) = node.map(|n| self.nodes[n]) {
@@ -118,6 +120,8 @@ impl Warps {
             self.starts.push(0);
         }
         if let (true, Some(children)) = (tree.mass > 0.0, &tree.children) {
+            // Breadth first: a node's children that are nodes become neighbours, so that one index finds all of them. The
+            // first of them comes after this node and all that wait.
             let mut open = std::collections::VecDeque::from([children]);
             while let Some(children) = open.pop_front() {
                 let inner = (0..4).filter(|&i| children[i].children.is_some());
@@ -219,6 +223,7 @@ impl WarpGrower<'_> {
 
     /// The tree of a cell; `None` if the nodes run out.
     fn visit(&self, cell: Rect, depth: u32, left: &mut Allowance) -> Option<Tree> {
+        // The concentric map takes the unit square, of area 1, to the disc, of area π, with one ratio everywhere.
         let area = PI * cell.area();
         if depth >= COARSEST.min(self.settings.depth) {
             let (mean, square) = self.moments(cell);
@@ -247,6 +252,7 @@ impl WarpGrower<'_> {
     fn moments(&self, cell: Rect) -> (f64, f64) {
         let (mut sum, mut squares) = (0.0, 0.0);
         for k in 0..POINTS * POINTS {
+            // The map takes all points of a cell into the disc, so that each of the midpoints counts.
             let t =
                 DVec2::new((k % POINTS) as f64 + 0.5, (k / POINTS) as f64 + 0.5) / POINTS as f64;
             let f = self.slice.value_on_disc(concentric_disc(cell.point(t)));
@@ -259,6 +265,7 @@ impl WarpGrower<'_> {
 
     /// Whether the weights of a cell spread enough to matter, or a peak that no point met may hide in it.
     fn is_uneven(&self, cell: Rect, area: f64, [mean, square]: [f64; 2], waste: f64) -> bool {
+        // Drawn with the density m/∫f, m = E[f], the leaf adds A·(E[f²]/m − m)/∫f to Var[w]/E[w]² of the weights.
         let spread = if mean > 0.0 {
             (square / mean - mean) * area
         } else {
@@ -267,6 +274,8 @@ impl WarpGrower<'_> {
         if spread > VARIANCE * waste * self.integral {
             return true;
         }
+        // A peak between the points has at most the mass (M − m)·A, M being the table's bound. It matters where M is far
+        // above m and this mass exceeds the waste.
         let bound = f64::from(
             self.bounds
                 .over(self.slice.wo.as_dvec3(), box_on_disc(cell)),
@@ -290,6 +299,8 @@ fn box_on_disc(cell: Rect) -> Rect {
     // The azimuth rises with y and falls with x.
     let least = concentric_azimuth(far.x, near.y);
     let most = concentric_azimuth(near.x.max(1e-300), far.y);
+    // The radius is the larger coordinate. In a quadrant x = r·cos φ is least at the inner radius and the largest φ,
+    // and y = r·sin φ at the inner radius and the least φ.
     let (inside, outside) = (near.max_element(), far.max_element());
     let low = inside * DVec2::new(most.cos().max(0.0), least.sin());
     let high = outside * DVec2::new(least.cos(), most.sin());

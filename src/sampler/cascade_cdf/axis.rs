@@ -43,6 +43,7 @@ impl ThetaAxis {
             first: 0.0,
             cap: 0.0,
         };
+        // 1 − cos θ = 2 sin²(θ/2), without cancellation at small θ.
         let half = beyond.theta(first) * 0.5;
         Self {
             spacing,
@@ -55,6 +56,7 @@ impl ThetaAxis {
     #[inline]
     pub fn theta(&self, a: f64) -> f64 {
         if a < self.first {
+            // 1 − cos θ = cap·a/first, with 1 − cos θ = 2 sin²(θ/2).
             return 2.0 * (a / self.first * self.cap * 0.5).sqrt().asin();
         }
         match self.spacing {
@@ -92,9 +94,11 @@ impl ThetaAxis {
     #[inline]
     pub fn solid_angle(&self, a: f64, sin: f64) -> f64 {
         if a < self.first {
+            // d(1 − cos θ)/da
             return self.cap / self.first;
         }
         match self.spacing {
+            // dθ/da of θ = a²·π/2
             ThetaSpacing::Merl => sin * 2.0 * a * FRAC_PI_2,
             ThetaSpacing::Uniform => sin * FRAC_PI_2,
         }

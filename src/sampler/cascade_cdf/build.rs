@@ -58,6 +58,7 @@ pub(in crate::sampler) fn masses(
         POINTS[0].div_ceil(rows).max(1),
         POINTS[1].div_ceil(columns).max(1),
     ];
+    // The azimuths are midpoints. Each cell has `fine[1]` of them.
     let azimuths: Vec<(f64, f64)> = (0..columns * fine[1])
         .map(|j| ((j as f64 + 0.5) / (columns * fine[1]) as f64 * TAU).sin_cos())
         .collect();
@@ -70,6 +71,7 @@ pub(in crate::sampler) fn masses(
                 let a =
                     (i as f64 + (part as f64 + 0.5 * (low + high)) / fine[0] as f64) / rows as f64;
                 let (sin, cos) = axis.theta(a).sin_cos();
+                // dσ = sinθ (dθ/da) da dφ of a midpoint, with da the length of this part and dφ = 2π over all midpoints.
                 let area = (high - low) * axis.solid_angle(a, sin)
                     / (rows * fine[0] * columns * fine[1]) as f64
                     * TAU;
@@ -112,6 +114,7 @@ pub(in crate::sampler) fn contribution(
     if wi.z <= 0.0 {
         return 0.0;
     }
+    // dσ(wi) = 4 (wo·h) dσ(h)
     let f = f64::from(importance.reduce(brdf.eval(wo, wi.as_vec3())));
     f * wi.z * 4.0 * wo.as_dvec3().dot(h)
 }
@@ -123,9 +126,11 @@ pub(in crate::sampler) fn contribution(
 fn curves(masses: &Array2<f64>, axis: ThetaAxis, tolerance: Option<f64>) -> (Curves, Curves) {
     let mut marginal = Curves::new();
     let mut conditional = Curves::new();
+    // Step 1: the marginal over θh, with knots where its density jumps.
     let marginal_sums = cumulated(masses.sum_axis(Axis(1)));
     let jumps = jumps(&marginal_sums, axis);
     let knots = push(&mut marginal, &marginal_sums, &jumps, tolerance);
+    // Step 2: for each piece that is left of it, the conditional over φh of all its rows together.
     for piece in knots.windows(2) {
         let rows = masses.slice(ndarray::s![piece[0]..piece[1], ..]);
         push(
@@ -186,6 +191,7 @@ fn push(
             let mut start = 0;
             for &end in kept.iter().chain([&(cumulated.len() - 1)]) {
                 if end > start {
+                    // Each stretch between kept positions is simplified alone, so that both its ends remain knots.
                     let piece = simplify(&cumulated[start..=end], tolerance * total);
                     knots.extend(piece.iter().skip(1).map(|knot| knot + start));
                     start = end;

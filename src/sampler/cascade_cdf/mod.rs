@@ -96,6 +96,7 @@ impl CascadeCdf {
             .tables
             .conditional
             .find_segment(self.tables.first[k] as usize + piece.index, at.y);
+        // p(a, b) = dF(a)/da · dF(b | a)/db, the slopes of both pieces. Grid units are cells, and the square has sides 1.
         let cells = (self.settings.theta_h * self.settings.phi_h) as f64;
         // One division for both densities: it is what takes time here.
         (piece.c1 - piece.c0) * (within.c1 - within.c0) * cells
@@ -113,6 +114,7 @@ impl CascadeCdf {
     }
 
     fn density(&self, near: KnotPair, wo: DVec3, wi: DVec3) -> f32 {
+        // Step 1: θh and φh of the half vector, the latter against the azimuth of wo, as coordinates in [0, 1].
         let sum = wo + wi;
         let rho = (sum.x * sum.x + sum.y * sum.y).sqrt();
         let a = self.axis.coordinate(approx::atan2(rho, sum.z));
@@ -122,6 +124,7 @@ impl CascadeCdf {
         };
         let turn = azimuth * (1.0 / TAU);
         let b = if turn < 0.0 { turn + 1.0 } else { turn };
+        debug_assert!((0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b));
         let at = DVec2::new(
             a * self.settings.theta_h as f64,
             b * self.settings.phi_h as f64,
@@ -149,6 +152,7 @@ impl CascadeCdf {
     /// Half vector at grid coordinates `at`, in the frame of `wo`.
     #[inline]
     fn half_vector(&self, wo: Vec3, at: DVec2) -> DVec3 {
+        // θh and φh from the coordinates, then the turn by the azimuth of wo, from which φh counts.
         let theta = self.axis.theta(at.x / self.settings.theta_h as f64);
         let (sin, cos) = approx::sin_cos_turns(theta * (1.0 / TAU));
         let (s, c) = approx::sin_cos_turns(at.y / self.settings.phi_h as f64);

@@ -206,12 +206,14 @@ impl Factorisation {
             row.scaled_add(0.1, &mean);
         }
         for _ in 0..ROUNDS {
+            // Each round, with R = M/(L·Q), entry by entry, L ← L·(R Qᵀ)/Σ Q over columns, then Q ← Q·(Lᵀ R)/Σ L over rows.
             let ratio = ratio(matrix, &left.dot(&right));
             left = left * ratio.dot(&right.t()) / &positive(right.sum_axis(Axis(1)));
             let ratio = self::ratio(matrix, &left.dot(&right));
             let sums = positive(left.sum_axis(Axis(0))).insert_axis(Axis(1));
             right = right * left.t().dot(&ratio) / &sums;
         }
+        // In the end rows of the right factor become densities, and the left factor takes their sums.
         let sums = right.sum_axis(Axis(1));
         left *= &sums;
         right /= &positive(sums).insert_axis(Axis(1));
@@ -242,12 +244,14 @@ fn terms(outer: &Factorisation, factors: &Factors) -> Terms {
             function[a * factors.phi + b]
         });
         let inner = Factorisation::factorise(&cells, factors.inner);
+        // With rows of `inner.right` that sum to 1, a term has the mass of its column of `inner.left`.
         let masses = inner.left.sum_axis(Axis(0));
         let whole = masses.sum();
         for k in 0..factors.inner {
             theta.push(&cumulated(inner.left.column(k).iter().copied()), None);
             phi.push(&cumulated(inner.right.row(k).iter().copied()), None);
             let l = j * factors.inner + k;
+            // A factor without mass has no curve to draw from, and its term is never chosen.
             let drawn = whole > 0.0 && !theta.is_void(l) && !phi.is_void(l);
             let share = if drawn { masses[k] / whole } else { 0.0 };
             weights

@@ -69,12 +69,14 @@ impl Factored {
     pub(super) fn density(&self, wo: Vec3, wi: Vec3) -> f64 {
         let (wo, wi) = (wo.as_dvec3(), wi.as_dvec3());
         let near = self.knots.neighbours(wo.as_vec3());
+        // Step 1: the coordinates (a, b) of w, the azimuth counted from that of wo.
         let w = if self.factors.half { wo + wi } else { wi };
         let length = w.length();
         let (theta, azimuth) = to_spherical(turned(w, wo, -1.0));
         let a = self.axis.coordinate(theta);
         let b = (azimuth * (1.0 / TAU)).rem_euclid(1.0);
         let cells = [self.factors.theta as f64, self.factors.phi as f64];
+        // Step 2: Σ_l P(l | wo) u_l(a) v_l(b) per cell of the square. Terms without weight are not looked up.
         let (mut sum, mut shares) = (0.0, 0.0);
         for l in 0..self.factors.terms() {
             let share = self.share(near, l);
@@ -89,6 +91,7 @@ impl Factored {
         let jacobian = if self.factors.half { 2.0 * length } else { 1.0 };
         let to_solid_angle =
             cells[0] * cells[1] / (TAU * self.axis.solid_angle(a, sine) * jacobian);
+        // Step 3: what the terms' probabilities leave of 1, the floor at least, is the probability of the cosine.
         let kept = 1.0 - self.factors.floor;
         kept * sum * to_solid_angle + (1.0 - kept * shares).max(0.0) * wi.z * FRAC_1_PI
     }

@@ -50,6 +50,7 @@ impl Search<'_> {
 
     fn coordinates(&self, p: &LobeParameters) -> Vec<f64> {
         let [along, across, diffuse] = [p.along, p.across, p.diffuse].map(f64::from);
+        // A fraction of 1 has an infinite logit, with which no simplex can compute.
         let logit = (diffuse / (1.0 - diffuse)).ln().min(12.0);
         match self.kind {
             LobeKind::AshikhminShirley => vec![along.ln(), across.ln(), logit],
@@ -94,6 +95,7 @@ pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
     let search = Search { kind, nodes };
     let (start, start_cost) = search.start();
     let origin = search.coordinates(&start);
+    // Edges of 0.7, about ln 2, double the shapes and the odds of the cosine.
     let mut simplex = vec![origin.clone()];
     for i in 0..origin.len() {
         let mut corner = origin.clone();
@@ -112,6 +114,7 @@ pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
         .and_then(|r| r.state.best_param)
         .map(|x| search.parameters(&x));
     found
+        // The simplex may end above its start, for example at the edge of the domain. Then the start is kept.
         .filter(|p| search.cost_of(p) < start_cost)
         .unwrap_or(start)
 }

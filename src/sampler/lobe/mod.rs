@@ -140,6 +140,7 @@ impl DirectionSampler for Lobe {
             across,
             diffuse,
         } = self.parameters;
+        // One-sample MIS: u.x chooses the cosine with its fraction, and what is left of it is used for the draw.
         let (cosine, x) = split_unit(f64::from(u.x), f64::from(diffuse));
         let point = DVec2::new(x, f64::from(u.y));
         let wi = if cosine {

@@ -29,6 +29,7 @@ impl LobeView {
         let mut nodes = Vec::new();
         Quadrature::new(wo, POINTS).for_each(|wi, d_sigma| {
             let f_cos = f64::from(importance.reduce(brdf.eval_cos(wo, wi)));
+            // E[w] = ∫ f cosθ dσ, and E[w²] = ∫ (f cosθ)²/pdf dσ, of which all but pdf is stored.
             albedo += f_cos * d_sigma;
             if f_cos > 0.0 {
                 nodes.push((wi, f_cos * f_cos * d_sigma));

@@ -16,14 +16,17 @@ pub(super) fn density(kind: LobeKind, shape: [f64; 2], wo: DVec3, wi: DVec3) -> 
     let n = shape[0];
     match kind {
         LobeKind::CosineLobe => {
+            // (n + 1)/2π · cosⁿα, where cosα = 1 − |r − wi|²/2.
             let less = -0.5 * chord_squared(wo, wi);
             (n + 1.0) / TAU * power(1.0 + less, less, n)
         }
         LobeKind::CosineLobeSphere => {
+            // (n + 1)/4π · ((1 + cosα)/2)ⁿ, where (1 + cosα)/2 = 1 − |r − wi|²/4.
             (n + 1.0) / (2.0 * TAU) * power(1.0, -0.25 * chord_squared(wo, wi), n)
         }
         LobeKind::Ggx => visible_normals(n, wo, wi),
         LobeKind::Blinn | LobeKind::Ward | LobeKind::AshikhminShirley => {
+            // p(h)/(4 wo·h), where 2 (wo·h) = |wo + wi|.
             half_density(kind, shape, wo, wo + wi) / (2.0 * (wo + wi).length())
         }
     }
@@ -63,10 +66,12 @@ fn half_density(kind: LobeKind, shape: [f64; 2], wo: DVec3, sum: DVec3) -> f64 {
     let tan2 = sum.truncate().length_squared() / (sum.z * sum.z);
     match kind {
         LobeKind::Ward => {
+            // exp(−tan²θ/α²)/(πα² cos³θ), where cos⁻³θ = exp(3/2 · ln(1 + tan²θ)).
             let alpha2 = shape[0] * shape[0];
             FRAC_1_PI / alpha2 * (1.5 * tan2.ln_1p() - tan2 / alpha2).exp()
         }
         LobeKind::AshikhminShirley => {
+            // √((ex + 1)(ey + 1))/2π · cosθ^(ex cos²φ + ey sin²φ), with φ from the plane of incidence.
             let [along, across] = shape;
             let turn = plane_of_incidence(wo).dot(sum.truncate());
             let length2 = sum.truncate().length_squared();
@@ -94,7 +99,9 @@ fn visible_normals(alpha: f64, wo: DVec3, wi: DVec3) -> f64 {
     let cos2 = sum.z * sum.z / sum.length_squared();
     // cos²θh + sin²θh/α², from the components: no digits are lost at the pole.
     let spread = cos2 + sum.truncate().length_squared() / (alpha2 * sum.length_squared());
+    // D(h) = 1/(π α² (cos²θh + sin²θh/α²)²)
     let normals = FRAC_1_PI / (alpha2 * spread * spread);
+    // G1/(4 cosθo) = 1/(2 (cosθo + √(cos²θo + α² sin²θo)))
     let sin2 = wo.truncate().length_squared();
     normals / (2.0 * (wo.z + (wo.z * wo.z + alpha2 * sin2).sqrt()))
 }
@@ -108,11 +115,15 @@ pub(super) fn draw(kind: LobeKind, shape: [f64; 2], wo: DVec3, u: DVec2) -> DVec
     let circle = DVec2::new(cos, sin);
     let n = shape[0];
     match kind {
+        // F(cosα) inverted: cosα = (1 − u)^(1/(n + 1)), or (1 + cosα)/2 the same on the sphere. tilt takes 1 − cosα.
         LobeKind::CosineLobe => tilt(mirror(wo), -(log / (n + 1.0)).exp_m1(), circle),
         LobeKind::CosineLobeSphere => tilt(mirror(wo), -2.0 * (log / (n + 1.0)).exp_m1(), circle),
+        // cosθ = (1 − u)^(1/(n + 1)), so tan²θ = (1 − u)^(−2/(n + 1)) − 1.
         LobeKind::Blinn => reflected(wo, circle, (-2.0 * log / (n + 1.0)).exp_m1()),
+        // tan²θ = −α² ln(1 − u)
         LobeKind::Ward => reflected(wo, circle, -n * n * log),
         LobeKind::AshikhminShirley => {
+            // tan φ = √((ex + 1)/(ey + 1)) · tan 2πu.y. Given φ, θ is Blinn's with n + 1 = (ex + 1) cos²φ + (ey + 1) sin²φ.
             let [along, across] = shape.map(|e| e + 1.0);
             let turn = DVec2::new(across.sqrt() * cos, along.sqrt() * sin).normalize_or(DVec2::X);
             let exponent = along * turn.x * turn.x + across * turn.y * turn.y;
@@ -142,10 +153,12 @@ fn reflected(wo: DVec3, circle: DVec2, tan2: f64) -> DVec3 {
 /// A GGX normal visible from `wo`: the sum of the stretched `wo` and a direction on the cap that it sees (Dupuy and Benyoub
 /// 2023), stretched back.
 fn visible_normal(alpha: f64, wo: DVec3, u: f64, circle: DVec2) -> DVec3 {
+    // Step 1: wo where the ellipsoid of normals is a sphere.
     let view = DVec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
     // z from 1 down to −view.z; the complement keeps the digits of narrow lobes.
     let less = u * (1.0 + view.z);
     let sin = (less * (2.0 - less)).max(0.0).sqrt();
+    // Step 2: the half vector of wo and a uniform direction of the cap, and back to the ellipsoid.
     let sum = (circle * sin).extend(1.0 - less) + view;
     DVec3::new(alpha * sum.x, alpha * sum.y, sum.z.max(0.0)).normalize_or(DVec3::Z)
 }

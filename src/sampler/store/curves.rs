@@ -43,6 +43,7 @@ pub(in crate::sampler) fn read_curves(
         );
         return fail("position", 0, found);
     }
+    // Searches rely on both: the first knot is never above what is looked for, and the last always is.
     for k in 0..curves.len() {
         let range = curves.starts[k] as usize..curves.starts[k + 1] as usize;
         if !rises(&curves.cdf[range.clone()]) {
