@@ -27,19 +27,19 @@ use crate::{args, output};
     after_help = "Example:\n  merlkit build nickel --sampler half-vector:64KB -o nickel.table"
 )]
 pub struct Args {
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     materials: args::Materials,
     /// Sampler to build, with settings (`merlkit samplers` lists them)
-    #[arg(long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
+    #[arg(help_heading = "Sampler", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
     sampler: SamplerSpec,
     /// How values between the samples of a table are interpolated
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// File to write. For several materials: folder for files named NAME.SAMPLER.safetensors
-    #[arg(short, long, value_name = "PATH")]
+    #[arg(help_heading = "Output", short, long, value_name = "PATH")]
     output: PathBuf,
     /// Replace existing files [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 
