@@ -326,6 +326,23 @@ fn utia_files_are_no_materials_and_others_of_their_size_are_not_taken_for_them()
 }
 
 #[test]
+fn broken_polarised_files_come_with_advice_for_their_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut fields = pbsdf_fields([5, 3, 3], &|_, _, _| 0.2);
+    fields[0].1 = 9;
+    // The fields show the kind, or the name does where the fields can't be read.
+    let wrong = folder.path().join("wrong");
+    std::fs::write(&wrong, tensor_file(&fields)).unwrap();
+    let cut = folder.path().join("cut.pbsdf");
+    std::fs::write(&cut, &tensor_file(&fields)[..40]).unwrap();
+    for path in [wrong, cut] {
+        let error = Measurements::read(&path, None).err().unwrap().to_string();
+        assert!(error.contains("name a .pbsdf file"), "{error}");
+        assert!(!error.contains("name a .bsdf file"), "{error}");
+    }
+}
+
+#[test]
 fn bent_polarised_files_are_read_or_refused() {
     let good = tensor_file(&pbsdf_fields([5, 3, 3], &|_, _, _| 0.2));
     let folder = tempfile::tempdir().unwrap();
