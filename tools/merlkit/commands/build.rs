@@ -104,19 +104,16 @@ fn destinations(
     if !single {
         std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     }
-    let file = |m: &Material| match single {
-        true => args.output.clone(),
-        false => args
-            .output
-            .join(format!("{}.{}.safetensors", m.name(), args.sampler.name())),
-    };
-    Ok(materials
-        .into_iter()
-        .map(|m| {
-            let path = file(&m);
-            (m, path)
-        })
-        .collect())
+    let mut destinations = Vec::new();
+    for material in materials {
+        let file = format!("{}.{}.safetensors", material.name(), args.sampler.name());
+        let path = match single {
+            true => args.output.clone(),
+            false => args.output.join(file),
+        };
+        destinations.push((material, path));
+    }
+    Ok(destinations)
 }
 
 fn build(

@@ -55,13 +55,23 @@ pub struct Args {
     #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// Number of draws in each statistical check, 1000 to 10000000
-    #[arg(help_heading = "Checks", long, value_name = "N", default_value_t = 100_000)]
+    #[arg(
+        help_heading = "Checks",
+        long,
+        value_name = "N",
+        default_value_t = 100_000
+    )]
     draws: usize,
     /// Seed of the draws
     #[arg(help_heading = "Checks", long, value_name = "K", default_value_t = 1)]
     seed: u64,
     /// Probability that a run fails by chance although all samplers are correct, between 0 and 1 (exclusive)
-    #[arg(help_heading = "Checks", long, value_name = "P", default_value_t = 0.01)]
+    #[arg(
+        help_heading = "Checks",
+        long,
+        value_name = "P",
+        default_value_t = 0.01
+    )]
     significance: f64,
     /// Also write every outcome as JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
     #[arg(help_heading = "Output", long, value_name = "FILE|-")]

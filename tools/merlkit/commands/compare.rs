@@ -61,10 +61,21 @@ pub struct Args {
     #[command(flatten, next_help_heading = "Comparison")]
     sky: SkyArgs,
     /// Seed of the draws
-    #[arg(help_heading = "Comparison", long, value_name = "K", default_value_t = 1)]
+    #[arg(
+        help_heading = "Comparison",
+        long,
+        value_name = "K",
+        default_value_t = 1
+    )]
     seed: u64,
     /// Folder for the results
-    #[arg(help_heading = "Output", short, long, value_name = "DIR", default_value = "out")]
+    #[arg(
+        help_heading = "Output",
+        short,
+        long,
+        value_name = "DIR",
+        default_value = "out"
+    )]
     output: PathBuf,
     /// Replace existing results [default: refuse]
     #[arg(help_heading = "Output", long)]

@@ -31,7 +31,13 @@ use crate::table;
 #[command(after_help = "Example:\n  merlkit demo -o out")]
 pub struct Args {
     /// Folder for the files; created if missing
-    #[arg(help_heading = "Output", short, long, value_name = "DIR", default_value = "out")]
+    #[arg(
+        help_heading = "Output",
+        short,
+        long,
+        value_name = "DIR",
+        default_value = "out"
+    )]
     output: PathBuf,
     /// Paths per pixel
     #[arg(help_heading = "Picture", long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]

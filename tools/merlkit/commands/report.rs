@@ -40,10 +40,20 @@ pub struct Args {
     #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// Number of draws per angle for estimating the bias
-    #[arg(help_heading = "Measurement", long, value_name = "N", default_value_t = 100_000)]
+    #[arg(
+        help_heading = "Measurement",
+        long,
+        value_name = "N",
+        default_value_t = 100_000
+    )]
     draws: usize,
     /// Seed of the draws
-    #[arg(help_heading = "Measurement", long, value_name = "K", default_value_t = 1)]
+    #[arg(
+        help_heading = "Measurement",
+        long,
+        value_name = "K",
+        default_value_t = 1
+    )]
     seed: u64,
     /// Also write JSON to FILE; with -, write JSON to standard output instead of the tables [default: none]
     #[arg(help_heading = "Output", long, value_name = "FILE|-")]

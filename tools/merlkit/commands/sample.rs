@@ -45,7 +45,12 @@ pub struct Args {
     #[command(flatten, next_help_heading = "Materials")]
     invalid: args::Invalid,
     /// Polar angle of wo in degrees, from 0 to below 90
-    #[arg(help_heading = "Draws", long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(
+        help_heading = "Draws",
+        long,
+        value_name = "DEG",
+        allow_negative_numbers = true
+    )]
     theta: f64,
     /// Azimuth of wo in degrees
     #[arg(

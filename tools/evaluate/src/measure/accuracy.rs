@@ -105,8 +105,8 @@ pub fn bias(
 ) -> Bias {
     let moments = Moments::integrate(sampler, brdf, quadrature, importance);
     let wo = quadrature.wo();
-    let point = |i| PointSet::Random.point(draws.seed, i, 0);
-    let samples = (0..draws.count as u64).map(|i| sampler.sample(wo, point(i)));
+    let points = (0..draws.count as u64).map(|i| PointSet::Random.point(draws.seed, i, 0));
+    let samples = points.map(|u| sampler.sample(wo, u));
     let estimate = mean_weight(brdf, wo, importance, samples)[SCALAR];
     moments.bias(SCALAR, estimate, draws.count)
 }

@@ -31,7 +31,7 @@ pub fn time<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
     (result, seconds)
 }
 
-/// What one call costs a thread, from short batches in turn with the other contenders' ([`costs`]).
+/// What one call costs on one thread, from short batches in turn with the other contenders' ([`costs`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CallCost {
     /// Nanoseconds of CPU time a call: the lower quartile over the rounds, which other programs disturb least. 0 for a

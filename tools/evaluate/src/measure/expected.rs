@@ -12,7 +12,7 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{HalfVectorDomain, is_upper};
 use merlkit::points::{Stream, mix};
 
-/// A grid over the half vectors about `wo`: uniform in √θh and in the share of the azimuth, both odd so that no cell edge
+/// A grid over the half vectors about `wo`: uniform in √θh and in the fraction of the azimuth, both odd so that no cell edge
 /// falls on the plane of symmetry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {

@@ -150,8 +150,7 @@ pub fn cost_notes(curves: &[&Curve]) -> Vec<String> {
     let times = curves.iter().map(|c| (c.label.as_str(), c.ns_per_sample));
     let mut notes: Vec<String> = unsteady_note(times).into_iter().collect();
     // The median of measured over counted is this machine's speed, by which each one's is divided.
-    let ratio = |c: &Curve| c.ns_per_sample.ns / c.counted.sample_ns;
-    let mut ratios: Vec<f64> = curves.iter().map(|c| ratio(c)).collect();
+    let mut ratios: Vec<f64> = curves.iter().map(|c| measured_over_counted(c)).collect();
     ratios.retain(|r| r.is_finite() && *r > 0.0);
     ratios.sort_by(f64::total_cmp);
     let Some(&speed) = ratios.get(ratios.len() / 2) else {
@@ -159,7 +158,7 @@ pub fn cost_notes(curves: &[&Curve]) -> Vec<String> {
     };
     let mut names: Vec<String> = Vec::new();
     for curve in curves {
-        let factor = ratio(curve) / speed;
+        let factor = measured_over_counted(curve) / speed;
         if factor.is_finite() && !(1.0 / DISAGREE..=DISAGREE).contains(&factor) {
             names.push(format!("{} ({factor:.1}×)", curve.label));
         }
@@ -171,6 +170,10 @@ pub fn cost_notes(curves: &[&Curve]) -> Vec<String> {
         ));
     }
     notes
+}
+
+fn measured_over_counted(curve: &Curve) -> f64 {
+    curve.ns_per_sample.ns / curve.counted.sample_ns
 }
 
 #[cfg(test)]
