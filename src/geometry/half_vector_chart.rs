@@ -51,6 +51,8 @@ static MERL_CAPS: LazyLock<[f32; MERL_PARTS + 1]> =
 /// The domain about one direction, with coordinates that are angles, in f64: for quadrature and statistical tests.
 ///
 /// The coordinates are θh in [0, θmax] and the azimuth φ of h against that of `wo` as a fraction in [−1, 1] of φmax(θh).
+///
+/// The example of [`Quadrature`](crate::geometry::Quadrature) integrates over the hemisphere.
 #[derive(Clone, Copy, Debug)]
 pub struct HalfVectorDomain {
     wo: DVec3,

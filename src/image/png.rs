@@ -14,6 +14,8 @@ const SHOULDER: f32 = 0.5;
 ///
 /// The identity up to ½, so that mid-tones keep their ratios, then an exponential shoulder that approaches 1 and joins the
 /// line without a kink: ½ + ½(1 − exp(1 − 2x)). A negative or NaN channel is 0.
+///
+/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 pub fn tone_map(x: f32) -> f32 {
     if x <= SHOULDER || x.is_nan() {
         return x.max(0.0);
@@ -24,6 +26,8 @@ pub fn tone_map(x: f32) -> f32 {
 
 /// Writes `image` as an 8-bit sRGB PNG: each channel is multiplied by 2^`exposure`, passes [`tone_map`] and is encoded by
 /// the sRGB transfer function (IEC 61966-2-1).
+///
+/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 ///
 /// # Errors
 /// [`Error::Argument`] if `path` exists and `overwrite` refuses; [`Error::Io`] if it can't be written.
@@ -36,10 +40,12 @@ pub fn write_png(path: &Path, image: &Image, exposure: f32, overwrite: Overwrite
     })
 }
 
-/// The bytes of a PNG file whose pixels are `bytes`: sRGB, three a pixel, row after row from the top.
+/// The bytes of a PNG file whose pixels are `bytes`: sRGB, three per pixel, row after row from the top.
+///
+/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 ///
 /// # Errors
-/// [`Error::Argument`] if a side is 0 or `bytes` are not three a pixel.
+/// [`Error::Argument`] if a side is 0 or `bytes` are not three per pixel.
 pub fn encode_png(width: usize, height: usize, bytes: &[u8]) -> Result<Vec<u8>> {
     let mut out = Vec::new();
     write_rgb8(&mut out, width, height, bytes, None).map_err(|e| {
@@ -48,7 +54,7 @@ pub fn encode_png(width: usize, height: usize, bytes: &[u8]) -> Result<Vec<u8>> 
                 "a PNG of {width} × {height} from {} bytes: {e}",
                 bytes.len()
             ),
-            "give three a pixel",
+            "give three bytes per pixel",
         )
     })?;
     Ok(out)
@@ -76,6 +82,8 @@ fn write_rgb8(
 }
 
 /// The picture's pixels as 8-bit sRGB, three bytes each: what [`write_png`] writes.
+///
+/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 pub fn encode_srgb(image: &Image, exposure: f32) -> Vec<u8> {
     let gain = exposure.exp2();
     let mut bytes = Vec::with_capacity(3 * image.pixels().len());

@@ -6,6 +6,8 @@ use crate::color::{Rgb, luminance};
 use crate::{Error, Result};
 
 /// What becomes of pixels that are too bright.
+///
+/// The example of [`LightSpec`](crate::light::LightSpec) describes a light and loads it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RadianceClamp {
     /// Infinite channels are lowered to 65,504, the largest half float, or to the picture's largest finite channel if that is
