@@ -41,7 +41,7 @@ pub fn refuse_same_identifier(materials: &[Material]) -> Result<()> {
         None => Ok(()),
         Some((first, second)) => Err(Error::argument(
             format!("{first} and {second} would have functions of the same names"),
-            "rename one of the files, or export them apart",
+            "rename one of the files, or export them to separate folders",
         )),
     }
 }

@@ -70,7 +70,7 @@ impl<'a, R: BufRead> DirectionPairs<'a, R> {
             if self.line.len() as u64 == LONGEST_LINE {
                 return Some(Err(Error::argument(
                     format!(
-                        "{}, line {}: {LONGEST_LINE} bytes without an end",
+                        "{}, line {}: {LONGEST_LINE} bytes without a line break",
                         self.name.display(),
                         self.number
                     ),

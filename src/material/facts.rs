@@ -42,7 +42,7 @@ impl MaterialFacts {
             return Ok(());
         }
         Err(Error::argument(
-            format!("{purpose} has no azimuth of the surface, and {name} is anisotropic"),
+            format!("{purpose} is for isotropic materials only, and {name} is anisotropic"),
             "name an isotropic material",
         ))
     }

@@ -240,9 +240,7 @@ impl SceneFacts {
             (false, false) if self.extended => {
                 disabled("the lights are sampled, and nothing else is lit")
             }
-            (false, false) => {
-                disabled("delta lights only: no direction drawn by chance can hit them")
-            }
+            (false, false) => disabled("delta lights only: a random direction never hits them"),
         }
     }
 
@@ -276,12 +274,12 @@ impl SceneFacts {
 
     fn resampling(self) -> Decision {
         match (self.extended, self.strategy) {
-            (false, _) => disabled("delta lights only: no direction drawn by chance can hit them"),
+            (false, _) => disabled("delta lights only: a random direction never hits them"),
             (true, Strategy::Ris { candidates: 0 | 1 }) => {
                 disabled("one candidate: nothing to choose")
             }
             (true, Strategy::Ris { .. }) => {
-                enabled("of several directions, the one kept is likely to find much light")
+                enabled("of several directions, the one that is kept is likely to carry much light")
             }
             (true, _) => disabled("the strategy takes each direction as it is drawn"),
         }

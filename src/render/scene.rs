@@ -246,7 +246,7 @@ fn check(spec: &SceneSpec) -> Result<()> {
     check_objects(spec)?;
     if spec.depth == 0 {
         return Err(Error::argument(
-            "paths of no surface",
+            "a depth of 0",
             "give a depth of at least 1",
         ));
     }

@@ -81,11 +81,11 @@ impl RenderSettings {
 impl Budget {
     fn check(self) -> Result<()> {
         match self {
-            Self::Even(0) => Err(Error::argument("no path per pixel", "give at least 1")),
+            Self::Even(0) => Err(Error::argument("0 paths per pixel", "give at least 1")),
             Self::Adaptive(paths) if paths < LEAST_ADAPTIVE => Err(Error::argument(
-                format!("{paths} paths per pixel to distribute"),
+                format!("{paths} paths per pixel are too few for an adaptive picture"),
                 format!(
-                    "give {LEAST_ADAPTIVE} or more: some of them find out where to send the rest"
+                    "give {LEAST_ADAPTIVE} or more: the first of them decide where the others go"
                 ),
             )),
             Self::ToError { error, .. } if !(error > 0.0 && error.is_finite()) => {
@@ -95,8 +95,8 @@ impl Budget {
                 ))
             }
             Self::ToError { most, .. } if most < LEAST_TO_ERROR => Err(Error::argument(
-                format!("at most {most} paths per pixel"),
-                format!("allow {LEAST_TO_ERROR}: with fewer there is no error to estimate"),
+                format!("a limit of {most} paths per pixel"),
+                format!("allow at least {LEAST_TO_ERROR}: fewer give no estimate of the error"),
             )),
             Self::Even(_) | Self::Adaptive(_) | Self::ToError { .. } => Ok(()),
         }

@@ -256,10 +256,10 @@ fn check_unit(list: &List, unit: AngleUnit, path: &Path) -> Result<()> {
         }
     }
     let (expected, fix) = match unit {
-        AngleUnit::Radians if largest > 6.3 => ("angles in radians", "say --angles degrees"),
+        AngleUnit::Radians if largest > 6.3 => ("angles in radians", "pass --angles degrees"),
         AngleUnit::Degrees if largest <= 6.3 && list.numbers.len() > 16 * list.columns.count => (
             "angles in degrees",
-            "say --angles radians, or --angles degrees if they are that small",
+            "pass --angles radians, or --angles degrees if they are that small",
         ),
         _ => return Ok(()),
     };

@@ -37,8 +37,8 @@ const LEAST_DISTANCE: f64 = 1e-6;
 pub fn tabulate_brdf(brdf: &dyn Brdf, point: BinPoint) -> Result<MerlTable> {
     if !brdf.is_isotropic() {
         return Err(Error::argument(
-            "a MERL table has no azimuth of the surface, and this material is anisotropic",
-            "use the material as it is: every command but those that need a table takes it",
+            "a MERL table is isotropic, and this material is anisotropic",
+            "use the material as it is; only commands that need a table refuse it",
         ));
     }
     Ok(tabulate_pairs(point, &|wo, wi| {

@@ -45,7 +45,7 @@ impl Settings for AdaptiveDiscSettings {
     fn check_together(&self) -> Result<()> {
         if let (Construction::Grid(_), LeafChoice::Warp) = (self.construction, self.leaves) {
             return Err(Error::argument(
-                "trees of adaptive-disc without rejection from a grid of pixels",
+                "adaptive-disc cannot draw without rejection from trees that are built on a grid of pixels",
                 "add grid=none, or choose other leaves",
             ));
         }

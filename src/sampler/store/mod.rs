@@ -201,7 +201,7 @@ impl SamplerFile {
             && measured.table().keeps_channels_apart() != self.record.channels_apart
         {
             return Err(Error::argument(
-                "the sampler was built with the other reading of cells of which some channels are invalid",
+                "the sampler was built with a different treatment of cells in which some channels are invalid",
                 "load the material as the file records it, or build the sampler again",
             ));
         }
