@@ -109,7 +109,8 @@ pub fn run(args: &Args) -> Outcome {
     };
     let progress = Progress::new("checking", settings.calls);
     let results = Arc::new(Mutex::new(Vec::new()));
-    let (finished, destination) = (results.clone(), args.json.clone());
+    let finished = results.clone();
+    let destination = args.json.clone();
     interrupt::at_end(move || write_finished(&lock(&finished), destination.as_ref(), overwrite));
     for (material, specs) in materials.iter().zip(&specs) {
         let brdf = args::load(material, args.lookup)?;

@@ -260,7 +260,8 @@ impl Run {
 
     /// The lit point.
     fn material(&mut self, material: &Loaded) -> Result<MaterialComparison, Error> {
-        let (name, brdf) = (material.name(), &**material.brdf());
+        let name = material.name();
+        let brdf = &**material.brdf();
         let Self {
             plan,
             sky,
@@ -362,7 +363,8 @@ impl Run {
             progress,
             ..
         } = self;
-        let (name, facts) = (material.name(), material.facts());
+        let name = material.name();
+        let facts = material.facts();
         let mut settings = Vec::new();
         for (number, knob) in tried_settings(plan, &facts).into_iter().enumerate() {
             settings.push(journal.recall_or(&format!("setting/{name}/{number}"), || {

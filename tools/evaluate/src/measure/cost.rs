@@ -22,7 +22,8 @@ pub struct Seconds {
 
 /// Runs `work` and times it. Whatever else the process does meanwhile counts as `cpu`.
 pub fn time<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
-    let (started, before) = (Instant::now(), ProcessTime::now());
+    let started = Instant::now();
+    let before = ProcessTime::now();
     let result = work();
     let seconds = Seconds {
         wall: started.elapsed().as_secs_f64(),

@@ -194,7 +194,8 @@ fn push_curve(sheet: &mut Sheet, material: &str, curve: &Curve) {
 
 /// What a curve's sample and sampler cost: figure, value, unit.
 fn cost_figures(curve: &Curve) -> [(&'static str, f64, &'static str); 8] {
-    let (counted, measured) = (curve.counted, curve.ns_per_sample);
+    let counted = curve.counted;
+    let measured = curve.ns_per_sample;
     [
         ("table", curve.table_bytes as f64, "bytes"),
         ("build", curve.build_seconds, "s"),

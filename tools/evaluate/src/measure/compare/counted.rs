@@ -114,7 +114,8 @@ pub fn counted_cost(
     light_bytes: usize,
 ) -> CountedCost {
     let cost = SamplerCost::find(&competitor.spec, sampler_bytes);
-    let (draw, f) = (cost.draw_ns, value_ns(material));
+    let draw = cost.draw_ns;
+    let f = value_ns(material);
     let build = cost.build_values * f * 1e-9 + cost.build_seconds;
     let light_build = light_bytes as f64 * LIGHT_BUILD * 1e-9;
     let from_brdf = POINT_AND_LIGHT + f + draw;
