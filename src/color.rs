@@ -23,7 +23,7 @@ pub fn luminance(c: Rgb) -> f32 {
 
 /// Mean of the three channels; finite for finite channels.
 ///
-/// The example of [`luminance`](crate::color::luminance) compares the mean with the luminance.
+/// The example of [`luminance`] compares the mean with the luminance.
 #[inline]
 pub fn mean(c: Rgb) -> f32 {
     finite((c.x + c.y + c.z) * (1.0 / 3.0), c)

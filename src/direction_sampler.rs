@@ -7,7 +7,7 @@ use crate::points::PointSet;
 
 /// A sampled direction and its density.
 ///
-/// The example of [`DirectionSampler`](crate::direction_sampler::DirectionSampler) draws a direction and weights it.
+/// The example of [`DirectionSampler`] draws a direction and weights it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionSample {
     /// Towards the light, unit length, above the horizon.
@@ -78,7 +78,7 @@ pub trait DirectionSampler: Send + Sync {
 ///
 /// [`crate::sampler::AdaptiveDisc::draw_stratified`] does the same by the disc's own method.
 ///
-/// See [`DirectionSampler`](crate::direction_sampler::DirectionSampler) for an example of drawing.
+/// See [`DirectionSampler`] for an example of drawing.
 pub fn draw_stratified(
     sampler: &(impl DirectionSampler + ?Sized),
     wo: Vec3,

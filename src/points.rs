@@ -213,7 +213,7 @@ impl Stream {
 
 /// SplitMix64's finaliser: a bijection of 64 bits that looks random.
 ///
-/// [`Stream`](crate::points::Stream) is made of it, and has an example.
+/// [`Stream`] is made of it, and has an example.
 #[inline]
 pub fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

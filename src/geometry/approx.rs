@@ -37,7 +37,7 @@ pub fn acos(x: f64) -> f64 {
 
 /// Angle of (x, y) in [−π, π] to 4·10⁻⁸ rad, and to 4·10⁻⁸ of itself near 0; 0 for (0, 0).
 ///
-/// See [`acos`](crate::geometry::approx::acos) for an example.
+/// See [`acos`] for an example.
 #[inline]
 pub fn atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 9] = [
@@ -70,7 +70,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
 
 /// Sine and cosine of `turns` full turns, 0 to 1, to 10⁻⁸; the sine to 10⁻⁸ of itself near 0.
 ///
-/// See [`acos`](crate::geometry::approx::acos) for an example.
+/// See [`acos`] for an example.
 #[inline]
 pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     // Truncation is an instruction everywhere; rounding is a call on the oldest x86-64.
@@ -94,7 +94,7 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
 /// Zeros count by their signs, as the library's do. Multiples of π/4 are exact to rounding. For lengths about
 /// `f64::MIN_POSITIVE` it only stays in bounds; infinite ones give NaN.
 ///
-/// See [`acos`](crate::geometry::approx::acos) for an example.
+/// See [`acos`] for an example.
 #[inline]
 pub fn fine_atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 8] = [
@@ -124,7 +124,7 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
 
 /// Sine and cosine of `turns` full turns, in [−1, 1], to 10⁻¹²; their squares sum to 1 within 10⁻¹².
 ///
-/// See [`acos`](crate::geometry::approx::acos) for an example.
+/// See [`acos`] for an example.
 #[inline]
 pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
     // To this, numbers are added as integers: rounding without a call, and vector code on the oldest x86-64.

@@ -53,7 +53,7 @@ pub fn spherical(theta: f64, phi: f64) -> DVec3 {
 
 /// Polar angle and azimuth in (−π, π] of a direction of any length; the inverse of [`spherical`].
 ///
-/// See [`spherical`](crate::geometry::spherical) for an example.
+/// See [`spherical`] for an example.
 pub fn to_spherical(w: DVec3) -> (f64, f64) {
     (w.x.hypot(w.y).atan2(w.z), w.y.atan2(w.x))
 }
@@ -63,7 +63,7 @@ const LENGTH_SLACK: f32 = 1e-5;
 
 /// Whether [`unit_upper`] takes `w` as it is.
 ///
-/// See [`spherical`](crate::geometry::spherical) for an example.
+/// See [`spherical`] for an example.
 #[inline(always)]
 pub fn is_unit_upper(w: Vec3) -> bool {
     ((w.length_squared() - 1.0).abs() <= LENGTH_SLACK) & (w.z > 0.0)
@@ -72,7 +72,7 @@ pub fn is_unit_upper(w: Vec3) -> bool {
 /// `w` at unit length: itself where it is so up to rounding, renormalised elsewhere. `None` unless it is finite and above
 /// the horizon; a height that f32 loses against the length is not above it.
 ///
-/// See [`spherical`](crate::geometry::spherical) for an example.
+/// See [`spherical`] for an example.
 #[inline]
 pub fn unit_upper(w: Vec3) -> Option<Vec3> {
     if (w.length_squared() - 1.0).abs() <= LENGTH_SLACK {
@@ -92,7 +92,7 @@ fn renormalised(w: Vec3) -> Option<Vec3> {
 
 /// Finite and above the horizon: the domain of every BRDF and sampler here.
 ///
-/// See [`spherical`](crate::geometry::spherical) for an example.
+/// See [`spherical`] for an example.
 #[inline]
 pub fn is_upper(w: Vec3) -> bool {
     w.z > 0.0 && w.is_finite()

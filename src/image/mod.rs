@@ -22,7 +22,7 @@ use crate::{Error, Result};
 
 /// The largest picture that is read or rendered, in pixels: 16,384 × 8,192.
 ///
-/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
+/// The example of [`Image`] makes a picture and the bytes of its PNG.
 pub const MAX_PIXELS: usize = 1 << 27;
 
 /// Linear RGB pixels, row after row from the top left: `[y][x]`.

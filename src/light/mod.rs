@@ -28,7 +28,7 @@ use crate::color::Rgb;
 
 /// A direction towards a light, chosen from a point.
 ///
-/// The example of [`Light`](crate::light::Light) samples an environment.
+/// The example of [`Light`] samples an environment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
     /// Towards the light, world space, unit length.
@@ -43,7 +43,7 @@ pub struct LightSample {
 
 /// What a ray receives from a light that has an extent.
 ///
-/// The example of [`Light`](crate::light::Light) samples an environment.
+/// The example of [`Light`] samples an environment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
     /// Radiance along the ray.

@@ -30,7 +30,7 @@ const LONGEST: u64 = 1 << 32;
 
 /// What a sampler file says of itself.
 ///
-/// The example of [`SamplerFile`](crate::sampler::store::SamplerFile) stores a sampler and reads it back.
+/// The example of [`SamplerFile`] stores a sampler and reads it back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Layout version.
@@ -94,7 +94,7 @@ pub struct SamplerFile {
 
 /// Saves `sampler`, built for `material`; returns the file's length in bytes.
 ///
-/// The example of [`SamplerFile`](crate::sampler::store::SamplerFile) stores a sampler and reads it back.
+/// The example of [`SamplerFile`] stores a sampler and reads it back.
 ///
 /// # Errors
 /// As [`encode`] and [`write_new`].
@@ -114,7 +114,7 @@ pub fn save(
 
 /// The bytes of a sampler file; the same for the same sampler.
 ///
-/// The example of [`SamplerFile`](crate::sampler::store::SamplerFile) stores a sampler and reads it back.
+/// The example of [`SamplerFile`] stores a sampler and reads it back.
 ///
 /// # Errors
 /// [`Error::Argument`] for a sampler that has nothing to store; [`Error::Io`] if the material's file is gone.
@@ -143,7 +143,7 @@ pub fn encode(sampler: &Sampler, material: &Material) -> Result<Vec<u8>> {
 
 /// Whether `path` begins like a sampler file: a length, then JSON. A MERL binary begins with its dimensions.
 ///
-/// The example of [`SamplerFile`](crate::sampler::store::SamplerFile) stores a sampler and reads it back.
+/// The example of [`SamplerFile`] stores a sampler and reads it back.
 pub fn looks_like_sampler_file(path: &Path) -> bool {
     let mut ninth = [0];
     RegularFile::open(path)
