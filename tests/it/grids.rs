@@ -87,7 +87,7 @@ fn a_polarised_lambertian_comes_back() {
     // A point of the grid counts once, above the horizon.
     assert!(list.count() > 100 && list.count() < 13 * 7 * 7);
     assert_eq!(notes[0], format!("measured directions: {}", list.count()));
-    assert!(notes[1].contains("differ by 0.000 %"), "{notes:?}");
+    assert!(notes[1].contains("changes f_r by 0.000 %"), "{notes:?}");
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn polarised_files_keep_lobes_orders_and_colours() {
     let (table, notes) = grid(&|_, wi, _| 0.3 + 0.1 * wi.z);
     let (median, largest) = difference(table, mean_of_orders);
     assert!(median < 0.002 && largest < 0.01, "{median} {largest}");
-    assert!(!notes[1].contains("differ by 0.000 %"), "{notes:?}");
+    assert!(!notes[1].contains("changes f_r by 0.000 %"), "{notes:?}");
     // The colour of a spectrum is that of the same spectrum in a list.
     let spectrum = |nm: f64| 0.1 + (nm - 450.0) / 500.0;
     let table = grid(&|_, _, nm| spectrum(nm)).0;

@@ -83,7 +83,7 @@ fn forged_factors_are_refused() {
                 let row = f.u32("theta.start", 1) as usize;
                 (0..row).for_each(|i| f.set_u16("theta.cdf", i, 0));
             },
-            "terms that can be drawn",
+            "terms that cannot be drawn",
         ),
         (
             "a CDF that falls",
