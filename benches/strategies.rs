@@ -183,7 +183,7 @@ fn equal_samples(materials: &[Material], truths: &[Film]) {
 }
 
 fn target_errors(materials: &[Material], truths: &[Film]) {
-    println!("target error: estimated, true, paths a pixel of 64 × 64, seconds");
+    println!("target error: estimated, true, paths per pixel of 64 × 64, seconds");
     for target in [0.05, 0.02] {
         let cells = materials.iter().zip(truths).map(|(material, truth)| {
             let scene = scene(material, 0, Strategy::default());

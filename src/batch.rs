@@ -12,6 +12,21 @@ use glam::Vec3;
 /// The given direction of a batch: one for all lanes, or one for each lane.
 ///
 /// Implementations prepare what depends on `wo` alone once for [`Wo::One`], and lane by lane for [`Wo::Each`].
+///
+/// # Examples
+/// ```
+/// use merlkit::color::Rgb;
+/// use merlkit::glam::Vec3;
+/// use merlkit::{LookupRule, Material, Wo};
+///
+/// let material = Material::resolve("lambert:reflectance=0.5")?.load(LookupRule::Floor)?;
+/// let brdf = material.brdf();
+/// let wi = [Vec3::Z, Vec3::new(0.6, 0.0, 0.8)];
+/// let mut values = [Rgb::ZERO; 2];
+/// brdf.eval_batch(Wo::One(Vec3::Z), &wi, &mut values);
+/// assert_eq!(values[1], brdf.eval(Vec3::Z, wi[1]));
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub enum Wo<'a> {
     /// The same direction in every lane.

@@ -9,6 +9,33 @@ use crate::color::{self, Rgb};
 use crate::geometry::{Symmetry, unit_upper};
 
 /// A reflectance function f_r(wo, wi) in the local frame.
+///
+/// # Examples
+/// ```
+/// use merlkit::Brdf;
+/// use merlkit::color::Rgb;
+/// use merlkit::geometry::unit_upper;
+/// use merlkit::glam::Vec3;
+///
+/// /// Reflects half of the light, equally in all directions.
+/// struct Grey;
+///
+/// impl Brdf for Grey {
+///     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+///         if unit_upper(wo).is_none() || unit_upper(wi).is_none() {
+///             return Rgb::ZERO;
+///         }
+///         Rgb::splat(0.5 / std::f32::consts::PI)
+///     }
+///
+///     fn is_isotropic(&self) -> bool {
+///         true
+///     }
+/// }
+///
+/// assert_eq!(Grey.eval(Vec3::Z, Vec3::NEG_Z), Rgb::ZERO);
+/// assert_eq!(Grey.eval_cos(Vec3::Z, Vec3::Z), Grey.eval(Vec3::Z, Vec3::Z));
+/// ```
 pub trait Brdf: Send + Sync {
     /// f_r in sr⁻¹, without the cosine. Zero, never NaN, for a direction that is not finite or not above the horizon.
     /// Directions of other lengths than 1 are renormalised ([`crate::geometry::unit_upper`]).
@@ -57,6 +84,8 @@ pub trait Brdf: Send + Sync {
 }
 
 /// Reduction of RGB to the scalar a sampler follows.
+///
+/// The example of [`luminance`](crate::color::luminance) compares the mean with the luminance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Importance {

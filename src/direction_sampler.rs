@@ -6,6 +6,8 @@ use crate::batch::Wo;
 use crate::points::PointSet;
 
 /// A sampled direction and its density.
+///
+/// The example of [`DirectionSampler`] draws a direction and weights it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionSample {
     /// Towards the light, unit length, above the horizon.
@@ -18,6 +20,22 @@ pub struct DirectionSample {
 ///
 /// `wo` is expected above the horizon; for any other, and for NaN, `sample` returns `None` and `pdf` returns 0. Directions of
 /// other lengths than 1 are renormalised ([`crate::geometry::unit_upper`]).
+///
+/// # Examples
+/// ```
+/// use merlkit::glam::{Vec2, Vec3};
+/// use merlkit::{LookupRule, Material, SamplerSpec};
+///
+/// let material = Material::resolve("lambert:reflectance=0.5")?.load(LookupRule::Floor)?;
+/// let sampler = "cosine".parse::<SamplerSpec>()?.build(&material)?;
+/// let drawn = sampler.as_dyn().sample(Vec3::Z, Vec2::new(0.3, 0.7)).expect("above the horizon");
+/// assert_eq!(drawn.pdf, sampler.as_dyn().pdf(Vec3::Z, drawn.wi));
+///
+/// // The weight of one draw; its mean over all draws is the albedo.
+/// let weight = material.brdf().eval_cos(Vec3::Z, drawn.wi) / drawn.pdf;
+/// assert!((weight.x - 0.5).abs() < 1e-5);
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 pub trait DirectionSampler: Send + Sync {
     /// Draws a direction from a point of the unit square. `None` is a failed draw, which counts as a sample of weight 0.
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample>;
@@ -59,6 +77,8 @@ pub trait DirectionSampler: Send + Sync {
 /// draw.
 ///
 /// [`crate::sampler::AdaptiveDisc::draw_stratified`] does the same by the disc's own method.
+///
+/// See [`DirectionSampler`] for an example of drawing.
 pub fn draw_stratified(
     sampler: &(impl DirectionSampler + ?Sized),
     wo: Vec3,

@@ -4,9 +4,25 @@ use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
 /// Result of every fallible call in this crate.
+///
+/// See [`Error`] for an example.
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// What went wrong, where, and the fix.
+///
+/// # Examples
+/// ```
+/// use merlkit::{Error, Material};
+///
+/// // Every message says what is wrong and what to do about it.
+/// match Material::resolve("nikel") {
+///     Err(Error::Argument { what, fix }) => {
+///         assert!(what.contains("nikel"));
+///         assert!(fix.contains("nickel"));
+///     }
+///     other => panic!("{other:?}"),
+/// }
+/// ```
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {

@@ -1,4 +1,46 @@
-//! A toolkit for measured BRDFs: materials are loaded, samplers are built for them, and spheres are rendered with both.
+//! A toolkit for measured BRDFs. It loads materials, builds importance samplers for them, and renders spheres with both.
+//!
+//! This program loads a material, builds a sampler for it and draws a direction:
+//!
+//! ```
+//! use merlkit::geometry::spherical;
+//! use merlkit::glam::Vec2;
+//! use merlkit::{LookupRule, Material, SamplerSpec};
+//!
+//! # fn main() -> merlkit::Result<()> {
+//! let material = Material::resolve("lambert:reflectance=0.5")?.load(LookupRule::Floor)?;
+//! let spec: SamplerSpec = "half-vector:2KB".parse()?;
+//! let sampler = spec.build(&material)?;
+//!
+//! // `wo` points towards the viewer, and the sampler draws `wi` towards the light. A failed draw has the weight 0.
+//! let wo = spherical(0.5, 0.0).as_vec3();
+//! if let Some(drawn) = sampler.as_dyn().sample(wo, Vec2::new(0.3, 0.7)) {
+//!     let weight = material.brdf().eval_cos(wo, drawn.wi) / drawn.pdf;
+//!     println!("the mean of weights such as {weight} is the albedo");
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # What do you want to do?
+//!
+//! | task | start here |
+//! |---|---|
+//! | load and evaluate a material: a MERL binary, a `.bsdf` file, a built-in name or a formula | [`Material`], [`Brdf`] |
+//! | draw directions from it | [`SamplerSpec`], [`DirectionSampler`] |
+//! | evaluate or draw many directions at once | [`Wo`] |
+//! | keep a sampler in a file | [`sampler::store::SamplerFile`] |
+//! | use a BRDF or a sampler of your own | [`Brdf`], [`Loaded::from_brdf`], [`DirectionSampler`] |
+//! | make a MERL table from measurements | [`material::measurements::Measurements`], [`material::merl::MerlTable`] |
+//! | write a material for Mitsuba 3 or pbrt-v4 | [`material::rgl::BsdfFile`] |
+//! | write a C header, or arrays for numpy | [`export::Export`] |
+//! | light and render a scene | [`light::LightSpec`], [`render()`](render::render) |
+//! | read and write pictures | [`image::Image`] |
+//! | integrate over the hemisphere, or convert angles | [`geometry::Quadrature`], [`geometry::HalfDiff`] |
+//!
+//! The programs in `examples/` are longer. The page `docs/architecture.md` shows where things are and how to add one.
+//!
+//! # How data flows
 //!
 //! Data flows one way:
 //!
@@ -10,11 +52,10 @@
 //! Brdf → material::rgl::BsdfFile (for Mitsuba and pbrt), or material::merl::MerlTable
 //! ```
 //!
-//! Start with [`Material::resolve`], [`SamplerSpec`] and [`render::render`]; the programs in `examples/` show each. The page
-//! `docs/architecture.md` says where things are and how to add one.
+//! # Conventions
 //!
-//! Conventions, stated once in [`geometry`]: `wo` is the given direction (the viewer), `wi` the sampled one (the light); both
-//! leave the surface, in a local frame whose `+z` is the normal. `eval` is f_r in sr⁻¹ without the cosine; every `pdf` is
+//! They are stated once, in [`geometry`]. `wo` is the given direction (the viewer) and `wi` the sampled one (the light). Both
+//! leave the surface, in a local frame whose `+z` is the normal. `eval` is f_r in sr⁻¹ without the cosine, and every `pdf` is
 //! per solid angle of `wi`.
 #![deny(unsafe_code)]
 #![warn(missing_docs)]

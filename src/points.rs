@@ -3,6 +3,16 @@
 use glam::Vec2;
 
 /// How successive points fill the unit square.
+///
+/// # Examples
+/// ```
+/// use merlkit::points::PointSet;
+///
+/// // A point depends on seed, index and dimension alone, never on the thread.
+/// let u = PointSet::Sobol.point(7, 0, 0);
+/// assert_eq!(u, PointSet::Sobol.point(7, 0, 0));
+/// assert!(u.x >= 0.0 && u.x < 1.0);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PointSet {
@@ -155,6 +165,16 @@ fn shuffled(count: u32, index: u32, key: u64) -> u32 {
 }
 
 /// A short stream of random numbers started from any 64 bits (SplitMix64, Steele et al. 2014).
+///
+/// # Examples
+/// ```
+/// use merlkit::points::Stream;
+///
+/// let mut numbers = Stream::new(7);
+/// let first = numbers.next_f32();
+/// assert!((0.0..1.0).contains(&first));
+/// assert_eq!(Stream::new(7).next_f32(), first);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Stream(u64);
 
@@ -192,6 +212,8 @@ impl Stream {
 }
 
 /// SplitMix64's finaliser: a bijection of 64 bits that looks random.
+///
+/// [`Stream`] is made of it, and has an example.
 #[inline]
 pub fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

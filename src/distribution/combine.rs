@@ -1,6 +1,8 @@
 //! Several ways of estimating one integral: weights for two techniques, and one candidate kept out of many.
 
 /// How two techniques that can find the same direction are weighted (Veach and Guibas 1995).
+///
+/// See [`Reservoir`](crate::distribution::Reservoir) for an example.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Heuristic {
@@ -40,6 +42,21 @@ impl Heuristic {
 
 /// One of a sequence of candidates, each kept with a probability in proportion to its weight: the choice of resampled
 /// importance sampling (Talbot et al. 2005), in one pass and from one number.
+///
+/// # Examples
+/// ```
+/// use merlkit::distribution::{Heuristic, Reservoir};
+///
+/// let mut reservoir = Reservoir::new(0.9);
+/// reservoir.offer(Some(("dim", 1.0)));
+/// reservoir.offer(Some(("bright", 3.0)));
+/// let kept = reservoir.kept().expect("a weight is positive");
+/// assert_eq!(kept.mean_weight, 2.0);
+///
+/// // The weights with which multiple importance sampling combines two techniques sum to 1.
+/// let [light, brdf] = [Heuristic::Power.weight(2.0, 1.0), Heuristic::Power.weight(1.0, 2.0)];
+/// assert!((light + brdf - 1.0).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Reservoir<T> {
     kept: Option<(T, f64)>,
@@ -50,6 +67,8 @@ pub struct Reservoir<T> {
 }
 
 /// What a [`Reservoir`] kept.
+///
+/// See [`Reservoir`](crate::distribution::Reservoir) for an example.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kept<T> {
     /// The candidate.

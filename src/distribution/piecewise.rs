@@ -10,6 +10,20 @@ use crate::{Error, Result};
 /// coordinate places the point in the cell. The map is continuous along each axis, so well-spread points stay well spread.
 /// Cumulative sums are `f64`: the ratio of a sun to a sky exceeds the resolution of `f32`. Intervals are found by guide
 /// tables (Chen and Asau 1974), and by bisection where many share a cell of the guide.
+///
+/// # Examples
+/// ```
+/// use merlkit::distribution::Piecewise2d;
+/// use merlkit::glam::DVec2;
+///
+/// let density = Piecewise2d::new(2, 1, &[1.0, 3.0])?;
+/// assert!((density.mass(1, 0) - 0.75).abs() < 1e-12);
+/// let u = DVec2::new(0.5, 0.5);
+/// let p = density.sample(u);
+/// assert!(p.x > 0.5 && (density.pdf(p) - 1.5).abs() < 1e-12);
+/// assert!(density.invert(p).expect("drawn").abs_diff_eq(u, 1e-9));
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Piecewise2d {
     width: usize,

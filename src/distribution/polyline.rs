@@ -5,6 +5,8 @@
 ///
 /// The measure is vertical because a CDF's error is: between kept knots, the probability up to any point is off by at most
 /// `tolerance`.
+///
+/// See [`Curves`](crate::distribution::Curves) for an example.
 pub fn simplify(y: &[f64], tolerance: f64) -> Vec<usize> {
     if y.len() < 3 {
         return (0..y.len()).collect();

@@ -8,6 +8,19 @@ use crate::sampler::{HalfVectorSettings, HalfVectorTable};
 use crate::{Error, Result};
 
 /// A loaded material, its lookup rule and the half-vector table built for both.
+///
+/// # Examples
+/// ```
+/// use merlkit::export::{Export, identifier};
+/// use merlkit::sampler::HalfVectorSettings;
+/// use merlkit::{LookupRule, Material};
+///
+/// let material = Material::resolve("red-plastic")?;
+/// let loaded = material.load(LookupRule::Floor)?;
+/// let export = Export::new(&material, &loaded, HalfVectorSettings::default())?;
+/// assert!(export.header().contains(&identifier("red-plastic")));
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Export {
     pub(super) name: String,

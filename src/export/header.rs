@@ -97,41 +97,35 @@ fn description(export: &Export) -> Vec<(&'static str, String)> {
     ]
 }
 
+/// The tables of the half-vector sampler as initialisers. Small numbers share words: first those of CDF and slopes, then densities.
 fn arrays(stored: &Stored) -> Vec<(&'static str, String)> {
-    let edges: Vec<ChartEdge> = stored
-        .edges
-        .iter()
-        .map(|&e| ChartEdge::new(usize::from(e)))
-        .collect();
-    let cdf = words(
-        &stored
-            .rows
-            .iter()
-            .map(|&x| u32::from(x))
-            .collect::<Vec<_>>(),
-        16,
-    );
-    let slopes = words(
-        &stored
-            .slopes
-            .iter()
-            .map(|&x| (i32::from(x) + 128) as u32)
-            .collect::<Vec<_>>(),
-        8,
-    );
-    let density = words(
-        &stored
-            .nodes
-            .iter()
-            .map(|&x| u32::from(x))
-            .collect::<Vec<_>>(),
-        16,
-    );
-    vec![
+    let cdf = words(&to_u32(&stored.rows), 16);
+    let density = words(&to_u32(&stored.nodes), 16);
+    let slopes = slope_words(&stored.slopes);
+    let density_from = cdf.len() + slopes.len();
+    let mut arrays = edges(stored);
+    arrays.extend([
         (
             "COSINE",
             lines(stored.cosines.iter().map(|x| format!("{x:?}f"))),
         ),
+        ("CDF_WORDS", cdf.len().to_string()),
+        ("CDF", lines(cdf.iter().map(hexadecimal))),
+        ("DENSITY_FROM", density_from.to_string()),
+        ("WORDS", (density_from + density.len()).to_string()),
+        ("SLOPE", lines(slopes.iter().map(hexadecimal))),
+        ("DENSITY", lines(density.iter().map(hexadecimal))),
+    ]);
+    arrays
+}
+
+/// The edges of the rows: the fixed part of each, and the weight of the part that moves with `wo`.
+fn edges(stored: &Stored) -> Vec<(&'static str, String)> {
+    let mut edges = Vec::new();
+    for &edge in &stored.edges {
+        edges.push(ChartEdge::new(usize::from(edge)));
+    }
+    vec![
         (
             "EDGE_FIXED",
             lines(edges.iter().map(|e| format!("{:?}f", e.fixed()))),
@@ -140,16 +134,20 @@ fn arrays(stored: &Stored) -> Vec<(&'static str, String)> {
             "EDGE_SHARE",
             lines(edges.iter().map(|e| format!("{:?}f", e.weight()))),
         ),
-        ("CDF_WORDS", cdf.len().to_string()),
-        ("CDF", lines(cdf.iter().map(hexadecimal))),
-        ("DENSITY_FROM", (cdf.len() + slopes.len()).to_string()),
-        (
-            "WORDS",
-            (cdf.len() + slopes.len() + density.len()).to_string(),
-        ),
-        ("SLOPE", lines(slopes.iter().map(hexadecimal))),
-        ("DENSITY", lines(density.iter().map(hexadecimal))),
     ]
+}
+
+fn to_u32(numbers: &[u16]) -> Vec<u32> {
+    numbers.iter().map(|&x| u32::from(x)).collect()
+}
+
+/// Slopes in words. A slope of −128 to 127 is stored as 0 to 255.
+fn slope_words(slopes: &[i8]) -> Vec<u32> {
+    let mut numbers = Vec::with_capacity(slopes.len());
+    for &slope in slopes {
+        numbers.push((i32::from(slope) + 128) as u32);
+    }
+    words(&numbers, 8)
 }
 
 /// Numbers of `bits` each in words of 32, the first in the lowest bits.

@@ -7,6 +7,8 @@ use crate::{Error, Result};
 
 /// What the functions of a material's header begin with: its name with `_` for what no identifier of C and GLSL holds. Names
 /// that would be reserved there begin with `m_`.
+///
+/// See [`Export`](crate::export::Export) for an example.
 pub fn identifier(name: &str) -> String {
     let words: Vec<&str> = name
         .split(|c: char| !c.is_ascii_alphanumeric())
@@ -26,6 +28,8 @@ pub fn identifier(name: &str) -> String {
 
 /// Two materials of one [`identifier`] could not be included together.
 ///
+/// See [`Export`](crate::export::Export) for an example.
+///
 /// # Errors
 /// [`Error::Argument`] naming both.
 pub fn refuse_same_identifier(materials: &[Material]) -> Result<()> {
@@ -37,7 +41,7 @@ pub fn refuse_same_identifier(materials: &[Material]) -> Result<()> {
         None => Ok(()),
         Some((first, second)) => Err(Error::argument(
             format!("{first} and {second} would have functions of the same names"),
-            "rename one of the files, or export them apart",
+            "rename one of the files, or export them to separate folders",
         )),
     }
 }

@@ -12,6 +12,8 @@ use crate::{Error, Result};
 ///
 /// Whatever happens to the file meanwhile, a read ends with bytes or with an error: one that has become shorter is
 /// [`Error::Invalid`] at its new end.
+///
+/// [`SamplerFile::open`](crate::sampler::store::SamplerFile::open) reads through it; that type has an example.
 #[derive(Debug)]
 pub struct RegularFile {
     path: PathBuf,

@@ -10,6 +10,8 @@ use tempfile::NamedTempFile;
 use crate::{Error, Result};
 
 /// What to do when the destination exists.
+///
+/// See [`write_new`](crate::files::write_new) for an example.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overwrite {
     /// Refuse, naming the file.
@@ -19,6 +21,22 @@ pub enum Overwrite {
 }
 
 /// Writes `path` through `fill`: all of it appears, or nothing does.
+///
+/// # Examples
+/// ```
+/// use merlkit::files::{Overwrite, check_writable, write_new};
+///
+/// let path = std::env::temp_dir().join(format!("merlkit-example-{}.txt", std::process::id()));
+/// check_writable(&path, Overwrite::Refuse)?;
+/// write_new(&path, Overwrite::Refuse, |out| {
+///     out.write_all(b"complete").map_err(|e| merlkit::Error::io(&path, "write", e))
+/// })?;
+///
+/// // It exists now, so that it is replaced only on request.
+/// assert!(check_writable(&path, Overwrite::Refuse).is_err());
+/// # std::fs::remove_file(&path).map_err(|e| merlkit::Error::io(&path, "remove", e))?;
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`check_writable`]; [`Error::Io`] if the disk is full, for example;
@@ -48,6 +66,8 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 
 /// Removes the temporary files of every [`write_new`] that has not finished. None begins or finishes any more: they wait for
 /// ever, so that this is for a program that is about to end, on Ctrl-C for example.
+///
+/// See [`write_new`](crate::files::write_new) for an example.
 pub fn abandon_unfinished() {
     let files = unfinished();
     for path in files.iter() {
@@ -111,6 +131,8 @@ impl Unfinished {
 
 /// Refuses early what [`write_new`] would refuse after the work is done: a missing folder, one without permission to write, or
 /// an existing file. A temporary file is made and removed, since nothing else shows what the system permits.
+///
+/// See [`write_new`](crate::files::write_new) for an example.
 ///
 /// # Errors
 /// [`Error::Argument`] if `path` is a folder, pipe or device, its folder is missing, or it exists and `overwrite` refuses;

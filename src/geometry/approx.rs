@@ -9,6 +9,16 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// Arc cosine on [0, 1] to 2·10⁻⁸ rad; 0 above 1.
+///
+/// # Examples
+/// ```
+/// use merlkit::geometry::approx;
+///
+/// assert!((approx::acos(0.3) - 0.3_f64.acos()).abs() < 1e-7);
+/// assert!((approx::atan2(1.0, -2.0) - 1.0_f64.atan2(-2.0)).abs() < 1e-7);
+/// let (sin, cos) = approx::sin_cos_turns(0.125);
+/// assert!((sin - cos).abs() < 1e-7);
+/// ```
 #[inline]
 pub fn acos(x: f64) -> f64 {
     const C: [f64; 8] = [
@@ -27,6 +37,8 @@ pub fn acos(x: f64) -> f64 {
 }
 
 /// Angle of (x, y) in [−π, π] to 4·10⁻⁸ rad, and to 4·10⁻⁸ of itself near 0; 0 for (0, 0).
+///
+/// See [`acos`] for an example.
 #[inline]
 pub fn atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 9] = [
@@ -60,6 +72,8 @@ pub fn atan2(y: f64, x: f64) -> f64 {
 }
 
 /// Sine and cosine of `turns` full turns, 0 to 1, to 10⁻⁸; the sine to 10⁻⁸ of itself near 0.
+///
+/// See [`acos`] for an example.
 #[inline]
 pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     // Step 1: the nearest multiple k of a quarter turn, and x = 2π(turns − k/4) in [−π/4, π/4].
@@ -85,6 +99,8 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
 ///
 /// Zeros count by their signs, as the library's do. Multiples of π/4 are exact to rounding. For lengths about
 /// `f64::MIN_POSITIVE` it only stays in bounds; infinite ones give NaN.
+///
+/// See [`acos`] for an example.
 #[inline]
 pub fn fine_atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 8] = [
@@ -116,6 +132,8 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
 }
 
 /// Sine and cosine of `turns` full turns, in [−1, 1], to 10⁻¹²; their squares sum to 1 within 10⁻¹².
+///
+/// See [`acos`] for an example.
 #[inline]
 pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
     // To this, numbers are added as integers: rounding without a call, and vector code on the oldest x86-64.

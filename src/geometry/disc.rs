@@ -6,6 +6,8 @@ use super::approx;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Shirley and Chiu's concentric map: [0,1)² to the unit disc, area preserving and continuous.
+///
+/// See [`cosine_hemisphere`](crate::geometry::cosine_hemisphere) for an example.
 pub fn concentric_disc(u: DVec2) -> DVec2 {
     // Step 1: the square [−1, 1]², whose centre has no azimuth.
     let p = 2.0 * u - DVec2::ONE;
@@ -23,6 +25,8 @@ pub fn concentric_disc(u: DVec2) -> DVec2 {
 }
 
 /// The point of the unit square that [`concentric_disc`] maps to `p`, to some 10⁻⁸; the rim and beyond go to the edge.
+///
+/// See [`cosine_hemisphere`](crate::geometry::cosine_hemisphere) for an example.
 pub fn concentric_square(p: DVec2) -> DVec2 {
     // Step 1: the nearer axis, and the angle from it as a fraction of π/4, in [−1, 1].
     let r = p.length();
@@ -40,6 +44,19 @@ pub fn concentric_square(p: DVec2) -> DVec2 {
 }
 
 /// [0,1)² to the hemisphere with density cosθ/π per solid angle (Malley). `z` is 0 only on the rim of the disc.
+///
+/// # Examples
+/// ```
+/// use merlkit::geometry::{concentric_disc, concentric_square, cosine_hemisphere};
+/// use merlkit::glam::DVec2;
+///
+/// let u = DVec2::new(0.3, 0.7);
+/// let p = concentric_disc(u);
+/// assert!(concentric_square(p).abs_diff_eq(u, 1e-7));
+///
+/// // Malley's method lifts the point of the disc to the hemisphere.
+/// assert!(cosine_hemisphere(u).truncate().abs_diff_eq(p, 1e-12));
+/// ```
 pub fn cosine_hemisphere(u: DVec2) -> DVec3 {
     // dx dy = cosθ dσ: what is uniform on the disc, of density 1/π, has the density cosθ/π on the hemisphere.
     let d = concentric_disc(u);

@@ -4,6 +4,8 @@
 ///
 /// Its points project to equidistant midpoints on both axes, so that a density that jumps along either axis is integrated
 /// to 1/size, where a grid of as many points reaches only 1/√size (Niederreiter 1992, §5).
+///
+/// The example of [`Quadrature`](crate::geometry::Quadrature) integrates over the hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FibonacciLattice {
     size: u64,

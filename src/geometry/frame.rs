@@ -3,6 +3,16 @@
 use glam::Vec3;
 
 /// A right-handed frame whose `z` is the surface normal.
+///
+/// # Examples
+/// ```
+/// use merlkit::geometry::Frame;
+/// use merlkit::glam::Vec3;
+///
+/// let frame = Frame::from_normal(Vec3::X);
+/// assert!(frame.to_local(Vec3::X).abs_diff_eq(Vec3::Z, 1e-6));
+/// assert!(frame.to_world(Vec3::Z).abs_diff_eq(Vec3::X, 1e-6));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     x: Vec3,

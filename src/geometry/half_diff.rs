@@ -5,6 +5,21 @@ use glam::DVec3;
 /// The half vector of a pair and the light direction seen from it.
 ///
 /// `theta_h` and `theta_d` lie in [0, π/2] for directions above the horizon; `phi_d` in (−π, π].
+///
+/// # Examples
+/// ```
+/// use merlkit::geometry::{HalfDiff, half_vector, reflect_about, spherical};
+///
+/// let (wo, wi) = (spherical(0.4, 0.0), spherical(0.7, 2.0));
+/// let h = half_vector(wo, wi).expect("not opposed");
+/// assert!(reflect_about(wo, h).abs_diff_eq(wi, 1e-12));
+///
+/// // Exchanging the directions changes neither θh nor θd.
+/// let forth = HalfDiff::from_directions(wo, wi).expect("not opposed");
+/// let back = HalfDiff::from_directions(wi, wo).expect("not opposed");
+/// assert!((forth.theta_h - back.theta_h).abs() < 1e-12);
+/// assert!((forth.theta_d - back.theta_d).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfDiff {
     /// Angle between the normal and the half vector.
@@ -48,11 +63,15 @@ impl HalfDiff {
 }
 
 /// The unit half vector, or `None` for opposed directions.
+///
+/// See [`HalfDiff`](crate::geometry::HalfDiff) for an example.
 pub fn half_vector(wo: DVec3, wi: DVec3) -> Option<DVec3> {
     (wo + wi).try_normalize()
 }
 
 /// `w` mirrored about the unit vector `h`: the light direction whose half vector with `w` is `h`.
+///
+/// See [`HalfDiff`](crate::geometry::HalfDiff) for an example.
 #[inline]
 pub fn reflect_about(w: DVec3, h: DVec3) -> DVec3 {
     debug_assert!((h.length_squared() - 1.0).abs() < 2e-4);

@@ -9,6 +9,8 @@ use super::{approx, is_upper, reflect_about, to_spherical};
 /// The domain about one direction, with coordinates that are angles, in f64: for quadrature and statistical tests.
 ///
 /// The coordinates are θh in [0, θmax] and the azimuth φ of h against that of `wo` as a fraction in [−1, 1] of φmax(θh).
+///
+/// The example of [`Quadrature`](crate::geometry::Quadrature) integrates over the hemisphere.
 #[derive(Clone, Copy, Debug)]
 pub struct HalfVectorDomain {
     wo: DVec3,

@@ -18,61 +18,94 @@ use std::sync::LazyLock;
 use super::tan2_cells::{self, CELLS};
 
 /// Bins of θh, spaced as the square root of the angle.
+///
+/// See [`theta_h`] for an example.
 pub const THETA_H_BINS: usize = 90;
 /// Bins of θd, one a degree.
+///
+/// See [`theta_h`] for an example.
 pub const THETA_D_BINS: usize = 90;
 
 /// θh in radians at a fraction of its axis, 0 to 1: fraction²·π/2.
+///
+/// See [`theta_h`] for an example.
 #[inline]
 pub fn theta_h_at_fraction(fraction: f64) -> f64 {
     fraction * fraction * FRAC_PI_2
 }
 
 /// θh in degrees at a fraction of its axis, 0 to 1: 90·fraction².
+///
+/// See [`theta_h`] for an example.
 pub fn theta_h_degrees(fraction: f64) -> f64 {
     90.0 * (fraction * fraction)
 }
 
 /// The fraction of the axis of θh at which an angle of 0 to π/2 lies, 0 to 1: √(θh/(π/2)).
+///
+/// See [`theta_h`] for an example.
 #[inline]
 pub fn theta_h_fraction(theta_h: f64) -> f64 {
     (theta_h / FRAC_PI_2).sqrt()
 }
 
 /// θh in radians at a coordinate in units of bins, 0 to 90; the lower edge of bin i is at i.
+///
+/// # Examples
+/// ```
+/// use merlkit::geometry::merl_axes::{theta_h, theta_h_coordinate, theta_h_edge};
+///
+/// // Bins are narrow near the normal: the first edges lie at 0°, 1/90° and 4/90°.
+/// assert_eq!(theta_h(1.0), theta_h_edge(1));
+/// assert!((theta_h_edge(1).to_degrees() - 1.0 / 90.0).abs() < 1e-12);
+/// let coordinate = theta_h_coordinate(theta_h(30.5).tan().powi(2));
+/// assert!((coordinate - 30.5).abs() < 1e-9);
+/// ```
 #[inline]
 pub fn theta_h(coordinate: f64) -> f64 {
     theta_h_at_fraction(coordinate / THETA_H_BINS as f64)
 }
 
 /// Lower edge of a bin of θh in radians; that of bin 90 is the end of the axis.
+///
+/// See [`theta_h`] for an example.
 #[inline]
 pub fn theta_h_edge(bin: usize) -> f64 {
     theta_h(bin as f64)
 }
 
 /// The cap of an edge of θh: sin²(θh/2), the fraction of the sphere that lies within θh of the normal.
+///
+/// See [`theta_h`] for an example.
 pub fn theta_h_edge_cap(bin: usize) -> f64 {
     (0.5 * theta_h_edge(bin)).sin().powi(2)
 }
 
 /// The coordinate of θh in units of bins, 0 to 90, from its squared tangent, 0 to infinity.
+///
+/// See [`theta_h`] for an example.
 pub fn theta_h_coordinate(tan2: f64) -> f64 {
     theta_h_fraction(tan2.sqrt().atan()) * THETA_H_BINS as f64
 }
 
 /// θd in radians at a coordinate in units of bins, 0 to 90, as tables are filled.
+///
+/// See [`theta_h`] for an example.
 #[inline]
 pub fn theta_d(coordinate: f64) -> f64 {
     coordinate / THETA_D_BINS as f64 * FRAC_PI_2
 }
 
 /// The coordinate of an angle in degrees, 0 to 90, from its squared tangent, 0 to infinity: θd, and φd within a quarter turn.
+///
+/// See [`theta_h`] for an example.
 pub fn degree_coordinate(tan2: f64) -> f64 {
     tan2.sqrt().atan() / FRAC_PI_2 * THETA_D_BINS as f64
 }
 
 /// A whole number of degrees in radians, as lookups compare angles with it. It may differ from [`theta_d`] in the last bit.
+///
+/// See [`theta_h`] for an example.
 #[inline]
 pub fn degree_edge(degree: usize) -> f64 {
     (degree as f64).to_radians()

@@ -33,6 +33,19 @@ pub use symmetry::Symmetry;
 use glam::{DVec3, Vec3};
 
 /// Unit direction of polar angle `theta` and azimuth `phi`, radians.
+///
+/// # Examples
+/// ```
+/// use merlkit::geometry::{spherical, to_spherical, unit_upper};
+///
+/// let wo = spherical(0.5, 1.0);
+/// let (theta, phi) = to_spherical(wo);
+/// assert!((theta - 0.5).abs() < 1e-12 && (phi - 1.0).abs() < 1e-12);
+///
+/// // Directions below the horizon are outside the domain of BRDFs and samplers.
+/// assert!(unit_upper(wo.as_vec3()).is_some());
+/// assert!(unit_upper(-wo.as_vec3()).is_none());
+/// ```
 pub fn spherical(theta: f64, phi: f64) -> DVec3 {
     let (st, ct) = theta.sin_cos();
     let (sp, cp) = phi.sin_cos();
@@ -40,6 +53,8 @@ pub fn spherical(theta: f64, phi: f64) -> DVec3 {
 }
 
 /// Polar angle and azimuth in (−π, π] of a direction of any length; the inverse of [`spherical`].
+///
+/// See [`spherical`] for an example.
 pub fn to_spherical(w: DVec3) -> (f64, f64) {
     (w.x.hypot(w.y).atan2(w.z), w.y.atan2(w.x))
 }
@@ -48,6 +63,8 @@ pub fn to_spherical(w: DVec3) -> (f64, f64) {
 const LENGTH_SLACK: f32 = 1e-5;
 
 /// Whether [`unit_upper`] takes `w` as it is.
+///
+/// See [`spherical`] for an example.
 #[inline(always)]
 pub fn is_unit_upper(w: Vec3) -> bool {
     ((w.length_squared() - 1.0).abs() <= LENGTH_SLACK) & (w.z > 0.0)
@@ -55,6 +72,8 @@ pub fn is_unit_upper(w: Vec3) -> bool {
 
 /// `w` at unit length: itself where it is so up to rounding, renormalised elsewhere. `None` unless it is finite and above
 /// the horizon; a height that f32 loses against the length is not above it.
+///
+/// See [`spherical`] for an example.
 #[inline]
 pub fn unit_upper(w: Vec3) -> Option<Vec3> {
     // |w|² − 1 is about 2(|w| − 1): lengths within 5·10⁻⁶ of 1 keep their bits.
@@ -74,6 +93,8 @@ fn renormalised(w: Vec3) -> Option<Vec3> {
 }
 
 /// Finite and above the horizon: the domain of every BRDF and sampler here.
+///
+/// See [`spherical`] for an example.
 #[inline]
 pub fn is_upper(w: Vec3) -> bool {
     w.z > 0.0 && w.is_finite()

@@ -18,6 +18,20 @@ const UNIT_SLACK: f64 = 1e-3;
 ///
 /// A line of other than six numbers, with a direction whose length is off 1 by more than 10⁻³, or of more than 4096 bytes
 /// is an [`Error::Argument`] with its number, and the lines after it can still be read. One line is held at a time.
+///
+/// # Examples
+/// ```
+/// use std::path::Path;
+///
+/// use merlkit::geometry::DirectionPairs;
+///
+/// let text = "wo_x,wo_y,wo_z,wi_x,wi_y,wi_z\n0,0,1,0.6,0,0.8\n";
+/// for pair in DirectionPairs::new(text.as_bytes(), Path::new("standard input")) {
+///     let (wo, wi) = pair?;
+///     println!("{wo} {wi}");
+/// }
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 pub struct DirectionPairs<'a, R> {
     input: R,
     /// For messages.
@@ -56,7 +70,7 @@ impl<'a, R: BufRead> DirectionPairs<'a, R> {
             if self.line.len() as u64 == LONGEST_LINE {
                 return Some(Err(Error::argument(
                     format!(
-                        "{}, line {}: {LONGEST_LINE} bytes without an end",
+                        "{}, line {}: {LONGEST_LINE} bytes without a line break",
                         self.name.display(),
                         self.number
                     ),

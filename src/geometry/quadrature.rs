@@ -17,9 +17,22 @@ use super::merl_axes::{THETA_H_BINS, theta_h_edge};
 use super::{FibonacciLattice, HalfVectorDomain};
 
 /// Points a bin that settle the albedo of every embedded material to 10⁻⁴ and better.
+///
+/// The example of [`Quadrature`](crate::geometry::Quadrature) integrates over the hemisphere.
 pub const POINTS_PER_BIN: usize = 987;
 
 /// Nodes and weights over the directions `wi` above the horizon, for one `wo`.
+///
+/// # Examples
+/// ```
+/// use merlkit::geometry::{POINTS_PER_BIN, Quadrature};
+/// use merlkit::glam::Vec3;
+///
+/// // ∫ cosθ dσ over the hemisphere is π.
+/// let quadrature = Quadrature::new(Vec3::Z, POINTS_PER_BIN);
+/// let integral = quadrature.integrate(|wi| f64::from(wi.z));
+/// assert!((integral - std::f64::consts::PI).abs() < 1e-3);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Quadrature {
     wo: Vec3,

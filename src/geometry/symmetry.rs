@@ -5,6 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::Vec3;
 
 /// What may be done to both directions at once without changing f_r.
+///
+/// The example of [`Material`](crate::material::Material) asks whether a material is isotropic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Symmetry {

@@ -19,6 +19,8 @@ use crate::{Error, Result};
 
 /// Writes `image` as an OpenEXR file of three 32-bit channels; equal pictures give equal bytes.
 ///
+/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
+///
 /// # Errors
 /// [`Error::Argument`] if `path` exists and `overwrite` refuses; [`Error::Io`] if it can't be written.
 pub fn write_exr(path: &Path, image: &Image, overwrite: Overwrite) -> Result<()> {
@@ -45,6 +47,8 @@ pub fn write_exr(path: &Path, image: &Image, overwrite: Overwrite) -> Result<()>
 /// luminance Y, which is grey, else the only channels whose names end in `.R`, `.G` and `.B`, as Blender's
 /// `ViewLayer.Combined.R`. Values are as the file has them: they may be negative, infinite or NaN. Alpha is left out.
 ///
+/// See [`Image`](crate::image::Image) for an example of what is returned.
+///
 /// # Errors
 /// [`Error::Io`] if the file can't be read; [`Error::Invalid`] if it is not OpenEXR or is damaged; [`Error::Unsupported`] for
 /// files without such channels or with several sets of them, of deep data or of more than [`MAX_PIXELS`] pixels.
@@ -59,6 +63,8 @@ pub(super) fn decode_exr_file(file: RegularFile) -> Result<Image> {
 }
 
 /// [`read_exr`] from a file's bytes; `path` is for messages.
+///
+/// See [`Image`](crate::image::Image) for an example of what is returned.
 ///
 /// # Errors
 /// As [`read_exr`].
@@ -147,7 +153,7 @@ fn no_channels(prefixes: &[String], headers: &[Header], path: &Path) -> Error {
                 "an OpenEXR file with several layers of colours ({})",
                 layers.join(", ")
             ),
-            "save the one that is meant alone, with channels named R, G and B",
+            "save only the layer that you want, with channels named R, G and B",
         )
     };
     Error::Unsupported {

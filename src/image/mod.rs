@@ -26,9 +26,25 @@ use crate::color::Rgb;
 use crate::{Error, Result};
 
 /// The largest picture that is read or rendered, in pixels: 16,384 × 8,192.
+///
+/// The example of [`Image`] makes a picture and the bytes of its PNG.
 pub const MAX_PIXELS: usize = 1 << 27;
 
 /// Linear RGB pixels, row after row from the top left: `[y][x]`.
+///
+/// # Examples
+/// ```
+/// use merlkit::color::Rgb;
+/// use merlkit::image::{Image, encode_png, encode_srgb};
+///
+/// let image = Image::from_fn(4, 2, |x, y| Rgb::new(x as f32, y as f32, 0.5))?;
+/// assert_eq!(image.pixel(3, 1), Rgb::new(3.0, 1.0, 0.5));
+///
+/// // `write_exr` and `write_png` write files; these are the bytes of a PNG, at an exposure of 0 stops.
+/// let png = encode_png(4, 2, &encode_srgb(&image, 0.0))?;
+/// assert_eq!(&png[1..4], b"PNG");
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     width: usize,
@@ -52,7 +68,7 @@ impl Image {
                     "{} pixels for a picture of {width} × {height}",
                     pixels.len()
                 ),
-                format!("give one value a pixel, at most {MAX_PIXELS} pixels"),
+                format!("give one value per pixel, at most {MAX_PIXELS} pixels"),
             ));
         }
         Ok(Self {

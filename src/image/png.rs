@@ -10,6 +10,8 @@ use crate::{Error, Result};
 /// Writes `image` as an 8-bit sRGB PNG: each channel is multiplied by 2^`exposure`, passes [`super::tone_map`] and is encoded by
 /// the sRGB transfer function (IEC 61966-2-1).
 ///
+/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
+///
 /// # Errors
 /// [`Error::Argument`] if `path` exists and `overwrite` refuses; [`Error::Io`] if it can't be written.
 pub fn write_png(path: &Path, image: &Image, exposure: f32, overwrite: Overwrite) -> Result<()> {
@@ -21,10 +23,12 @@ pub fn write_png(path: &Path, image: &Image, exposure: f32, overwrite: Overwrite
     })
 }
 
-/// The bytes of a PNG file whose pixels are `bytes`: sRGB, three a pixel, row after row from the top.
+/// The bytes of a PNG file whose pixels are `bytes`: sRGB, three per pixel, row after row from the top.
+///
+/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 ///
 /// # Errors
-/// [`Error::Argument`] if a side is 0 or `bytes` are not three a pixel.
+/// [`Error::Argument`] if a side is 0 or `bytes` are not three per pixel.
 pub fn encode_png(width: usize, height: usize, bytes: &[u8]) -> Result<Vec<u8>> {
     let mut out = Vec::new();
     write_rgb8(&mut out, width, height, bytes, None).map_err(|e| {
@@ -33,7 +37,7 @@ pub fn encode_png(width: usize, height: usize, bytes: &[u8]) -> Result<Vec<u8>> 
                 "a PNG of {width} × {height} from {} bytes: {e}",
                 bytes.len()
             ),
-            "give three a pixel",
+            "give three bytes per pixel",
         )
     })?;
     Ok(out)

@@ -117,7 +117,7 @@ fn transfer(info: &Info, path: &Path) -> Result<Option<f64>> {
                 return Err(Error::Unsupported {
                     path: path.to_owned(),
                     what: format!("a PNG of transfer function {other} (16 is PQ, 18 is HLG)"),
-                    fix: "save the picture as OpenEXR, which holds its light as it is".into(),
+                    fix: "save the picture as OpenEXR, which stores linear light".into(),
                 });
             }
         }

@@ -121,7 +121,7 @@ impl RadianceReader<'_> {
                 return Err(Error::Unsupported {
                     path: self.path.to_owned(),
                     what: format!("a Radiance picture that is stored by columns ({line})"),
-                    fix: "save it by rows: pfilt or an image editor does".into(),
+                    fix: "save it by rows, with pfilt or an image editor".into(),
                 });
             }
             [rows @ ("-Y" | "+Y"), height, columns @ ("-X" | "+X"), width] => {

@@ -14,7 +14,7 @@ use crate::files::{RegularFile, SIGNATURE_BYTES};
 
 use crate::{Error, Result};
 
-/// The largest file that is read whole: three values of 32 bits a pixel, and a header.
+/// The largest file that is read whole: three values of 32 bits per pixel, and a header.
 const MAX_BYTES: u64 = 12 * MAX_PIXELS as u64 + (1 << 20);
 
 /// A picture, and what its file says about it.
@@ -28,6 +28,8 @@ pub(crate) struct PictureFile {
 /// Reads an OpenEXR, Radiance (.hdr), PFM or PNG picture, which is recognised by its first bytes. Values are linear and as the
 /// file has them: they may be negative, infinite or NaN. An alpha channel of OpenEXR is left out.
 ///
+/// See [`Image`](crate::image::Image) for an example of what is returned.
+///
 /// # Errors
 /// [`Error::Io`] if the file can't be read; [`Error::Invalid`] if it is damaged or of no format that is known;
 /// [`Error::Unsupported`] for other formats, by their names, for more than [`MAX_PIXELS`] pixels, and for kinds of a format
@@ -37,6 +39,8 @@ pub fn read_image(path: &Path) -> Result<Image> {
 }
 
 /// [`read_image`] from a file's bytes; `path` is for messages.
+///
+/// See [`Image`](crate::image::Image) for an example of what is returned.
 ///
 /// # Errors
 /// As [`read_image`].

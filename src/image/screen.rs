@@ -9,6 +9,8 @@ const SHOULDER: f32 = 0.5;
 ///
 /// The identity up to ½, so that mid-tones keep their ratios, then an exponential shoulder that approaches 1 and joins the
 /// line without a kink: ½ + ½(1 − exp(1 − 2x)). A negative or NaN channel is 0.
+///
+/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 pub fn tone_map(x: f32) -> f32 {
     if x <= SHOULDER || x.is_nan() {
         return x.max(0.0);
@@ -19,6 +21,8 @@ pub fn tone_map(x: f32) -> f32 {
 
 /// The picture's pixels as 8-bit sRGB, three bytes each: each channel is multiplied by 2^`exposure`, passes [`tone_map`] and is
 /// encoded by the sRGB transfer function (IEC 61966-2-1).
+///
+/// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 pub fn encode_srgb(image: &Image, exposure: f32) -> Vec<u8> {
     let gain = exposure.exp2();
     let mut bytes = Vec::with_capacity(3 * image.pixels().len());

@@ -8,6 +8,8 @@ use crate::Result;
 use crate::color::Rgb;
 
 /// A parallelogram that emits equal radiance in all directions from one side: the one that `edge_u` × `edge_v` points to.
+///
+/// The example of [`LightSpec`](crate::light::LightSpec) describes a light and loads it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     /// A corner.

@@ -8,6 +8,8 @@ use crate::Result;
 use crate::color::Rgb;
 
 /// Parallel light from infinitely far away.
+///
+/// The example of [`LightSpec`](crate::light::LightSpec) describes a light and loads it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directional {
     /// Towards the light, of any length; a zero vector gives no light.

@@ -6,6 +6,8 @@ use super::{Light, SkySampling};
 use crate::Result;
 
 /// Where a light goes that is named by a word alone: it is placed relative to the objects that it is to light.
+///
+/// The example of [`LightSpec`](crate::light::LightSpec) describes a light and loads it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// The middle of the objects, world space.

@@ -27,6 +27,8 @@ use glam::{DVec2, DVec3};
 use crate::color::Rgb;
 
 /// A direction towards a light, chosen from a point.
+///
+/// The example of [`Light`] samples an environment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
     /// Towards the light, world space, unit length.
@@ -40,6 +42,8 @@ pub struct LightSample {
 }
 
 /// What a ray receives from a light that has an extent.
+///
+/// The example of [`Light`] samples an environment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
     /// Radiance along the ray.
@@ -49,6 +53,20 @@ pub struct Emission {
 }
 
 /// A source of light.
+///
+/// # Examples
+/// ```
+/// use merlkit::color::Rgb;
+/// use merlkit::glam::{DVec2, DVec3};
+/// use merlkit::light::{Environment, Light};
+///
+/// let sky = Environment::uniform(Rgb::ONE)?;
+/// let sample = sky.sample(DVec3::ZERO, DVec2::new(0.3, 0.7)).expect("light from everywhere");
+/// assert_eq!(sample.radiance, Rgb::ONE);
+/// let emitted = sky.emitted_along(DVec3::ZERO, sample.wi, f64::INFINITY).expect("it surrounds us");
+/// assert!((emitted.pdf / sample.pdf - 1.0).abs() < 1e-6);
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 pub trait Light: Send + Sync {
     /// Chooses a direction towards the light from a point of the unit square; `None` where none of its light arrives.
     fn sample(&self, from: DVec3, u: DVec2) -> Option<LightSample>;

@@ -8,6 +8,8 @@ use crate::Result;
 use crate::color::Rgb;
 
 /// A point that shines equally in all directions.
+///
+/// The example of [`LightSpec`](crate::light::LightSpec) describes a light and loads it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Where it is.

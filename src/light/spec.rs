@@ -10,6 +10,21 @@ use crate::{Error, Result};
 macro_rules! lights {
     ($($(#[$doc:meta])* $variant:ident($light:ty)),+ $(,)?) => {
         /// A light as it is described: numbers and names; nothing is loaded.
+        ///
+        /// # Examples
+        /// ```
+        /// use merlkit::glam::DVec3;
+        /// use merlkit::light::{LightSpec, Placement, SkySampling};
+        ///
+        /// let placement = Placement { subject: DVec3::Y, key: DVec3::new(-1.0, 3.0, 2.0) };
+        /// let spec = LightSpec::from_name("uniform:2", &placement)?;
+        /// assert_eq!(spec.describe(), "environment (uniform)");
+        /// assert!(!spec.is_delta());
+        /// let light = spec.load(SkySampling::Importance)?;
+        /// let emitted = light.emitted_along(DVec3::Y, DVec3::X, f64::INFINITY).expect("it surrounds us");
+        /// assert!((emitted.radiance.x - 2.0).abs() < 1e-6);
+        /// # Ok::<(), merlkit::Error>(())
+        /// ```
         #[derive(Clone, Debug, PartialEq)]
         pub enum LightSpec {
             $($(#[$doc])* $variant($light)),+

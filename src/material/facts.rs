@@ -4,6 +4,8 @@ use crate::geometry::Symmetry;
 use crate::{Error, Result};
 
 /// What a material is, apart from its values.
+///
+/// The example of [`Material`](crate::material::Material) goes from an argument to a loaded material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaterialFacts {
     /// Which azimuths of `wo` represent all others.
@@ -40,7 +42,7 @@ impl MaterialFacts {
             return Ok(());
         }
         Err(Error::argument(
-            format!("{purpose} has no azimuth of the surface, and {name} is anisotropic"),
+            format!("{purpose} is for isotropic materials only, and {name} is anisotropic"),
             "name an isotropic material",
         ))
     }

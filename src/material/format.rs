@@ -35,6 +35,8 @@ pub(super) trait MaterialFormat: Sync {
 }
 
 /// Where a material's values come from.
+///
+/// The example of [`Material`](crate::material::Material) goes from an argument to a loaded material.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// A MERL binary, or a `.bsdf` file.

@@ -11,6 +11,8 @@ use crate::direction_sampler::DirectionSampler;
 use crate::geometry::Symmetry;
 
 /// A loaded material: its BRDF, and what only some kinds of material have.
+///
+/// The example of [`Material`](crate::material::Material) goes from an argument to a loaded material.
 #[derive(Clone)]
 pub struct Loaded {
     name: String,

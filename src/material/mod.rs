@@ -38,6 +38,22 @@ const FORMATS: [&dyn MaterialFormat; 3] = [
 ];
 
 /// A named material whose values are not loaded yet.
+///
+/// # Examples
+/// ```
+/// use merlkit::geometry::spherical;
+/// use merlkit::{LookupRule, Material};
+///
+/// let material = Material::resolve("lambert:reflectance=0.5")?;
+/// assert!(material.facts()?.is_isotropic());
+///
+/// let loaded = material.load(LookupRule::Floor)?;
+/// let wo = spherical(0.5, 0.0).as_vec3();
+/// let wi = spherical(0.6, 3.0).as_vec3();
+/// let value = loaded.brdf().eval(wo, wi);
+/// assert!((value.x - 0.5 / std::f32::consts::PI).abs() < 1e-6);
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Material {
     name: String,

@@ -5,6 +5,8 @@ use glam::{DVec2, DVec3};
 use super::shape::Ray;
 
 /// A pinhole camera, `y` up.
+///
+/// See [`render`](fn@crate::render::render) for an example that renders a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Where the eye is.

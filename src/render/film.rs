@@ -7,6 +7,8 @@ use crate::color::Rgb;
 use crate::image::Image;
 
 /// A rendered picture: for each pixel the mean radiance and its standard error, linear RGB in f64.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,

@@ -4,6 +4,8 @@ use super::spec::{SceneSpec, Strategy};
 use crate::light::LightSpec;
 
 /// Something the renderer can do, and leaves out where no light depends on it.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// Directions are drawn from the BRDFs' samplers, which have to be built.
@@ -53,6 +55,8 @@ impl Effect {
 }
 
 /// Whether something is on, and why.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decision {
     /// On or off.
@@ -62,6 +66,8 @@ pub struct Decision {
 }
 
 /// Which effects a scene is built with.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PlanRequest {
     /// Those that it calls for.
@@ -80,6 +86,8 @@ pub(super) const ROULETTE_FROM: u32 = 3;
 ///
 /// Every plan for a scene gives the same expected picture; they differ in cost. A [`super::Scene`] holds the plan that it was
 /// built by, and is rendered by no other.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EffectPlan {
     effects: [Decision; Effect::ALL.len()],
@@ -232,9 +240,7 @@ impl SceneFacts {
             (false, false) if self.extended => {
                 disabled("the lights are sampled, and nothing else is lit")
             }
-            (false, false) => {
-                disabled("delta lights only: no direction drawn by chance can hit them")
-            }
+            (false, false) => disabled("delta lights only: a random direction never hits them"),
         }
     }
 
@@ -268,12 +274,12 @@ impl SceneFacts {
 
     fn resampling(self) -> Decision {
         match (self.extended, self.strategy) {
-            (false, _) => disabled("delta lights only: no direction drawn by chance can hit them"),
+            (false, _) => disabled("delta lights only: a random direction never hits them"),
             (true, Strategy::Ris { candidates: 0 | 1 }) => {
                 disabled("one candidate: nothing to choose")
             }
             (true, Strategy::Ris { .. }) => {
-                enabled("of several directions, the one kept is likely to find much light")
+                enabled("of several directions, the one that is kept is likely to carry much light")
             }
             (true, _) => disabled("the strategy takes each direction as it is drawn"),
         }

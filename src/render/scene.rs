@@ -18,6 +18,8 @@ use crate::sampler::Cosine;
 use crate::{Error, Result};
 
 /// How an object reflects.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone)]
 pub struct Surface {
     /// Its BRDF.
@@ -38,6 +40,8 @@ impl Surface {
 }
 
 /// A scene, ready to be rendered by the plan that it holds.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 pub struct Scene {
     pub(super) plan: EffectPlan,
     pub(super) camera: Camera,
@@ -244,7 +248,7 @@ fn check(spec: &SceneSpec) -> Result<()> {
     check_objects(spec)?;
     if spec.depth == 0 {
         return Err(Error::argument(
-            "paths of no surface",
+            "a depth of 0",
             "give a depth of at least 1",
         ));
     }

@@ -5,6 +5,8 @@ use crate::points::{PointSet, mix};
 use crate::{Error, Result};
 
 /// Size and quality of a picture.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderSettings {
     /// Columns, ≥ 1.
@@ -21,11 +23,13 @@ pub struct RenderSettings {
 }
 
 /// How many paths are traced, and where. They are spread uniformly over each pixel (a box filter).
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     /// So many paths in every pixel, ≥ 1.
     Even(u64),
-    /// About so many paths a pixel on average, ≥ 16; more of them where the picture is noisy.
+    /// About so many paths per pixel on average, ≥ 16; more of them where the picture is noisy.
     ///
     /// They are distributed so that the mean over the pixels of their relative squared errors is small: a first look
     /// measures how far single paths are apart, relative to the brightness there, and no pixel gets more than 256 times the
@@ -39,15 +43,15 @@ pub enum Budget {
     ToError {
         /// Target for the relative error of each tile, > 0: 0.05 for 5 %.
         error: f64,
-        /// Most paths a pixel, ≥ 16; counts down to 16 times a power of two.
+        /// Most paths per pixel, ≥ 16; counts down to 16 times a power of two.
         most: u64,
     },
 }
 
-/// Fewest paths a pixel, on average, of [`Budget::Adaptive`]: with fewer, the first look would take most of them.
+/// Fewest paths per pixel, on average, of [`Budget::Adaptive`]: with fewer, the first look would take most of them.
 const LEAST_ADAPTIVE: u64 = 16;
 
-/// Fewest paths a pixel of [`Budget::ToError`]: 8 replicates of 2 paths; with fewer there is no error to estimate.
+/// Fewest paths per pixel of [`Budget::ToError`]: 8 replicates of 2 paths; with fewer there is no error to estimate.
 const LEAST_TO_ERROR: u64 = 16;
 
 impl RenderSettings {
@@ -77,11 +81,11 @@ impl RenderSettings {
 impl Budget {
     fn check(self) -> Result<()> {
         match self {
-            Self::Even(0) => Err(Error::argument("no path a pixel", "give at least 1")),
+            Self::Even(0) => Err(Error::argument("0 paths per pixel", "give at least 1")),
             Self::Adaptive(paths) if paths < LEAST_ADAPTIVE => Err(Error::argument(
-                format!("{paths} paths a pixel to distribute"),
+                format!("{paths} paths per pixel are too few for an adaptive picture"),
                 format!(
-                    "give {LEAST_ADAPTIVE} or more: some of them find out where to send the rest"
+                    "give {LEAST_ADAPTIVE} or more: the first of them decide where the others go"
                 ),
             )),
             Self::ToError { error, .. } if !(error > 0.0 && error.is_finite()) => {
@@ -91,8 +95,8 @@ impl Budget {
                 ))
             }
             Self::ToError { most, .. } if most < LEAST_TO_ERROR => Err(Error::argument(
-                format!("at most {most} paths a pixel"),
-                format!("allow {LEAST_TO_ERROR}: with fewer there is no error to estimate"),
+                format!("a limit of {most} paths per pixel"),
+                format!("allow at least {LEAST_TO_ERROR}: fewer give no estimate of the error"),
             )),
             Self::Even(_) | Self::Adaptive(_) | Self::ToError { .. } => Ok(()),
         }

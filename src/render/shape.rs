@@ -5,6 +5,8 @@ use std::fmt::Debug;
 use glam::DVec3;
 
 /// A half line.
+///
+/// See [`render`](fn@crate::render::render) for an example that renders a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where it starts.
@@ -21,6 +23,8 @@ impl Ray {
 }
 
 /// Where a ray enters a shape.
+///
+/// See [`render`](fn@crate::render::render) for an example that renders a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intersection {
     /// Distance along the ray, > 0.
@@ -30,6 +34,8 @@ pub struct Intersection {
 }
 
 /// An opaque surface that is seen from outside.
+///
+/// See [`render`](fn@crate::render::render) for an example that renders a sphere.
 pub trait Shape: Debug + Send + Sync {
     /// Where `ray` first enters the shape at a distance between `near` ≥ 0 and `far`, both excluded; `None` if it does not.
     fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection>;
@@ -45,6 +51,8 @@ pub trait Shape: Debug + Send + Sync {
 }
 
 /// An opaque sphere, seen from outside.
+///
+/// See [`render`](fn@crate::render::render) for an example that renders a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre, world space.

@@ -11,6 +11,8 @@ use crate::distribution::Heuristic;
 use crate::light::{LightSpec, Placement};
 
 /// A scene described: names and numbers only.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Debug)]
 pub struct SceneSpec {
     /// Names of materials that objects may use.
@@ -32,6 +34,8 @@ pub struct SceneSpec {
 }
 
 /// A sphere and its material.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereSpec {
     /// Its shape.
@@ -41,6 +45,8 @@ pub struct SphereSpec {
 }
 
 /// An object of any shape and its material.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Debug)]
 pub struct ObjectSpec {
     /// Its shape.
@@ -50,6 +56,8 @@ pub struct ObjectSpec {
 }
 
 /// How light from lights with an extent is found.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strategy {
     /// By one direction towards each light and one from the BRDF's sampler, weighted (Veach and Guibas 1995).

@@ -11,6 +11,8 @@ use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::material::Loaded;
 
 /// Sampling the cosine has no settings.
+///
+/// The example of [`DirectionSampler`](crate::direction_sampler::DirectionSampler) draws a direction and weights it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct CosineSettings {}
 
@@ -23,12 +25,14 @@ impl Settings for CosineSettings {
 }
 
 /// Density cosθ/π for every material (thesis 5.1.1).
+///
+/// The example of [`DirectionSampler`](crate::direction_sampler::DirectionSampler) draws a direction and weights it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cosine;
 
 impl Method for Cosine {
     const NAME: &'static str = "cosine";
-    const SUMMARY: &'static str = "in proportion to cosθ, whatever the material";
+    const SUMMARY: &'static str = "in proportion to cosθ, the same for every material";
     const NEEDS: Needs = Needs::AnyMaterial;
     const IS_STORED: bool = false;
     type Settings = CosineSettings;

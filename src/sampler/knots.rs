@@ -1,4 +1,4 @@
-//! Tables at a few polar angles of `wo`, and what serves the angles between them.
+//! Tables at a few polar angles of `wo`, and what is used for the angles between them.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -8,6 +8,8 @@ use crate::geometry::approx;
 use crate::{Error, Result};
 
 /// What a sampler does with a `wo` between two of its tables.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TableChoice {
@@ -75,7 +77,7 @@ impl ThetaKnots {
         nearest
     }
 
-    /// Tables that serve the upper direction `wo`.
+    /// Tables that are used for the upper direction `wo`.
     #[inline]
     pub fn neighbours(self, wo: Vec3) -> KnotPair {
         if self.count == 1 {

@@ -18,6 +18,8 @@ use crate::material::{Loaded, MaterialFacts};
 use crate::{Error, Result};
 
 /// What a method asks of a material.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) asks a method for its settings and needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Needs {
@@ -58,6 +60,8 @@ impl fmt::Display for Needs {
 ///
 /// The type that implements this is what is built. To add a method, implement it and [`Settings`], and name the type in the
 /// list of `sampler/spec.rs`: commands, help, tables, files and checks follow from these.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) asks a method for its settings and needs.
 pub trait Method: Any + Send + Sync + Sized {
     /// The word that names it on the command line and in files.
     const NAME: &'static str;
@@ -130,6 +134,8 @@ pub trait Method: Any + Send + Sync + Sized {
 }
 
 /// The settings of a [`Method`].
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) asks a method for its settings and needs.
 pub trait Settings:
     Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static
 {

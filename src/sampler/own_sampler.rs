@@ -9,6 +9,8 @@ use crate::sampler::store::TensorWriter;
 use crate::{Error, Result};
 
 /// A material's own sampler has no settings.
+///
+/// See [`DirectionSampler`](crate::direction_sampler::DirectionSampler) for an example of drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct OwnSamplerSettings {}
 
@@ -21,6 +23,8 @@ impl Settings for OwnSamplerSettings {
 }
 
 /// A material's own sampler.
+///
+/// See [`DirectionSampler`](crate::direction_sampler::DirectionSampler) for an example of drawing.
 #[derive(Clone)]
 pub struct OwnSampler(Arc<dyn DirectionSampler>);
 

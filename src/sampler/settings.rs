@@ -15,6 +15,8 @@ use crate::brdf::Importance;
 use crate::error::list_words;
 
 /// Settings with a name.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) asks a method for its settings and needs.
 #[derive(Clone, Debug)]
 pub struct Preset<S> {
     /// The word that selects them, in front of other settings.
@@ -45,6 +47,8 @@ impl<S> Preset<S> {
 }
 
 /// One setting of `S`.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) asks a method for its settings and needs.
 pub struct Field<S> {
     key: &'static str,
     meaning: &'static str,
@@ -261,7 +265,7 @@ pub(super) fn table_choice<S: 'static>(
             ("mixture", TableChoice::Mixture),
             ("nearest", TableChoice::Nearest),
         ],
-        "what serves a wo between two tables",
+        "what is used for a wo between two tables",
         get,
         set,
     )
@@ -269,6 +273,8 @@ pub(super) fn table_choice<S: 'static>(
 }
 
 /// What a list of settings says about one of them.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) asks a method for its settings and needs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct SettingFacts {
     /// The word in front of the `=`.
@@ -284,6 +290,8 @@ pub struct SettingFacts {
 }
 
 /// What a list of settings says about a preset.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) asks a method for its settings and needs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct PresetFacts {
     /// The word that selects the settings.

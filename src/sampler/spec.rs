@@ -41,6 +41,30 @@ const METHODS: &[fn() -> SamplerSpec] = methods![
 ///
 /// Its text, `NAME` or `NAME:SETTING,SETTING…`, is what users write, the label of tables and plots, and its form in
 /// JSON; [`Settings::parse_text`] says how settings are read. It prints as the shortest text that is read as the same.
+///
+/// # Examples
+/// ```
+/// use merlkit::sampler::{HalfVectorSettings, Needs};
+/// use merlkit::{LookupRule, Material, SamplerSpec};
+///
+/// let spec: SamplerSpec = "half-vector:2KB".parse()?;
+/// assert_eq!(spec.to_string(), "half-vector:2KB");
+/// assert_eq!(spec.name(), "half-vector");
+/// assert!(spec.settings::<HalfVectorSettings>().is_some());
+/// for setting in spec.setting_facts() {
+///     println!("{}: {}, {} by default", setting.key, setting.meaning, setting.default);
+/// }
+///
+/// // What a method needs is known before anything is loaded or built.
+/// let disc: SamplerSpec = "adaptive-disc".parse()?;
+/// let material = Material::resolve("lambert:reflectance=0.5")?;
+/// assert_eq!(disc.needs(), Needs::MerlTable);
+/// assert!(disc.check_supports(&material.facts()?).is_err());
+///
+/// let sampler = spec.build(&material.load(LookupRule::Floor)?)?;
+/// println!("tables of {} bytes", sampler.as_dyn().bytes());
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Clone)]
 pub struct SamplerSpec(Arc<dyn AnySettings>);
 
@@ -104,7 +128,7 @@ impl SamplerSpec {
         self.0.list_presets()
     }
 
-    /// Whether the method can serve a material, and with these settings.
+    /// Whether the method can be used for a material, and with these settings.
     ///
     /// # Errors
     /// [`Error::Argument`] if not, with what the method needs and which the material can have.
@@ -379,6 +403,8 @@ impl<M: Method> AnyMethod for M {
 }
 
 /// A sampler of any method, built for a material. It dereferences to the [`DirectionSampler`] that draws.
+///
+/// The example of [`DirectionSampler`](crate::direction_sampler::DirectionSampler) draws a direction and weights it.
 #[derive(Clone)]
 pub struct Sampler {
     spec: SamplerSpec,

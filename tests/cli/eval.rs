@@ -107,7 +107,7 @@ fn eval_names_the_line_it_cannot_read() {
 fn a_line_without_end_is_refused_while_it_arrives() {
     let text = fails(run(&["eval", "nickel"], &"1".repeat(1 << 20)));
     assert!(
-        text.contains("line 1") && text.contains("without an end"),
+        text.contains("line 1") && text.contains("without a line break"),
         "{text}"
     );
     // Not text, empty fields, too many fields, numbers that are none.

@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::run::{fails, run_in, succeeds};
 use crate::writing::{Running, names};
 
-/// Quick to load and long to render: five rounds of 64 paths a pixel or fewer.
+/// Quick to load and long to render: five rounds of 64 paths per pixel or fewer.
 const COMMAND: &str = "render lambert:reflectance=0.5 --sampler cosine --size 160x120 --spp 300 --seed 7 --bounces 2 --explain";
 const KEPT: [&str; 3] = ["p.exr", "p.partial", "p.png"];
 
@@ -48,7 +48,9 @@ fn a_stopped_picture_is_kept_and_goes_on_to_the_same_bytes() {
     }
     let messages = stop_midway(&stopped, &arguments(COMMAND, "-o p"), "-INT", 130);
     assert!(messages.contains("p.exr has "), "{messages}");
-    assert!(messages.contains(" of 300 paths a pixel; the same command with --resume finishes it"));
+    assert!(
+        messages.contains(" of 300 paths per pixel; the same command with --resume finishes it")
+    );
     assert_eq!(names(&stopped), KEPT);
     for name in ["p.exr", "p.png"] {
         let path = stopped.join(name);
@@ -56,7 +58,7 @@ fn a_stopped_picture_is_kept_and_goes_on_to_the_same_bytes() {
             says(&path, "unfinished: ")
                 && says(
                     &path,
-                    "paths a pixel, seed 7; to finish it: merlkit render lambert"
+                    "paths per pixel, seed 7; to finish it: merlkit render lambert"
                 )
         );
     }

@@ -183,3 +183,22 @@ fn no_help_is_longer_than_two_screens() {
         assert!(lines <= LONGEST_HELP, "{name}: {lines} lines");
     }
 }
+
+/// Options other than `--threads` and `--help` that a help may list without headings.
+const FEW_OPTIONS: usize = 3;
+
+#[test]
+fn many_options_are_grouped_under_headings() {
+    for name in command_names() {
+        let text = succeeds(run(&["help", &name], ""));
+        let Some(options) = text.split("\nOptions:\n").nth(1) else {
+            continue;
+        };
+        let options = options.split("\n\n").flat_map(str::lines);
+        let ungrouped = options
+            .take_while(|line| line.is_empty() || line.starts_with(' '))
+            .filter(|line| line.trim_start().starts_with('-'))
+            .count();
+        assert!(ungrouped <= FEW_OPTIONS + 2, "{name}: {ungrouped}");
+    }
+}

@@ -1,5 +1,6 @@
 //! The header as C and C++.
 
+use crate::support::half_vector_preset;
 use std::f64::consts::TAU;
 
 use glam::{Vec2, Vec3};
@@ -17,14 +18,6 @@ use crate::program::{Answer, Beyond, COMPILERS, Program, Question, compare, expe
 use crate::support::noise_table;
 
 const DRAWS: usize = 100_000;
-
-fn settings(size: &str) -> HalfVectorSettings {
-    HalfVectorSettings::PRESETS
-        .into_iter()
-        .find(|p| p.0 == size)
-        .unwrap()
-        .1
-}
 
 fn export(material: &str, lookup: LookupRule, settings: HalfVectorSettings) -> Export {
     let material = Material::resolve(material).unwrap();
@@ -55,7 +48,10 @@ fn agree(export: &Export, compilers: &[(&str, &[&str])]) {
 fn nickel_agrees_by_every_rule_and_in_both_languages() {
     use LookupRule::{Centred, Floor, Linear};
     for (rule, size) in [(Floor, "2KB"), (Linear, "64KB"), (Centred, "16KB")] {
-        agree(&export("nickel", rule, settings(size)), &COMPILERS);
+        agree(
+            &export("nickel", rule, half_vector_preset(size)),
+            &COMPILERS,
+        );
     }
 }
 
@@ -63,7 +59,10 @@ fn nickel_agrees_by_every_rule_and_in_both_languages() {
 fn teflon_agrees_by_every_rule_and_in_both_languages() {
     use LookupRule::{Centred, Floor, Linear};
     for (rule, size) in [(Floor, "1MB"), (Linear, "8KB"), (Centred, "4KB")] {
-        agree(&export("teflon", rule, settings(size)), &COMPILERS);
+        agree(
+            &export("teflon", rule, half_vector_preset(size)),
+            &COMPILERS,
+        );
     }
 }
 
@@ -78,7 +77,7 @@ fn noise_with_holes_agrees_by_every_rule() {
         let path = folder.path().join(format!("noise {bins}.binary"));
         write(&noise_table(bins, 5, 3), &path, Overwrite::Refuse).unwrap();
         for (rule, most) in LookupRule::ALL.into_iter().zip([1e-5, 1e-3, 1e-3]) {
-            let export = export(path.to_str().unwrap(), rule, settings("2KB"));
+            let export = export(path.to_str().unwrap(), rule, half_vector_preset("2KB"));
             let questions = questions(&export, DRAWS, 8);
             let found = Program::new(&export, folder.path(), compiler, |text| text).ask(&questions);
             let beyond = compare(&found, &expected(&export, &questions), most);
@@ -148,7 +147,7 @@ fn difficult_questions() -> Vec<Question> {
 #[test]
 fn degenerate_inputs_are_as_in_the_library() {
     for (rule, size) in [(LookupRule::Floor, "64KB"), (LookupRule::Linear, "2KB")] {
-        let export = export("nickel", rule, settings(size));
+        let export = export("nickel", rule, half_vector_preset(size));
         let questions = difficult_questions();
         let expected = expected(&export, &questions);
         for compiler in COMPILERS.into_iter().filter(|c| has(c.0, &["--version"])) {
@@ -189,7 +188,7 @@ fn degenerate_inputs_are_as_in_the_library() {
 fn points_outside_the_square_are_drawn_from() {
     let (compiler, export) = (
         COMPILERS[0],
-        export("nickel", LookupRule::Floor, settings("2KB")),
+        export("nickel", LookupRule::Floor, half_vector_preset("2KB")),
     );
     if !has(compiler.0, &["--version"]) {
         return;
@@ -212,7 +211,7 @@ fn points_outside_the_square_are_drawn_from() {
 fn the_comparison_rejects_wrong_headers() {
     let (compiler, export) = (
         COMPILERS[0],
-        export("nickel", LookupRule::Floor, settings("2KB")),
+        export("nickel", LookupRule::Floor, half_vector_preset("2KB")),
     );
     if !has(compiler.0, &["--version"]) {
         return;
@@ -289,7 +288,14 @@ fn spoil(text: &str, array: &str, line: usize) -> String {
 
 #[test]
 fn headers_are_the_same_every_time_and_plain() {
-    let make = || export("blue-metallic-paint", LookupRule::Centred, settings("2KB")).header();
+    let make = || {
+        export(
+            "blue-metallic-paint",
+            LookupRule::Centred,
+            half_vector_preset("2KB"),
+        )
+        .header()
+    };
     let text = make();
     assert_eq!(text, make());
     assert!(text.is_ascii() && !text.contains(['\\', '@', '\t']) && !text.contains("NAME"));

@@ -1,25 +1,18 @@
 //! Pictures whose pixels differ in their numbers of paths. Of a target error: the error they claim is the error they have, and
 //! stopping leaves the picture unbiased. Shared out by noise: as unbiased, and nearer to the truth than even ones.
 
+use crate::support::measured;
 use std::sync::Arc;
 
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::light::{EnvironmentSource, LightSpec};
-use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::merl::MerlBrdf;
 use merlkit::points::PointSet;
 use merlkit::render::{
     Budget, Film, PlanRequest, Refinement, RenderSettings, Rendered, Scene, SceneSpec, Strategy,
     Surface, render,
 };
 use merlkit::sampler::{Cosine, HalfVectorSettings, HalfVectorTable};
-
-fn measured(name: &str) -> Arc<MerlBrdf> {
-    Arc::new(MerlBrdf::new(
-        Arc::new(decode_embedded(name).unwrap()),
-        LookupRule::Floor,
-    ))
-}
 
 /// A sphere under the studio.
 struct Picture {

@@ -45,13 +45,9 @@ fn file(symmetry: Symmetry) -> RglBrdf {
 }
 
 fn settings(azimuths: usize, size: &str) -> HalfVectorSettings {
-    let preset = HalfVectorSettings::PRESETS
-        .iter()
-        .find(|p| p.0 == size)
-        .unwrap();
     HalfVectorSettings {
         azimuths: Some(azimuths),
-        ..preset.1
+        ..support::half_vector_preset(size)
     }
 }
 

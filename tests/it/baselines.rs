@@ -1,15 +1,13 @@
 //! The samplers that the tables are compared with: each passes every check, whatever the material, and fits it.
 
-use crate::support::{baselines, loaded};
-use std::sync::Arc;
+use crate::support::{baselines, loaded, measured};
 
 use crate::support::tampered::Tampered;
 use glam::{Vec2, Vec3};
 use merlkit::brdf::Importance;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{Quadrature, spherical};
-use merlkit::material::merl::{HardCase, decode_embedded};
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::merl::MerlBrdf;
 use merlkit::points::PointSet;
 use merlkit::sampler::{
     Cosine, Factored, FactoredSettings, Factors, LEAST_DIFFUSE, Lobe, LobeKind, LobeParameters,
@@ -17,14 +15,6 @@ use merlkit::sampler::{
 };
 use merlkit_evaluate::measure::accuracy::{LIMIT_ANGLES_DEG, weight_spread};
 use merlkit_evaluate::measure::check::{Check, CheckSettings, check_directions, check_sampler};
-
-fn measured(name: &str) -> Arc<MerlBrdf> {
-    let table = match HardCase::named(name) {
-        Some(case) => case.table(),
-        None => decode_embedded(name).unwrap(),
-    };
-    Arc::new(MerlBrdf::new(Arc::new(table), LookupRule::Floor))
-}
 
 const MATERIALS: [&str; 4] = ["nickel", "teflon", "black-obsidian", "red-plastic"];
 /// Without "peak": all mass in a hundredth of a degree is too much for the check's own integration, whatever the sampler.

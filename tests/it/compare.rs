@@ -1,12 +1,12 @@
 //! Errors against time: what is measured is what it says, and choices hold on fresh seeds.
 
-use crate::support::loaded;
+use crate::support::{loaded, measured};
 use std::sync::Arc;
 
 use merlkit::distribution::Heuristic;
 use merlkit::geometry::Symmetry;
 use merlkit::light::{Environment, SkySampling, broad_lamps};
-use merlkit::material::merl::{HardCase, decode_embedded};
+use merlkit::material::merl::HardCase;
 use merlkit::material::{Loaded, LookupRule, Material, MaterialFacts, MerlBrdf};
 use merlkit::sampler::{CosineSettings, HalfVectorSettings, SamplerSpec};
 use merlkit_evaluate::measure::compare::{
@@ -15,13 +15,6 @@ use merlkit_evaluate::measure::compare::{
     tunable, tune, verdict,
 };
 use merlkit_evaluate::measure::convergence::Technique;
-
-fn measured(name: &str) -> Arc<MerlBrdf> {
-    Arc::new(MerlBrdf::new(
-        Arc::new(decode_embedded(name).unwrap()),
-        LookupRule::Floor,
-    ))
-}
 
 const TABLE: MaterialFacts = MaterialFacts {
     symmetry: Symmetry::Isotropic,

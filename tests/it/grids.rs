@@ -87,7 +87,7 @@ fn a_polarised_lambertian_comes_back() {
     // A point of the grid counts once, above the horizon.
     assert!(list.count() > 100 && list.count() < 13 * 7 * 7);
     assert_eq!(notes[0], format!("measured directions: {}", list.count()));
-    assert!(notes[1].contains("differ by 0.000 %"), "{notes:?}");
+    assert!(notes[1].contains("changes f_r by 0.000 %"), "{notes:?}");
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn polarised_files_keep_lobes_orders_and_colours() {
     let (table, notes) = grid(&|_, wi, _| 0.3 + 0.1 * wi.z);
     let (median, largest) = difference(table, mean_of_orders);
     assert!(median < 0.002 && largest < 0.01, "{median} {largest}");
-    assert!(!notes[1].contains("differ by 0.000 %"), "{notes:?}");
+    assert!(!notes[1].contains("changes f_r by 0.000 %"), "{notes:?}");
     // The colour of a spectrum is that of the same spectrum in a list.
     let spectrum = |nm: f64| 0.1 + (nm - 450.0) / 500.0;
     let table = grid(&|_, _, nm| spectrum(nm)).0;
@@ -323,6 +323,23 @@ fn utia_files_are_no_materials_and_others_of_their_size_are_not_taken_for_them()
         text.contains("at byte 800000") && text.contains("NaN"),
         "{text}"
     );
+}
+
+#[test]
+fn broken_polarised_files_come_with_advice_for_their_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut fields = pbsdf_fields([5, 3, 3], &|_, _, _| 0.2);
+    fields[0].1 = 9;
+    // The fields show the kind, or the name does where the fields can't be read.
+    let wrong = folder.path().join("wrong");
+    std::fs::write(&wrong, tensor_file(&fields)).unwrap();
+    let cut = folder.path().join("cut.pbsdf");
+    std::fs::write(&cut, &tensor_file(&fields)[..40]).unwrap();
+    for path in [wrong, cut] {
+        let error = Measurements::read(&path, None).err().unwrap().to_string();
+        assert!(error.contains("name a .pbsdf file"), "{error}");
+        assert!(!error.contains("name a .bsdf file"), "{error}");
+    }
 }
 
 #[test]

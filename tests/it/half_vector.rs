@@ -1,13 +1,10 @@
 //! The half-vector table: right at every size, never without a draw, continuous, invertible, and the same in batches.
 
-use std::sync::Arc;
-
 use glam::{Vec2, Vec3};
 use merlkit::Wo;
 use merlkit::brdf::Importance;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
-use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
@@ -16,21 +13,10 @@ use merlkit_evaluate::measure::check::{Check, CheckSettings, check_directions, c
 use merlkit_evaluate::measure::convergence::{Incident, LitPoint, Runs, slope};
 
 use crate::support::tampered::Tampered;
+use crate::support::{half_vector_preset, measured_under};
 
 /// Upper bound of the samplers checked in this file: together they err once in a hundred seeds.
 const CALLS: usize = 40;
-
-fn measured(name: &str, rule: LookupRule) -> MerlBrdf {
-    MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), rule)
-}
-
-fn preset(name: &str) -> HalfVectorSettings {
-    HalfVectorSettings::PRESETS
-        .iter()
-        .find(|p| p.0 == name)
-        .unwrap()
-        .1
-}
 
 fn direction(degrees: f64) -> Vec3 {
     spherical(degrees.to_radians(), 0.8).as_vec3()
@@ -57,9 +43,9 @@ macro_rules! passes_on {
     ($($test:ident: $name:literal, $seed:literal, [$($size:literal),*];)*) => {
         $(#[test]
         fn $test() {
-            let brdf = measured($name, LookupRule::Floor);
+            let brdf = measured_under($name, LookupRule::Floor);
             for (i, size) in [$($size),*].into_iter().enumerate() {
-                assert_passes(&brdf, preset(size), 10 * $seed + i as u64);
+                assert_passes(&brdf, half_vector_preset(size), 10 * $seed + i as u64);
             }
         })*
     };
@@ -85,9 +71,9 @@ mod passes_every_check_on {
     #[test]
     fn other_lookups_and_importances() {
         let default = HalfVectorSettings::default();
-        assert_passes(&measured("chrome", LookupRule::Linear), default, 200);
+        assert_passes(&measured_under("chrome", LookupRule::Linear), default, 200);
         assert_passes(
-            &measured("violet-acrylic", LookupRule::Centred),
+            &measured_under("violet-acrylic", LookupRule::Centred),
             default,
             201,
         );
@@ -96,7 +82,7 @@ mod passes_every_check_on {
             ..default
         };
         assert_passes(
-            &measured("blue-metallic-paint", LookupRule::Floor),
+            &measured_under("blue-metallic-paint", LookupRule::Floor),
             luminance,
             202,
         );
@@ -104,7 +90,7 @@ mod passes_every_check_on {
 
     #[test]
     fn odd_sizes() {
-        let brdf = measured("nickel", LookupRule::Floor);
+        let brdf = measured_under("nickel", LookupRule::Floor);
         for (i, (tables, rows, segments, fold)) in [
             (1, 2, 1, true),
             (2, 79, 1, false),
@@ -130,8 +116,8 @@ mod passes_every_check_on {
 /// The two tables' densities differ by a few per cent.
 #[test]
 fn a_density_of_another_resolution_is_rejected() {
-    let brdf = measured("nickel", LookupRule::Floor);
-    let build = |name| HalfVectorTable::build(&brdf, preset(name)).unwrap();
+    let brdf = measured_under("nickel", LookupRule::Floor);
+    let build = |name| HalfVectorTable::build(&brdf, half_vector_preset(name)).unwrap();
     let (draws, claims) = (build("64KB"), build("2KB"));
     let wos = [14.5, 45.0, 75.5].map(direction);
     let settings = CheckSettings {
@@ -179,9 +165,9 @@ fn extreme_directions() -> Vec<Vec3> {
 #[test]
 fn no_draw_fails_and_every_density_is_its_own() {
     for name in ["chrome", "black-obsidian"] {
-        let brdf = measured(name, LookupRule::Floor);
+        let brdf = measured_under(name, LookupRule::Floor);
         for size in ["2KB", "64KB"] {
-            let table = HalfVectorTable::build(&brdf, preset(size)).unwrap();
+            let table = HalfVectorTable::build(&brdf, half_vector_preset(size)).unwrap();
             for wo in extreme_directions() {
                 for x in extremes() {
                     for y in extremes() {
@@ -209,8 +195,11 @@ fn no_draw_fails_and_every_density_is_its_own() {
 
 #[test]
 fn invalid_directions_have_no_draw_and_no_density() {
-    let table =
-        HalfVectorTable::build(&measured("nickel", LookupRule::Floor), preset("2KB")).unwrap();
+    let table = HalfVectorTable::build(
+        &measured_under("nickel", LookupRule::Floor),
+        half_vector_preset("2KB"),
+    )
+    .unwrap();
     for wo in [
         Vec3::ZERO,
         -Vec3::Z,
@@ -236,8 +225,11 @@ fn draw(table: &HalfVectorTable, wo: Vec3, points: &[Vec2]) -> Vec<Option<Direct
 #[test]
 fn batches_draw_the_same_bits() {
     for (name, size) in [("teflon", "8KB"), ("nickel", "64KB")] {
-        let table =
-            HalfVectorTable::build(&measured(name, LookupRule::Floor), preset(size)).unwrap();
+        let table = HalfVectorTable::build(
+            &measured_under(name, LookupRule::Floor),
+            half_vector_preset(size),
+        )
+        .unwrap();
         for wo in extreme_directions() {
             for count in [0, 1, 63, 64, 65, 1000] {
                 let points: Vec<Vec2> = (0..count)
@@ -253,8 +245,11 @@ fn batches_draw_the_same_bits() {
 #[test]
 fn draws_can_be_inverted() {
     for (name, size) in [("nickel", "64KB"), ("teflon", "2KB"), ("chrome", "16KB")] {
-        let table =
-            HalfVectorTable::build(&measured(name, LookupRule::Floor), preset(size)).unwrap();
+        let table = HalfVectorTable::build(
+            &measured_under(name, LookupRule::Floor),
+            half_vector_preset(size),
+        )
+        .unwrap();
         for degrees in [0.0, 0.76, 30.0, 60.25, 84.7, 89.5] {
             let wo = direction(degrees);
             let mut far = 0;
@@ -272,8 +267,11 @@ fn draws_can_be_inverted() {
 /// Between rows the azimuth may jump; within one, and over `wo`, small changes have small effects.
 #[test]
 fn draws_move_little_when_their_point_or_wo_does() {
-    let table = HalfVectorTable::build(&measured("red-plastic", LookupRule::Floor), preset("64KB"))
-        .unwrap();
+    let table = HalfVectorTable::build(
+        &measured_under("red-plastic", LookupRule::Floor),
+        half_vector_preset("64KB"),
+    )
+    .unwrap();
     let mut jumps = [0; 2];
     for i in 0..4000 {
         let u = PointSet::Random.point(9, i, 0);
@@ -292,7 +290,7 @@ fn draws_move_little_when_their_point_or_wo_does() {
 
 #[test]
 fn sizes_are_what_they_are_called() {
-    let brdf = measured("alum-bronze", LookupRule::Floor);
+    let brdf = measured_under("alum-bronze", LookupRule::Floor);
     for (name, settings) in HalfVectorSettings::PRESETS {
         let bytes = HalfVectorTable::build(&brdf, settings).unwrap().bytes();
         let (number, unit) = name.split_at(name.len() - 2);
@@ -308,7 +306,7 @@ fn sizes_are_what_they_are_called() {
 
 #[test]
 fn settings_outside_their_domains_are_refused() {
-    let brdf = measured("nickel", LookupRule::Floor);
+    let brdf = measured_under("nickel", LookupRule::Floor);
     let d = HalfVectorSettings::default();
     for settings in [
         HalfVectorSettings { tables: 0, ..d },
@@ -331,8 +329,8 @@ fn weights_spread_little() {
     const MATERIALS: [&str; 3] = ["chrome", "red-plastic", "black-obsidian"];
     for (size, most) in [("2KB", 0.16), ("64KB", 0.06), ("1MB", 0.05)] {
         for name in MATERIALS {
-            let brdf = measured(name, LookupRule::Floor);
-            let table = HalfVectorTable::build(&brdf, preset(size)).unwrap();
+            let brdf = measured_under(name, LookupRule::Floor);
+            let table = HalfVectorTable::build(&brdf, half_vector_preset(size)).unwrap();
             let spread = |&degrees: &f64| {
                 let quadrature = Quadrature::new(direction(degrees), POINTS_PER_BIN / 4);
                 weight_spread(&table, &brdf, &quadrature, Importance::Mean)
@@ -351,7 +349,7 @@ fn weights_spread_little() {
 /// Broad lamps, so that it is the map from points to directions that counts.
 #[test]
 fn well_spread_points_stay_well_spread() {
-    let brdf = measured("blue-metallic-paint", LookupRule::Floor);
+    let brdf = measured_under("blue-metallic-paint", LookupRule::Floor);
     let table = HalfVectorTable::build(&brdf, HalfVectorSettings::default()).unwrap();
     let radiance =
         |wi: Vec3| 0.2 + 4.0 * f64::from(wi.dot(Vec3::new(0.5, 0.3, 0.81)).max(0.0)).powi(8);
@@ -378,14 +376,14 @@ fn well_spread_points_stay_well_spread() {
 
 #[test]
 fn builds_do_not_depend_on_threads() {
-    let brdf = measured("alum-bronze", LookupRule::Floor);
+    let brdf = measured_under("alum-bronze", LookupRule::Floor);
     let draws = [1, 2, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .unwrap();
         let table = pool
-            .install(|| HalfVectorTable::build(&brdf, preset("8KB")))
+            .install(|| HalfVectorTable::build(&brdf, half_vector_preset("8KB")))
             .unwrap();
         let points: Vec<Vec2> = (0..1000).map(|i| PointSet::Random.point(1, i, 0)).collect();
         LIMIT_ANGLES_DEG.map(|d| draw(&table, direction(d), &points))

@@ -146,10 +146,10 @@ fn what_breaks_the_grammar_is_named_with_its_place() {
         ),
         (heading, "rows of numbers"),
         ("# nothing\n", "names of columns"),
-        (&many, "say --angles radians"),
+        (&many, "pass --angles radians"),
         (
             "VARS theta_i,phi_i,theta_s,phi_s,value\n30,0,40,180,0.1\n",
-            "say --angles degrees",
+            "pass --angles degrees",
         ),
         (
             "NUM_POINTS 3\nVARS theta_i,phi_i,theta_s,phi_s,value\n0.1,0,0.2,0,0.1\n",

@@ -1,5 +1,6 @@
 //! The checks pass right samplers and reject wrong ones, each for its own fault.
 
+use crate::support::measured_under;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
@@ -9,7 +10,7 @@ use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature};
 use merlkit::geometry::{half_vector, is_upper, reflect_about, spherical, to_spherical};
-use merlkit::material::merl::{Header, MerlTable, decode_embedded};
+use merlkit::material::merl::{Header, MerlTable};
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::Stream;
 use merlkit::sampler::Cosine;
@@ -18,10 +19,6 @@ use merlkit_evaluate::measure::check::{
     Check, CheckReport, CheckSettings, check_directions, check_sampler,
 };
 use merlkit_evaluate::measure::chi_square::{ChiSquareTest, ChiSquareVerdict};
-
-fn measured(name: &str, rule: LookupRule) -> MerlBrdf {
-    MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), rule)
-}
 
 /// f_r = 0.5/π in every bin.
 fn lambert() -> MerlBrdf {
@@ -331,14 +328,14 @@ fn assert_pass(sampler: &dyn DirectionSampler, brdf: &dyn Brdf) {
 #[test]
 fn cosine_passes_on_every_material() {
     for name in ["teflon", "nickel", "red-plastic"] {
-        assert_pass(&Cosine, &measured(name, LookupRule::Floor));
+        assert_pass(&Cosine, &measured_under(name, LookupRule::Floor));
     }
     assert_pass(&Cosine, &lambert());
 }
 
 #[test]
 fn right_samplers_with_failed_draws_and_with_jumps_pass() {
-    for brdf in [measured("nickel", LookupRule::Floor), lambert()] {
+    for brdf in [measured_under("nickel", LookupRule::Floor), lambert()] {
         assert_pass(&Lobe::right(200.0), &brdf);
         assert_pass(&Steps::new(40, 24, 9), &brdf);
     }
@@ -350,7 +347,7 @@ fn other_lookup_rules_pass_too() {
     for rule in [LookupRule::Linear, LookupRule::Centred] {
         let report = check_sampler(
             &Lobe::right(800.0),
-            &measured("chrome", rule),
+            &measured_under("chrome", rule),
             &directions(&[14.5, 75.5]),
             &settings,
         );
@@ -494,7 +491,7 @@ fn a_returned_pdf_of_its_own_is_rejected() {
 
 #[test]
 fn a_wrong_stratified_draw_is_rejected() {
-    let brdf = measured("beige-fabric", LookupRule::Floor);
+    let brdf = measured_under("beige-fabric", LookupRule::Floor);
     // Turned so that the wedge which is never drawn holds the retro-reflection of the cloth.
     let wos = [45.0_f64, 60.25, 75.5].map(|a| spherical(a.to_radians(), -FRAC_PI_2).as_vec3());
     let report = check_sampler(&Faulty::Batch, &brdf, &wos, &settings(1));
@@ -546,7 +543,7 @@ fn p_values_of_densities_with_jumps_are_uniform() {
 
 #[test]
 fn reports_do_not_depend_on_threads() {
-    let brdf = measured("red-plastic", LookupRule::Floor);
+    let brdf = measured_under("red-plastic", LookupRule::Floor);
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)

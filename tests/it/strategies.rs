@@ -1,5 +1,7 @@
 //! Strategies for light × BRDF: each gives the same picture and the same point, at its own cost.
 
+use crate::render::row;
+use crate::support::measured;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
@@ -9,8 +11,6 @@ use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::distribution::Heuristic;
 use merlkit::geometry::{POINTS_PER_BIN, spherical};
 use merlkit::light::{Area, Environment, EnvironmentSource, LightSpec, SkySampling};
-use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::render::{
     Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Strategy, Surface, render,
@@ -27,13 +27,6 @@ const STRATEGIES: [Strategy; 6] = [
     Strategy::Ris { candidates: 16 },
 ];
 
-fn measured(name: &str) -> Arc<MerlBrdf> {
-    Arc::new(MerlBrdf::new(
-        Arc::new(decode_embedded(name).unwrap()),
-        LookupRule::Floor,
-    ))
-}
-
 /// A material with the default sampler, and one with none that follows it.
 fn surfaces(name: &str) -> [Surface; 2] {
     let brdf = measured(name);
@@ -48,15 +41,6 @@ fn surfaces(name: &str) -> [Surface; 2] {
             sampler: Some(Arc::new(Cosine)),
         },
     ]
-}
-
-fn row(count: usize, lights: Vec<LightSpec>, strategy: Strategy) -> SceneSpec {
-    let names: Vec<String> = (0..count).map(|i| i.to_string()).collect();
-    SceneSpec {
-        lights,
-        strategy,
-        ..SceneSpec::row(&names, 1.0)
-    }
 }
 
 fn studio() -> LightSpec {

@@ -45,7 +45,7 @@ fn settings(budget: Budget, points: PointSet) -> RenderSettings {
     }
 }
 
-/// Several rounds each, of 64 paths a pixel.
+/// Several rounds each, of 64 paths per pixel.
 fn budgets() -> [RenderSettings; 4] {
     [
         settings(Budget::Even(240), PointSet::Lattice),
@@ -125,9 +125,9 @@ fn pictures_in_pieces_have_the_bits_of_whole_ones() {
 fn a_stopped_picture_shows_what_it_has() {
     let scene = scene();
     for (settings, words) in budgets().iter().zip([
-        "64 of 240 paths a pixel",
-        "64 of 235 paths a pixel",
-        "about 27 of 220 paths a pixel",
+        "64 of 240 paths per pixel",
+        "64 of 235 paths per pixel",
+        "about 27 of 220 paths per pixel",
         " tiles",
     ]) {
         let mut rendering = Rendering::begin(&scene, settings).unwrap();

@@ -11,15 +11,35 @@ use crate::ROOT;
 use glam::Vec3;
 use merlkit::geometry::spherical;
 use merlkit::material::Loaded;
-use merlkit::material::merl::{Header, MerlBrdf, MerlTable};
+use merlkit::material::merl::{HardCase, Header, LookupRule, MerlBrdf, MerlTable, decode_embedded};
 use merlkit::points::Stream;
-use merlkit::sampler::SamplerSpec;
+use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
 /// A table as a material in memory.
 pub fn loaded(brdf: &Arc<MerlBrdf>) -> Loaded {
     Loaded::from_table(brdf.clone())
+}
+
+/// A built-in material, or a hard case, under a lookup rule.
+pub fn measured_under(name: &str, rule: LookupRule) -> MerlBrdf {
+    let table = match HardCase::named(name) {
+        Some(case) => case.table(),
+        None => decode_embedded(name).unwrap(),
+    };
+    MerlBrdf::new(Arc::new(table), rule)
+}
+
+/// [`measured_under`] the default rule, to be shared.
+pub fn measured(name: &str) -> Arc<MerlBrdf> {
+    Arc::new(measured_under(name, LookupRule::Floor))
+}
+
+/// The half-vector table's settings for a size, such as "64KB".
+pub fn half_vector_preset(size: &str) -> HalfVectorSettings {
+    let presets = HalfVectorSettings::PRESETS;
+    presets.into_iter().find(|p| p.0 == size).unwrap().1
 }
 
 /// A sampler and its settings from their text.

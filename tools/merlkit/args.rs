@@ -88,7 +88,7 @@ pub struct Materials {
     /// MERL binaries, .bsdf files or folders of either, names of embedded materials, or formulas such as
     /// lambert:reflectance=0.5
     // An option that conflicts with it, as --all does, lifts the requirement.
-    #[arg(required = true, value_name = "MATERIAL")]
+    #[arg(help_heading = None, required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// Process every embedded material
     #[arg(long, conflicts_with = "materials")]

@@ -95,16 +95,12 @@ impl Files {
         } else {
             name.to_owned()
         };
-        let with = |extension: &str| {
+        let [exr, png, partial] = [".exr", ".png", ".partial"].map(|extension| {
             let mut path = stem.clone().into_os_string();
             path.push(extension);
             PathBuf::from(path)
-        };
-        Self {
-            exr: with(".exr"),
-            png: with(".png"),
-            partial: with(".partial"),
-        }
+        });
+        Self { exr, png, partial }
     }
 
     /// Writes both; `exposure` is in stops.

@@ -27,12 +27,6 @@ pub fn check() -> Result<(), Error> {
 #[cfg(feature = "png-plots")]
 pub fn png(svg: &str) -> Result<Vec<u8>, Error> {
     use resvg::{tiny_skia, usvg};
-    let broken = |e: String| {
-        Error::argument(
-            format!("the picture could not be drawn: {e}"),
-            "report this",
-        )
-    };
     let mut options = usvg::Options::default();
     options.fontdb_mut().load_system_fonts();
     // Which font is the system's sans-serif is not asked; by default it would be one that few systems have.
@@ -43,9 +37,10 @@ pub fn png(svg: &str) -> Result<Vec<u8>, Error> {
     options.fontdb_mut().set_sans_serif_family(&family);
     options.font_family = family;
     let tree = usvg::Tree::from_str(svg, &options).map_err(|e| broken(e.to_string()))?;
-    let side = |length: f32| (length * SCALE).ceil() as u32;
-    let mut pixels = tiny_skia::Pixmap::new(side(tree.size().width()), side(tree.size().height()))
-        .ok_or_else(|| broken("it has no size".into()))?;
+    let size = tree.size();
+    let [width, height] = [size.width(), size.height()].map(|side| (side * SCALE).ceil() as u32);
+    let mut pixels =
+        tiny_skia::Pixmap::new(width, height).ok_or_else(|| broken("it has no size".into()))?;
     pixels.fill(tiny_skia::Color::WHITE);
     resvg::render(
         &tree,
@@ -53,6 +48,14 @@ pub fn png(svg: &str) -> Result<Vec<u8>, Error> {
         &mut pixels.as_mut(),
     );
     pixels.encode_png().map_err(|e| broken(e.to_string()))
+}
+
+#[cfg(feature = "png-plots")]
+fn broken(why: String) -> Error {
+    Error::argument(
+        format!("the picture could not be drawn: {why}"),
+        "report this",
+    )
 }
 
 /// A family for text: one that calls itself sans, but for those of equal widths, or else any.

@@ -174,18 +174,20 @@ impl Sources {
     fn of_picture(picture: &Picture<'_>) -> Self {
         let materials = picture.materials.iter().filter_map(material_file);
         let lights = picture.scene.lights.iter().filter_map(map_file);
-        let with_time = |path: &Path| (path.to_owned(), time_written(path));
-        Self {
-            written: materials.chain(lights).map(with_time).collect(),
+        let mut written = Vec::new();
+        for path in materials.chain(lights) {
+            written.push((path.to_owned(), time_written(path)));
         }
+        Self { written }
     }
 
     /// SHA-256 of a file; of one that was written since, words that are no checksum, so that nobody goes on with it.
     fn checksum(&self, path: &Path) -> Result<String, Error> {
-        let same = |(known, time): &(PathBuf, Option<SystemTime>)| {
-            known == path && time.is_some() && *time == time_written(path)
-        };
-        if self.written.iter().any(same) {
+        let is_unchanged = self
+            .written
+            .iter()
+            .any(|(known, time)| known == path && time.is_some() && *time == time_written(path));
+        if is_unchanged {
             RegularFile::open(path)?.sha256()
         } else {
             Ok("a file that was changed during the render".into())
@@ -225,9 +227,13 @@ fn command_to_resume() -> String {
     words.join(" ")
 }
 
+/// Whether no shell gives the character a meaning.
+fn is_plain(c: char) -> bool {
+    c.is_ascii_alphanumeric() || "-_./:=,%+".contains(c)
+}
+
 /// A word as a shell takes it.
 fn quote(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,%+".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
         word.to_owned()
     } else {

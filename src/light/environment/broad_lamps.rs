@@ -11,6 +11,8 @@ const HEIGHT: usize = 128;
 
 /// Two lamps of 30° and 15° half width over a gradient, all grey and smooth. There is no small light in it whose noise would
 /// be that of every BRDF sampler alike.
+///
+/// See [`Light`](crate::light::Light) for an example that samples an environment.
 pub fn broad_lamps(sampling: SkySampling) -> Environment {
     Environment::procedural(WIDTH, HEIGHT, sampling, |w| Rgb::splat(radiance(w) as f32))
 }

@@ -12,9 +12,11 @@ use crate::light::Emission;
 use crate::{Error, Result};
 
 /// How an environment chooses directions.
+///
+/// The example of [`LightSpec`](crate::light::LightSpec) describes a light and loads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SkySampling {
-    /// In proportion to luminance × solid angle, from tables of 10 bytes a pixel.
+    /// In proportion to luminance × solid angle, from tables of 10 bytes per pixel.
     Importance,
     /// Uniform over the sphere, without tables.
     Uniform,
@@ -25,6 +27,8 @@ pub enum SkySampling {
 /// Rows run from the zenith (+y) to the nadir, columns clockwise as seen from above. The middle of the map is −z and its
 /// right half is +x, so that a camera looking along −z sees the middle upright. Between the pixels' centres radiance is
 /// bilinear; it closes on itself left and right, and is constant beyond the first and last rows.
+///
+/// The example of [`Light`](crate::light::Light) samples an environment.
 pub struct Environment {
     width: usize,
     height: usize,
@@ -67,7 +71,7 @@ impl Environment {
                 "{} pixels for an environment of {width} × {height}",
                 pixels.len()
             );
-            return Err(Error::argument(what, "give one value a pixel"));
+            return Err(Error::argument(what, "give one value per pixel"));
         }
         if let Some(i) = pixels
             .iter()

@@ -7,6 +7,8 @@ use serde::Serialize;
 use super::repair::count_pixels;
 
 /// What whoever uses an environment's file should know: how its pixels differ from the file's, and from radiance.
+///
+/// See [`Light`](crate::light::Light) for an example that samples an environment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapNotes {
     /// The file.

@@ -6,6 +6,8 @@ use crate::color::{Rgb, luminance};
 use crate::{Error, Result};
 
 /// What becomes of pixels that are too bright.
+///
+/// The example of [`LightSpec`](crate::light::LightSpec) describes a light and loads it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RadianceClamp {
     /// Infinite channels are lowered to 65,504, the largest half float, or to the picture's largest finite channel if that is
@@ -94,7 +96,7 @@ fn refuse_nan(pixels: &[Rgb], width: usize, path: &Path) -> Result<()> {
     let Some(found) = find(pixels, |c| c.is_nan()) else {
         return Ok(());
     };
-    let fix = "nothing says what light was there: paint over those pixels".into();
+    let fix = "the light in these pixels is unknown: paint over them".into();
     Err(refusal("NaN", found, width, path, fix))
 }
 
@@ -104,7 +106,7 @@ fn refuse_infinite(pixels: &[Rgb], width: usize, path: &Path) -> Result<()> {
     };
     let name = path.display();
     let fix = format!(
-        "a half float overflows so, mostly in the sun: name the light {name}:clamp to lower it to {LARGEST_HALF}, or \
+        "half floats overflow, most often in the sun: name the light {name}:clamp to lower it to {LARGEST_HALF}, or \
          {name}:clamp=MAX to lower all that is brighter to MAX"
     );
     Err(refusal("infinite radiance", found, width, path, fix))

@@ -11,6 +11,8 @@ use crate::light::light_source::{LightSource, Placement};
 use crate::{Error, Result};
 
 /// Where an environment's radiance comes from.
+///
+/// The example of [`LightSpec`](crate::light::LightSpec) describes a light and loads it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EnvironmentSource {
     /// The built-in studio, see [`studio`].
@@ -114,8 +116,8 @@ fn read_clamp(text: &str) -> Result<RadianceClamp> {
         .map(RadianceClamp::Above)
         .ok_or_else(|| {
             Error::argument(
-                format!("\"{text}\" is no radiance to clamp to"),
-                "give a number > 0, as in sky.exr:clamp=1000, or :clamp alone for what is infinite",
+                format!("\"{text}\" is not a radiance to clamp to"),
+                "give a number > 0, as in sky.exr:clamp=1000, or :clamp alone, which lowers only infinite values",
             )
         })
 }
@@ -132,7 +134,7 @@ fn read_radiance(text: &str) -> Result<Rgb> {
         .filter(|r| r.is_finite() && r.min_element() >= 0.0)
         .ok_or_else(|| {
             Error::argument(
-                format!("\"{text}\" is no radiance of a uniform environment"),
+                format!("\"{text}\" is not a radiance of a uniform environment"),
                 "give one number ≥ 0 or three, as in uniform:0.5 or uniform:0.2,0.4,0.8",
             )
         })

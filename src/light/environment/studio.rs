@@ -43,6 +43,8 @@ impl Softbox {
 
 /// A procedural studio under an overcast sky, radiance around 1: a large key light to the left, in front, a tall strip to
 /// the right, and a small warm sun behind; it needs no file.
+///
+/// See [`Light`](crate::light::Light) for an example that samples an environment.
 pub fn studio(sampling: SkySampling) -> Environment {
     let softboxes = softboxes();
     Environment::procedural(WIDTH, HEIGHT, sampling, |direction| {

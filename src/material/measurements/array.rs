@@ -15,6 +15,8 @@ const FIX: &str =
 /// [3, 90, 90, 180] (or 360 bins of φd). Of an archive it is the array `merl.rgb`, as exports have it, or the only one.
 /// Negative and NaN values are gaps: of their channel if `channels_apart`, else of their whole cell.
 ///
+/// The example of [`Measurements`](crate::material::measurements::Measurements) makes a table from a list.
+///
 /// # Errors
 /// [`Error::Io`], [`Error::Unsupported`] for what is too long, [`Error::Invalid`] for an array that is no such table.
 pub fn read_array(path: &Path, channels_apart: bool) -> Result<MerlTable> {

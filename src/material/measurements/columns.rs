@@ -7,6 +7,8 @@ use crate::material::merl::pair_of_angles;
 use crate::material::rgl::{VISIBLE, colour_weights};
 
 /// Unit of the angles in a list of measurements.
+///
+/// The example of [`Measurements`](crate::material::measurements::Measurements) makes a table from a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AngleUnit {
     /// Degrees, as lists with named columns have them unless they say otherwise.

@@ -87,6 +87,8 @@ impl Level {
 /// channels apart, a cell's valid channels stay as they are.
 ///
 /// A channel without any value stays as it is.
+///
+/// The example of [`Measurements`](crate::material::measurements::Measurements) makes a table from a list.
 pub fn fill_gaps(table: &MerlTable) -> MerlTable {
     let header = table.header();
     let mirrored = with_mirror_images(table, header);

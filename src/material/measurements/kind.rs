@@ -6,6 +6,8 @@ use super::polarised::is_polarised;
 use crate::files::{RegularFile, SIGNATURE_BYTES, looks_like_utia};
 
 /// How a file that is no material of its own holds measurements.
+///
+/// The example of [`Measurements`](crate::material::measurements::Measurements) makes a table from a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeasurementKind {
     /// A text with a pair of directions and its values a row: [`super::Measurements::read`].

@@ -23,6 +23,28 @@ const LONGEST: u64 = 1 << 30;
 const HEADER: Header = Header { phi_d_bins: 180 };
 
 /// Measured pairs of directions of an isotropic material.
+///
+/// # Examples
+/// ```
+/// use merlkit::Error;
+/// use merlkit::material::measurements::{Measurements, fill_gaps};
+///
+/// let path = std::env::temp_dir().join(format!("merlkit-example-{}.csv", std::process::id()));
+/// let list = "theta_h,theta_d,phi_d,value\n0,10,90,0.3\n20,10,90,0.2\n";
+/// std::fs::write(&path, list).map_err(|e| Error::io(&path, "write", e))?;
+///
+/// // `None`: degrees, since a list with named columns has them unless it says otherwise.
+/// let measured = Measurements::read(&path, None)?;
+/// assert_eq!(measured.count(), 2);
+/// let (table, notes) = measured.to_table();
+/// println!("{}", notes.join("; "));
+///
+/// // Two measurements leave most of the table empty. This fills it from its neighbours.
+/// let filled = fill_gaps(&table);
+/// assert!(filled.count_gaps() < table.count_gaps());
+/// # std::fs::remove_file(&path).map_err(|e| Error::io(&path, "remove", e))?;
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Clone, Default)]
 pub struct Measurements {
     /// All that were measured; of a grid, some that follow the cosine, to compare with.
@@ -74,7 +96,7 @@ impl Measurements {
                     path,
                     error.valid_up_to() as u64,
                     "text",
-                    "bytes that are no UTF-8",
+                    "bytes that are not UTF-8",
                     "name a list of measurements, a .bsdf file or a formula",
                 ));
             }
@@ -165,7 +187,7 @@ impl Measurements {
         let (table, mut notes) = tabulate_grid(&**grid, point);
         let cost = self.median_difference(|wo, wi| reciprocal_value(&**grid, wo, wi));
         notes.push(format!(
-            "reciprocity, which a table forces, alone makes f_r differ by {:.3} % (median)",
+            "a table is reciprocal, and this alone changes f_r by {:.3} % (median)",
             100.0 * cost
         ));
         (table, notes)
@@ -234,10 +256,10 @@ fn check_unit(list: &List, unit: AngleUnit, path: &Path) -> Result<()> {
         }
     }
     let (expected, fix) = match unit {
-        AngleUnit::Radians if largest > 6.3 => ("angles in radians", "say --angles degrees"),
+        AngleUnit::Radians if largest > 6.3 => ("angles in radians", "pass --angles degrees"),
         AngleUnit::Degrees if largest <= 6.3 && list.numbers.len() > 16 * list.columns.count => (
             "angles in degrees",
-            "say --angles radians, or --angles degrees if they are that small",
+            "pass --angles radians, or --angles degrees if they are that small",
         ),
         _ => return Ok(()),
     };

@@ -16,6 +16,8 @@ use crate::geometry::{is_unit_upper, unit_upper};
 use crate::material::merl::MerlTable;
 
 /// A measured, isotropic BRDF: a table and its lookup rule.
+///
+/// The example of [`MerlTable`](crate::material::merl::MerlTable) makes a table and evaluates it.
 #[derive(Clone, Debug)]
 pub struct MerlBrdf {
     table: Arc<MerlTable>,

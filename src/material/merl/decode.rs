@@ -20,6 +20,8 @@ const WINDOW: usize = 1 << 18;
 /// pieces, into 384 KB of memory: a file that is cut short meanwhile is an error. [`crate::material::Loaded::file_access`] says
 /// which.
 ///
+/// See [`MerlTable`](crate::material::merl::MerlTable) for an example of a table.
+///
 /// # Errors
 /// [`crate::Error::Io`] if it can't be opened, [`crate::Error::Unsupported`] if it is no regular file,
 /// [`crate::Error::Invalid`] if its header or length is not a MERL file's.
@@ -85,7 +87,7 @@ fn decode_mapped(
     if lease.is_held() {
         Ok(table.finish())
     } else {
-        Err("another program asked to write it meanwhile")
+        Err("another program asked to write to it during reading")
     }
 }
 
@@ -124,6 +126,8 @@ fn read_header(file: &mut RegularFile) -> Result<Header> {
 /// f_r in sr⁻¹. Any bit pattern is a value; a cell that is not complete in all planes is left out.
 ///
 /// Planes start at byte 12 of a file and are unaligned there, so they are read byte-wise rather than cast.
+///
+/// See [`MerlTable`](crate::material::merl::MerlTable) for an example of a table.
 pub fn decode_cells([red, green, blue]: [&[u8]; 3], mut push: impl FnMut([f64; 3])) {
     let [red, green, blue] = [red, green, blue].map(|plane| plane.as_chunks::<8>().0);
     for ((r, g), b) in red.iter().zip(green).zip(blue) {

@@ -32,11 +32,17 @@ static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
 });
 
 /// Names of the embedded materials, sorted.
+///
+/// See [`Material`](crate::material::Material) for an example that names a material, and
+/// [`MerlTable`](crate::material::merl::MerlTable) for one of a table.
 pub fn names() -> &'static [String] {
     &NAMES
 }
 
 /// Decodes an embedded material on all threads of the current pool; `None` if there is no such name.
+///
+/// See [`Material`](crate::material::Material) for an example that names a material, and
+/// [`MerlTable`](crate::material::merl::MerlTable) for one of a table.
 pub fn decode(name: &str) -> Option<MerlTable> {
     Some(Network::read(weights(name)?).table())
 }

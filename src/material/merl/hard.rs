@@ -8,6 +8,8 @@ use crate::Result;
 use crate::files::Overwrite;
 
 /// A difficult table, made by a function of the bins.
+///
+/// The example of [`MerlTable`](crate::material::merl::MerlTable) makes a table and evaluates it.
 #[derive(Clone, Copy, Debug)]
 pub struct HardCase {
     /// Its name, in kebab-case.

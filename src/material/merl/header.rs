@@ -8,9 +8,13 @@ use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 use crate::{Error, Result};
 
 /// Factors from a file's raw values to f_r in sr⁻¹, for red, green and blue.
+///
+/// The example of [`MerlTable`](crate::material::merl::MerlTable) makes a table and evaluates it.
 pub const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
 /// Dimensions that a file declares; only the two known kinds exist as values of this type.
+///
+/// The example of [`MerlTable`](crate::material::merl::MerlTable) makes a table and evaluates it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header {
     /// 180 (isotropic and reciprocal, φd in [0, π)) or 360 (no φd symmetry, φd in [0, 2π)).
@@ -42,33 +46,18 @@ impl Header {
         let header = match dims {
             [90, 90, 180] => Self { phi_d_bins: 180 },
             [90, 90, 360] => Self { phi_d_bins: 360 },
-            [a, b, c] => {
-                // It has no mark of its own, and a byte of a number may look like that of another kind.
-                if looks_like_utia(bytes, file_bytes) {
-                    return Err(Error::Unsupported {
-                        path: path.to_owned(),
-                        what: "what looks like a file of the UTIA database, by its size,".into(),
-                        fix: "`merlkit import` makes a MERL binary of it, without its anisotropy"
-                            .into(),
-                    });
-                }
-                if let Some((what, fix)) = recognise_other(bytes, dims) {
-                    return Err(Error::Unsupported {
-                        path: path.to_owned(),
-                        what: what.into(),
-                        fix,
-                    });
-                }
-                return Err(Error::invalid(
-                    path,
-                    0,
-                    "dimensions 90 × 90 × 180 or 90 × 90 × 360",
-                    format!("{a} × {b} × {c}"),
-                    "name a MERL BRDF binary (little-endian, isotropic)",
-                ));
-            }
+            _ => return Err(wrong_dimensions(bytes, dims, file_bytes, path)),
         };
-        let expected = header.file_bytes();
+        header.check_length(file_bytes, path)?;
+        Ok(header)
+    }
+
+    /// Refuses a file that is not as long as the dimensions demand.
+    fn check_length(self, file_bytes: u64, path: &Path) -> Result<()> {
+        let expected = self.file_bytes();
+        if file_bytes == expected {
+            return Ok(());
+        }
         if file_bytes == expected / 2 + Self::BYTES as u64 / 2 {
             return Err(Error::Unsupported {
                 path: path.to_owned(),
@@ -76,24 +65,21 @@ impl Header {
                 fix: "write its values as 64-bit floating-point numbers, as the MERL database has them".into(),
             });
         }
-        if file_bytes != expected {
-            let (short, fix) = if file_bytes < expected {
-                (file_bytes, "fetch the file again: it is cut off")
-            } else {
-                (
-                    expected,
-                    "remove what follows the table, or fetch the file again",
-                )
-            };
-            return Err(Error::invalid(
-                path,
-                short,
-                format!("{expected} bytes for 90 × 90 × {}", header.phi_d_bins),
-                format!("{file_bytes} bytes"),
-                fix,
-            ));
-        }
-        Ok(header)
+        let (end, fix) = if file_bytes < expected {
+            (file_bytes, "fetch the file again: it is cut off")
+        } else {
+            (
+                expected,
+                "remove what follows the table, or fetch the file again",
+            )
+        };
+        Err(Error::invalid(
+            path,
+            end,
+            format!("{expected} bytes for 90 × 90 × {}", self.phi_d_bins),
+            format!("{file_bytes} bytes"),
+            fix,
+        ))
     }
 
     /// Cells of one colour plane.
@@ -117,6 +103,33 @@ impl Header {
         LittleEndian::write_i32_into(&dims, &mut out);
         out
     }
+}
+
+/// The error for dimensions that no MERL file has. It names the kind of file where one is recognised.
+fn wrong_dimensions(bytes: &[u8], dims: [i32; 3], file_bytes: u64, path: &Path) -> Error {
+    // It has no mark of its own, and a byte of a number may look like that of another kind.
+    if looks_like_utia(bytes, file_bytes) {
+        return Error::Unsupported {
+            path: path.to_owned(),
+            what: "what looks like a file of the UTIA database, by its size,".into(),
+            fix: "`merlkit import` makes a MERL binary of it, without its anisotropy".into(),
+        };
+    }
+    if let Some((what, fix)) = recognise_other(bytes, dims) {
+        return Error::Unsupported {
+            path: path.to_owned(),
+            what: what.into(),
+            fix,
+        };
+    }
+    let [a, b, c] = dims;
+    Error::invalid(
+        path,
+        0,
+        "dimensions 90 × 90 × 180 or 90 × 90 × 360",
+        format!("{a} × {b} × {c}"),
+        "name a MERL BRDF binary (little-endian, isotropic)",
+    )
 }
 
 /// What a file is whose dimensions are not MERL's, and what to do with it; `None` if it is of no known kind.

@@ -10,6 +10,8 @@ use crate::geometry::{is_upper, merl_axes, reflect_about, spherical};
 use crate::{Error, Result};
 
 /// Where in a bin the value of a table is taken.
+///
+/// The example of [`MerlTable`](crate::material::merl::MerlTable) makes a table and evaluates it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BinPoint {
     /// At its lower edges, where [`crate::material::LookupRule::Linear`] places it.
@@ -28,13 +30,15 @@ const LEAST_DISTANCE: f64 = 1e-6;
 /// sr⁻¹. A bin that lies below the horizon is invalid; where only its centre does, the value is that of the first point above
 /// the horizon on the way from the centre to the bin's uppermost corner.
 ///
+/// See [`MerlTable`](crate::material::merl::MerlTable) for an example of a table.
+///
 /// # Errors
 /// [`Error::Argument`] for an anisotropic BRDF.
 pub fn tabulate_brdf(brdf: &dyn Brdf, point: BinPoint) -> Result<MerlTable> {
     if !brdf.is_isotropic() {
         return Err(Error::argument(
-            "a MERL table has no azimuth of the surface, and this material is anisotropic",
-            "use the material as it is: every command but those that need a table takes it",
+            "a MERL table is isotropic, and this material is anisotropic",
+            "use the material as it is; only commands that need a table refuse it",
         ));
     }
     Ok(tabulate_pairs(point, &|wo, wi| {
@@ -74,6 +78,8 @@ pub(in crate::material) fn tabulate_pairs(
 /// A MERL table has one value for both orders. Measured f_r·cosθᵢ does not vanish at the horizon, so f_r has no bound there;
 /// the weights leave out what the quotient makes of it, and keep the energy that a grazing `wo` reflects. 0 unless both
 /// directions are above the horizon.
+///
+/// See [`MerlTable`](crate::material::merl::MerlTable) for an example of a table.
 pub fn reciprocal_mean(brdf: &dyn Brdf, wo: Vec3, wi: Vec3) -> Rgb {
     if !is_upper(wo) || !is_upper(wi) {
         return Rgb::ZERO;

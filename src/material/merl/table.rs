@@ -14,6 +14,8 @@ pub(super) const FILLED_MARK: u64 = 0xf111;
 const LEAST_HEIGHT: f64 = 1e-12;
 
 /// Counts of cells that carry no usable value, by the first reason that applies in the order of the fields.
+///
+/// The example of [`MerlTable`](crate::material::merl::MerlTable) makes a table and evaluates it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Census {
     /// A channel is not a number.
@@ -36,6 +38,31 @@ impl Census {
 /// Invalid cells hold 0 and are marked; every valid value is finite and ≥ 0. A cell in which some channels alone are unusable is
 /// invalid as a whole, unless the table keeps channels apart ([`Self::keeps_channels_apart`]). The table owns its memory and
 /// does not know the file it came from.
+///
+/// # Examples
+/// ```
+/// use std::sync::Arc;
+///
+/// use merlkit::color::Rgb;
+/// use merlkit::glam::Vec3;
+/// use merlkit::material::merl::{Header, MerlBrdf, MerlTable};
+/// use merlkit::{Brdf, Loaded, LookupRule};
+///
+/// // A grey table of 90 × 90 × 180 bins with one gap. `merl::write` stores it as a MERL binary, and `merl::load` reads one.
+/// let table = MerlTable::from_fn(Header { phi_d_bins: 180 }, |theta_h, theta_d, phi_d| {
+///     match (theta_h, theta_d, phi_d) {
+///         (3, 7, 20) => [-1.0; 3],
+///         _ => [0.25; 3],
+///     }
+/// });
+/// assert_eq!(table.census().invalid(), 1);
+/// assert!(!table.is_valid(3, 7, 20));
+///
+/// let brdf = MerlBrdf::new(Arc::new(table), LookupRule::Floor);
+/// assert_eq!(brdf.eval(Vec3::Z, Vec3::Z), Rgb::splat(0.25));
+/// let loaded = Loaded::from_table(Arc::new(brdf));
+/// assert!(loaded.require_table("this example").is_ok());
+/// ```
 #[derive(Clone)]
 pub struct MerlTable {
     header: Header,

@@ -12,6 +12,8 @@ use crate::{Error, Result};
 ///
 /// Loading the file gives the same table to the bit.
 ///
+/// See [`MerlTable`](crate::material::merl::MerlTable) for an example of a table.
+///
 /// # Errors
 /// As [`write_new`].
 pub fn write(table: &MerlTable, path: &Path, overwrite: Overwrite) -> Result<()> {

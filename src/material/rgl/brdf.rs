@@ -21,6 +21,8 @@ use crate::lanes::{Columns, UnitDirections};
 /// luminance(s)·warp(u_m)/J, J = max(2π²·u_m.x·sinθm, 10⁻⁶)·4(wo·m). Tables are linear between their nodes, in `wo` too.
 /// Spectra become linear sRGB under the illuminant D65. Channels below 0, which measured spectra and their interpolation may
 /// have, are 0.
+///
+/// The example of [`BsdfFile`](crate::material::rgl::BsdfFile) tabulates a material and evaluates the result.
 #[derive(Debug)]
 pub struct RglBrdf {
     theta_i: Vec<f64>,

@@ -18,6 +18,23 @@ pub(in crate::material) const VISIBLE: RangeInclusive<f32> = 380.0..=780.0;
 /// The tensors of a measured material, as Mitsuba 3 and pbrt-v4 read them.
 ///
 /// Axes: x = √(2θ/π) is the last, y = φ/2π + ½ the one before. P is the number of `phi_i`, T that of `theta_i`.
+///
+/// # Examples
+/// ```
+/// use merlkit::glam::Vec3;
+/// use merlkit::material::rgl::{BsdfSize, RglBrdf, tabulate};
+/// use merlkit::{Brdf, LookupRule, Material};
+///
+/// let material = Material::resolve("lambert:reflectance=0.5")?.load(LookupRule::Floor)?;
+/// let brdf = material.brdf();
+///
+/// // `file.write` stores it for Mitsuba 3 and pbrt-v4, and `BsdfFile::open` reads one.
+/// let file = tabulate(|wo, wi| brdf.eval(wo, wi), BsdfSize::ALL[0], "half grey".into());
+/// let read = RglBrdf::new(file);
+/// let value = read.eval(Vec3::Z, Vec3::Z);
+/// assert!((value.x / brdf.eval(Vec3::Z, Vec3::Z).x - 1.0).abs() < 0.01);
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BsdfFile {
     /// What the material is, in words.
@@ -43,6 +60,8 @@ pub struct BsdfFile {
 }
 
 /// Values of f_r·cosθ, up to `ndf`/(4 `sigma`), on the square of `luminance`.
+///
+/// The example of [`BsdfFile`](crate::material::rgl::BsdfFile) tabulates a material and evaluates the result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Colour {
     /// Linear sRGB, `[P, T, 3, n, n]`.

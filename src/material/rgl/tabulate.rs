@@ -15,6 +15,8 @@ use crate::color::{Rgb, luminance};
 use crate::geometry::{reflect_about, spherical};
 
 /// How finely a file resolves the given direction and the square of half vectors.
+///
+/// The example of [`BsdfFile`](crate::material::rgl::BsdfFile) tabulates a material and evaluates the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BsdfSize {
     /// Its name on the command line: about the bytes of an RGB file.
@@ -52,6 +54,8 @@ const LAST: f64 = 89.5;
 const FLOOR: f64 = 1e-6;
 
 /// Tabulates an isotropic `value(wo, wi)` (f_r in sr⁻¹) as an RGB file, on all threads of the current pool.
+///
+/// The example of [`BsdfFile`](crate::material::rgl::BsdfFile) tabulates a material and evaluates the result.
 pub fn tabulate(
     value: impl Fn(Vec3, Vec3) -> Rgb + Sync,
     size: BsdfSize,

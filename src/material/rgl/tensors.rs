@@ -23,6 +23,8 @@ pub(in crate::material) const U16: u8 = 3;
 pub(in crate::material) const F32: u8 = 10;
 
 /// An array of numbers, the last axis the fastest; the shape's product is the number of values.
+///
+/// The example of [`BsdfFile`](crate::material::rgl::BsdfFile) tabulates a material and evaluates the result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tensor {
     /// Length of each axis.
@@ -77,6 +79,8 @@ pub(in crate::material) struct TensorField {
 }
 
 /// Whether `path` begins as a tensor file does.
+///
+/// See [`BsdfFile`](crate::material::rgl::BsdfFile) for an example of what is in one.
 pub fn looks_like_bsdf(path: &Path) -> bool {
     let mut start = [0; MAGIC.len()];
     RegularFile::open(path)
@@ -141,7 +145,7 @@ impl FieldList {
             Some(field) => Ok(field),
             None => {
                 let expected = format!("a field \"{name}\"");
-                Err(wrong(&self.path, FIELDS, expected, "none".into()))
+                Err(self.wrong(FIELDS, expected, "none".into()))
             }
         }
     }
@@ -165,8 +169,7 @@ impl FieldList {
         found: impl Into<String>,
     ) -> Error {
         let at = self.fields.get(name).map_or(FIELDS, |f| f.entry);
-        wrong(
-            &self.path,
+        self.wrong(
             at,
             format!("{} in field \"{name}\"", expected.into()),
             found.into(),
@@ -179,12 +182,19 @@ impl FieldList {
             .fields
             .get(name)
             .map_or(FIELDS, |f| (f.start + 4 * index).min(f.end));
-        wrong(
-            &self.path,
+        self.wrong(
             at,
             format!("{expected} in field \"{name}\""),
             format!("{found} as value {index}"),
         )
+    }
+
+    /// The error for byte `at` of the file, with advice that fits what its fields are.
+    fn wrong(&self, at: usize, expected: String, found: String) -> Error {
+        match self.is_polarised() {
+            true => Error::invalid(&self.path, at as u64, expected, found, POLARISED_FIX),
+            false => wrong(&self.path, at, expected, found),
+        }
     }
 }
 
@@ -253,8 +263,17 @@ impl TensorFile {
     }
 }
 
+/// What to do about a file that does not fit.
+const FIX: &str = "name a .bsdf file of a measured material, or fetch or export it again";
+const POLARISED_FIX: &str =
+    "name a .pbsdf file of the KAIST database of polarimetric measurements, or fetch it again";
+
+/// The error for byte `at` of a file whose fields are not known; its name decides which kind of file it was meant to be.
 fn wrong(path: &Path, at: usize, expected: String, found: String) -> Error {
-    let fix = "name a .bsdf file of a measured material, or fetch or export it again";
+    let is_polarised = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("pbsdf"));
+    let fix = if is_polarised { POLARISED_FIX } else { FIX };
     Error::invalid(path, at as u64, expected, found, fix)
 }
 

@@ -18,7 +18,7 @@ use crate::render::tracer::Tracer;
 
 /// Of all paths, one in so many looks ahead.
 const AHEAD: u64 = 8;
-/// Paths a pixel of the first look are at least so many: fewer say too little.
+/// Paths per pixel of the first look are at least so many: fewer say too little.
 const FEWEST: u64 = 4;
 /// Pixels on each side whose first looks decide about a pixel's number of paths.
 const REACH: usize = 2;
@@ -34,10 +34,10 @@ const LEAST: f64 = 2.0;
 /// Sets the first look's numbers apart from all others of a pixel.
 const LOOK: u64 = 0x6c6f_6f6b;
 
-/// A picture with `paths` paths a pixel on average, as far as it has come.
+/// A picture with `paths` paths per pixel on average, as far as it has come.
 pub(super) struct AdaptivePicture {
     width: usize,
-    /// Paths a pixel of the first look, and those that have been traced.
+    /// Paths per pixel of the first look, and those that have been traced.
     ahead: u64,
     looked: u64,
     looks: Vec<RunningMoments>,
@@ -76,7 +76,7 @@ impl AdaptivePicture {
     pub(super) fn describe_progress(&self) -> String {
         let paths = self.looked + part_done(self.rest, self.done, self.rounds);
         let all = self.ahead + self.rest;
-        format!("about {paths} of {all} paths a pixel")
+        format!("about {paths} of {all} paths per pixel")
     }
 
     /// Traces round after round, at least one if any is missing, until all are done or the caller wants to stop.

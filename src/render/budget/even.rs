@@ -30,7 +30,7 @@ impl EvenPicture {
     }
 
     pub(super) fn describe_progress(&self) -> String {
-        format!("{} of {} paths a pixel", self.done, self.paths)
+        format!("{} of {} paths per pixel", self.done, self.paths)
     }
 
     /// Traces round after round, at least one if any is missing, until all are done or the caller wants to stop.

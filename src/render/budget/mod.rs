@@ -23,6 +23,40 @@ use crate::Result;
 /// the film is the same, bit for bit, for any number of threads. `progress(n)` is called from any thread when as much more is
 /// done as `n` pixels take; the sum of all n is the number of pixels. A path that carries more than 10¹⁴⁰ is dropped.
 ///
+/// # Examples
+/// ```
+/// use merlkit::points::PointSet;
+/// use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render};
+/// use merlkit::{LookupRule, Material, SamplerSpec};
+///
+/// // Describe the scene: nothing is loaded yet.
+/// let mut spec = SceneSpec::row(&["lambert:reflectance=0.5".to_owned()], 1.0);
+/// spec.lights = vec![spec.light("environment")?];
+///
+/// // The scene plans which effects it needs, and asks for each material and, where directions are drawn, its sampler.
+/// let sampler: SamplerSpec = "cosine".parse()?;
+/// let scene = Scene::build(&spec, PlanRequest::AsNeeded, |index, directions| {
+///     let loaded = Material::resolve(&spec.materials[index])?.load(LookupRule::Floor)?;
+///     let sampler = match directions {
+///         true => Some(sampler.build(&loaded)?.shared()),
+///         false => None,
+///     };
+///     Ok(Surface { brdf: loaded.brdf().clone(), sampler })
+/// })?;
+///
+/// let settings = RenderSettings {
+///     width: 8,
+///     height: 8,
+///     seed: 0,
+///     points: PointSet::Lattice,
+///     budget: Budget::Even(4),
+/// };
+/// let rendered = render(&scene, &settings, &|_pixels| {})?;
+/// let image = rendered.film.to_image()?;
+/// assert!(image.pixel(4, 4).x > 0.0);
+/// # Ok::<(), merlkit::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`RenderSettings::check`].
 pub fn render(

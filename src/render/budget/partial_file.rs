@@ -33,7 +33,7 @@ pub(super) fn write(path: &Path, facts: &Facts, words: &[u8], overwrite: Overwri
     if json.len() > MOST_FACTS {
         return Err(Error::argument(
             format!("{} bytes of facts about a picture", json.len()),
-            format!("give at most {MOST_FACTS}: checksums stand for long texts"),
+            format!("give at most {MOST_FACTS}: replace long texts by their checksums"),
         ));
     }
     let length = (json.len() as u64).to_le_bytes();
@@ -59,7 +59,7 @@ pub(super) fn read(path: &Path, most_words: u64) -> Result<Vec<u8>> {
     if there < MAGIC.len() || magic != MAGIC {
         return Err(Error::Unsupported {
             path: path.to_owned(),
-            what: "what is no unfinished picture of this version".into(),
+            what: "a file that is not an unfinished picture of this version".into(),
             fix: "remove it, or give the picture another name".into(),
         });
     }
@@ -94,7 +94,7 @@ pub(super) fn check<'a>(path: &Path, bytes: &'a [u8], facts: &Facts) -> Result<&
             path.display(),
             differences.join("; ")
         );
-        let fix = "repeat that command to go on, or remove the file to start again";
+        let fix = "repeat that command to continue, or remove the file to start again";
         return Err(Error::argument(what, fix));
     }
     if words.len() % 8 != 0 {

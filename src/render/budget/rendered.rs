@@ -6,6 +6,8 @@ use crate::render::film::Film;
 use crate::{Error, Result};
 
 /// A rendered picture, and how it came to be.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rendered {
     /// The picture.
@@ -15,6 +17,8 @@ pub struct Rendered {
 }
 
 /// How far a picture of a target error came.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refinement {
     /// The tiles, in the picture's order.
@@ -30,6 +34,8 @@ pub struct Refinement {
 /// them.
 ///
 /// A tile's error is its relative RMSE: the root of the mean squared error of its pixels and channels over their mean.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
     /// Its pixels, as row · width + column.

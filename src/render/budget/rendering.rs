@@ -18,9 +18,11 @@ use crate::render::tracer::Tracer;
 
 /// A picture as far as it has come.
 ///
-/// It is traced in rounds of 64 paths a pixel, more in small pictures and fewer in large ones, and [`Budget::ToError`] pixel by
+/// It is traced in rounds of 64 paths per pixel, more in small pictures and fewer in large ones, and [`Budget::ToError`] pixel by
 /// pixel. After each it can be stopped; what it has collected is sums, so that it goes on to the bits of a picture that was never stopped, in this process or, by
 /// [`Self::save`] and [`Self::restore`], in another.
+///
+/// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
 pub struct Rendering<'a> {
     tracer: Tracer<'a>,
     /// As they were given.
@@ -95,7 +97,7 @@ impl<'a> Rendering<'a> {
         }
     }
 
-    /// How far it is, in words: "24 of 64 paths a pixel", "120 of 300 tiles".
+    /// How far it is, in words: "24 of 64 paths per pixel", "120 of 300 tiles".
     pub fn describe_progress(&self) -> String {
         match &self.picture {
             BudgetPicture::Even(picture) => picture.describe_progress(),

@@ -56,7 +56,7 @@ pub(super) struct Replicates {
 impl Replicates {
     /// Paths a replicate before the first decision; the number doubles before each other one.
     pub(super) const FEWEST: u64 = 2;
-    /// Paths a pixel of that.
+    /// Paths per pixel of that.
     pub(super) const FEWEST_PATHS: u64 = Self::FEWEST * REPLICATES as u64;
 
     pub(super) fn pixel(&self) -> Pixel {

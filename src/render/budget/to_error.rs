@@ -39,7 +39,7 @@ const FEW: usize = 32;
 /// come.
 pub(super) struct ErrorPicture {
     target: f64,
-    /// Most paths a pixel.
+    /// Most paths per pixel.
     most: u64,
     /// Which pixels show an object; the others are no part of a tile and get the fewest paths.
     shown: Vec<bool>,

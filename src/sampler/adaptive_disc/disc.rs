@@ -20,6 +20,8 @@ use crate::sampler::Settings;
 use crate::sampler::knots::{KnotPair, ThetaKnots, split_unit};
 
 /// Quadtrees on the disc and the BRDF that draws are accepted under.
+///
+/// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Debug)]
 pub struct AdaptiveDisc {
     brdf: Arc<MerlBrdf>,

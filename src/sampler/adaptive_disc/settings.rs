@@ -4,6 +4,8 @@ use crate::brdf::Importance;
 use crate::sampler::TableChoice;
 
 /// How the values behind a tree are gathered.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Construction {
@@ -14,6 +16,8 @@ pub enum Construction {
 }
 
 /// In proportion to what a leaf is drawn, and what a rejection does.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LeafChoice {
@@ -27,7 +31,9 @@ pub enum LeafChoice {
     Warp,
 }
 
-/// What keeps its place when a tree serves a `wo` other than its own.
+/// What is held fixed when a tree is used for a `wo` other than its own.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Carry {
@@ -39,6 +45,8 @@ pub enum Carry {
 }
 
 /// Settings of the adaptive disc.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AdaptiveDiscSettings {
     /// Trees over the polar angle of `wo`, 1 to 4096.
@@ -55,7 +63,7 @@ pub struct AdaptiveDiscSettings {
     pub construction: Construction,
     /// How leaves are drawn.
     pub leaves: LeafChoice,
-    /// What serves a `wo` between two trees.
+    /// What is used for a `wo` between two trees.
     pub choice: TableChoice,
     /// What keeps its place between trees.
     pub carry: Carry,

@@ -12,6 +12,9 @@ use super::warp::Warps;
 use crate::geometry::concentric_disc;
 
 /// A leaf of a tree, or a square outside all leaves, in which nothing is drawn.
+///
+/// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler;
+/// [`Sampler::downcast`](crate::sampler::Sampler::downcast) gives the method whose tables these are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// Lower corner in [−1, 1]².
@@ -23,6 +26,9 @@ pub struct Cell {
 }
 
 /// One tree: squares that cover [−1, 1]² and don't overlap. The plane of incidence is y = 0, `wo` at x > 0.
+///
+/// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler;
+/// [`Sampler::downcast`](crate::sampler::Sampler::downcast) gives the method whose tables these are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subdivision {
     /// Polar angle of `wo` that the tree was built for, radians.

@@ -7,6 +7,8 @@ use crate::geometry::merl_axes::{
 };
 
 /// How cells are spaced over θh.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ThetaSpacing {

@@ -35,6 +35,8 @@ use crate::material::Loaded;
 use tables::Tables;
 
 /// Marginal and conditional CDFs over the half vector.
+///
+/// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Debug)]
 pub struct CascadeCdf {
     settings: CascadeCdfSettings,

@@ -6,6 +6,9 @@ use super::CascadeCdf;
 use crate::distribution::Curves;
 
 /// One CDF of one table.
+///
+/// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler;
+/// [`Sampler::downcast`](crate::sampler::Sampler::downcast) gives the method whose tables these are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CdfCurve {
     /// Polar angle of `wo` that the table was built for, radians.

@@ -5,6 +5,8 @@ use crate::brdf::Importance;
 use crate::sampler::TableChoice;
 
 /// Settings of the cascade CDF.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CascadeCdfSettings {
     /// Tables over the polar angle of `wo`, 1 to 4096.
@@ -18,7 +20,7 @@ pub struct CascadeCdfSettings {
     /// Largest error of a compressed curve, in probability; `None` stores every knot.
     #[serde(with = "tolerance_json")]
     pub tolerance: Option<f64>,
-    /// What serves a `wo` between two tables.
+    /// What is used for a `wo` between two tables.
     pub choice: TableChoice,
     /// Fraction of draws that ignore the tables and follow the cosine, so that no direction is left out; 0 to 1.
     pub floor: f64,

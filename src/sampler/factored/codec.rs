@@ -56,8 +56,9 @@ fn check_weights(tensors: &Tensors, terms: &Terms, count: usize) -> Result<()> {
             let is_drawn = !terms.theta.is_void(l) && !terms.phi.is_void(l);
             let is_sound = weight == 0.0 || (weight > 0.0 && weight <= 1.0 && is_drawn);
             if !is_sound || sum > 1.0 + 1e-6 {
-                let expected =
-                    format!("shares of table {k} within 0..1, of terms that can be drawn,");
+                let expected = format!(
+                    "probabilities of table {k} within 0..1, 0 for terms that cannot be drawn, and with a sum of at most 1,"
+                );
                 let found = format!("{row:?}");
                 return Err(tensors.invalid_in("term.weight", k * count + l, &expected, found));
             }

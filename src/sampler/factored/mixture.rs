@@ -26,6 +26,8 @@ pub(super) struct Terms {
 }
 
 /// A BRDF's factors.
+///
+/// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Debug)]
 pub struct Factored {
     settings: FactoredSettings,

@@ -3,6 +3,8 @@
 use crate::brdf::Importance;
 
 /// How many factors there are, and over what.
+///
+/// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Factors {
     /// Products of a function of `wo` and one of w (J), 1 to 64.
@@ -27,6 +29,8 @@ impl Factors {
 }
 
 /// Settings of the factored BRDF.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FactoredSettings {
     /// Tables over the polar angle of `wo`, 1 to 256.

@@ -30,6 +30,8 @@ use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::material::Loaded;
 
 /// A lobe and the fraction of draws that follow the cosine.
+///
+/// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Debug)]
 pub struct Lobe {
     settings: LobeSettings,

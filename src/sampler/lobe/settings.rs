@@ -3,6 +3,8 @@
 use crate::brdf::Importance;
 
 /// Which lobe.
+///
+/// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LobeKind {
@@ -51,9 +53,13 @@ impl LobeKind {
 }
 
 /// Least fraction of draws that follow the cosine.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 pub const LEAST_DIFFUSE: f32 = 1e-3;
 
 /// The numbers that a lobe is fitted by.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LobeParameters {
     /// Exponent or roughness, along the plane of incidence, within [`LobeKind::domain`].
@@ -65,6 +71,8 @@ pub struct LobeParameters {
 }
 
 /// Settings of a lobe.
+///
+/// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LobeSettings {
     /// Which lobe.

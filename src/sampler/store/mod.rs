@@ -29,6 +29,8 @@ const KEY: &str = "merlkit";
 const LONGEST: u64 = 1 << 32;
 
 /// What a sampler file says of itself.
+///
+/// The example of [`SamplerFile`] stores a sampler and reads it back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Layout version.
@@ -64,6 +66,26 @@ impl Record {
 }
 
 /// A sampler file that has been read but waits for its material.
+///
+/// # Examples
+/// ```
+/// use std::path::Path;
+///
+/// use merlkit::sampler::store::{SamplerFile, encode};
+/// use merlkit::{LookupRule, Material, SamplerSpec};
+///
+/// let material = Material::resolve("lambert:reflectance=0.5")?;
+/// let spec: SamplerSpec = "half-vector:2KB".parse()?;
+/// let built = spec.build(&material.load(LookupRule::Floor)?)?;
+///
+/// // `save` writes these bytes to a file, and `SamplerFile::open` reads one.
+/// let bytes = encode(&built, &material)?;
+/// let file = SamplerFile::from_bytes(bytes, Path::new("grey.merlkit"))?;
+/// assert_eq!(file.record().spec, spec);
+/// let (read, _material) = file.load(None)?;
+/// assert_eq!(read.as_dyn().bytes(), built.as_dyn().bytes());
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct SamplerFile {
     record: Record,
@@ -71,6 +93,8 @@ pub struct SamplerFile {
 }
 
 /// Saves `sampler`, built for `material`; returns the file's length in bytes.
+///
+/// The example of [`SamplerFile`] stores a sampler and reads it back.
 ///
 /// # Errors
 /// As [`encode`] and [`write_new`].
@@ -89,6 +113,8 @@ pub fn save(
 }
 
 /// The bytes of a sampler file; the same for the same sampler.
+///
+/// The example of [`SamplerFile`] stores a sampler and reads it back.
 ///
 /// # Errors
 /// [`Error::Argument`] for a sampler that has nothing to store; [`Error::Io`] if the material's file is gone.
@@ -116,6 +142,8 @@ pub fn encode(sampler: &Sampler, material: &Material) -> Result<Vec<u8>> {
 }
 
 /// Whether `path` begins like a sampler file: a length, then JSON. A MERL binary begins with its dimensions.
+///
+/// The example of [`SamplerFile`] stores a sampler and reads it back.
 pub fn looks_like_sampler_file(path: &Path) -> bool {
     let mut ninth = [0];
     RegularFile::open(path)
@@ -162,7 +190,7 @@ impl SamplerFile {
     /// The sampler, for the material that is recorded, loaded with the lookup rule that is recorded.
     ///
     /// # Errors
-    /// [`Error::Argument`] if the lookup rule or the reading of cells with invalid channels differs, or the material is not of a kind that the sampler can serve;
+    /// [`Error::Argument`] if the lookup rule or the reading of cells with invalid channels differs, or the material is not of a kind that the sampler can be used for;
     /// [`Error::Invalid`] if a tensor breaks an invariant.
     pub fn into_sampler(self, material: &Loaded) -> Result<Sampler> {
         if material.rule() != self.record.lookup {
@@ -173,7 +201,7 @@ impl SamplerFile {
             && measured.table().keeps_channels_apart() != self.record.channels_apart
         {
             return Err(Error::argument(
-                "the sampler was built with the other reading of cells of which some channels are invalid",
+                "the sampler was built with a different treatment of cells in which some channels are invalid",
                 "load the material as the file records it, or build the sampler again",
             ));
         }

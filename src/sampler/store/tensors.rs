@@ -11,10 +11,14 @@ use sha2::{Digest, Sha256};
 use crate::{Error, Result};
 
 /// One-dimensional tensors to be written, by name, as bytes.
+///
+/// The example of [`SamplerFile`](crate::sampler::store::SamplerFile) stores a sampler and reads it back.
 #[derive(Debug, Default)]
 pub struct TensorWriter(BTreeMap<String, (Dtype, Vec<u8>)>);
 
 /// Tensors in a file's bytes, and where these came from.
+///
+/// The example of [`SamplerFile`](crate::sampler::store::SamplerFile) stores a sampler and reads it back.
 #[derive(Debug)]
 pub struct Tensors {
     path: PathBuf,
@@ -25,6 +29,8 @@ pub struct Tensors {
 }
 
 /// Numbers that tensors hold: `f32`, `u32`, `u16` and `i8`.
+///
+/// The example of [`SamplerFile`](crate::sampler::store::SamplerFile) stores a sampler and reads it back.
 pub trait Element: Sized {
     /// The type's name in a file.
     const DTYPE: Dtype;

@@ -43,7 +43,7 @@ fn embedded(name: &str) -> Arc<dyn Brdf> {
 }
 
 /// A row of spheres of these materials, named by their position.
-fn row(count: usize, lights: Vec<LightSpec>, strategy: Strategy) -> SceneSpec {
+pub fn row(count: usize, lights: Vec<LightSpec>, strategy: Strategy) -> SceneSpec {
     let names: Vec<String> = (0..count).map(|i| i.to_string()).collect();
     SceneSpec {
         lights,

@@ -60,22 +60,22 @@ fn forged_factors_are_refused() {
         (
             "NaN for a share",
             |f| f.set_f32("term.weight", 8, f32::NAN),
-            "shares of table 1",
+            "probabilities of table 1",
         ),
         (
             "a share below 0",
             |f| f.set_f32("term.weight", 8, -0.1),
-            "shares of table 1",
+            "probabilities of table 1",
         ),
         (
             "a share above 1",
             |f| f.set_f32("term.weight", 8, 1.5),
-            "shares of table 1",
+            "probabilities of table 1",
         ),
         (
             "shares above 1 together",
             |f| (6..12).for_each(|i| f.set_f32("term.weight", i, 0.3)),
-            "shares of table 1",
+            "probabilities of table 1",
         ),
         (
             "a term that can't be drawn",
@@ -83,7 +83,7 @@ fn forged_factors_are_refused() {
                 let row = f.u32("theta.start", 1) as usize;
                 (0..row).for_each(|i| f.set_u16("theta.cdf", i, 0));
             },
-            "terms that can be drawn",
+            "terms that cannot be drawn",
         ),
         (
             "a CDF that falls",

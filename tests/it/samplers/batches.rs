@@ -39,7 +39,7 @@ impl Batches {
 
 #[test]
 fn batches_are_stratified_and_unbiased() {
-    let brdf = measured("nickel", LookupRule::Floor);
+    let brdf = measured("nickel");
     // Between trees and between tables of each, where weights spread by more than the quadrature's 2·10⁻³; azimuth 0, so that
     // y = 0 parts the trees' first children.
     let wo = spherical(81.6_f64.to_radians(), 0.0).as_vec3();
@@ -112,7 +112,7 @@ impl DirectionSampler for Batched<'_> {
 /// Batches are spread more evenly than independent draws, so the test is stricter on what it is for than on chance.
 #[test]
 fn batches_fall_where_the_density_says() {
-    let brdf = measured("chrome", LookupRule::Floor);
+    let brdf = measured("chrome");
     for spec in [disc(TableChoice::Mixture), cascade(TableChoice::Mixture)] {
         let sampler = spec.build(&loaded(&brdf)).unwrap();
         for wo in [29.0, 84.7].map(direction) {

@@ -11,7 +11,7 @@ fn half_vectors_carried_past_the_horizon_are_accounted_for() {
         ..Default::default()
     };
     for name in ["chrome", "white-marble"] {
-        let brdf = measured(name, LookupRule::Floor);
+        let brdf = measured(name);
         for spec in [
             disc(TableChoice::Nearest),
             rejection_free(TableChoice::Mixture),
@@ -32,7 +32,7 @@ fn half_vectors_carried_past_the_horizon_are_accounted_for() {
 /// Two numbers make a draw without rejection, so well-spread points give a better estimate than random ones.
 #[test]
 fn well_spread_points_serve_the_rejection_free_disc() {
-    let brdf = measured("nickel", LookupRule::Floor);
+    let brdf = measured("nickel");
     let sampler = rejection_free(TableChoice::Mixture)
         .build(&loaded(&brdf))
         .unwrap();
@@ -65,7 +65,7 @@ fn well_spread_points_serve_the_rejection_free_disc() {
 #[test]
 fn builds_do_not_depend_on_threads() {
     let material = Material::resolve("alum-bronze").unwrap();
-    let brdf = measured("alum-bronze", LookupRule::Floor);
+    let brdf = measured("alum-bronze");
     let specs = [
         SamplerSpec::new(AdaptiveDiscSettings {
             tables: 20,
@@ -104,7 +104,7 @@ fn shallow_trees_lose_no_draws() {
         ..Default::default()
     };
     let disc = SamplerSpec::new(settings)
-        .build(&loaded(&measured("nickel", LookupRule::Floor)))
+        .build(&loaded(&measured("nickel")))
         .unwrap();
     for i in 0..200 {
         assert!(

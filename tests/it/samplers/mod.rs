@@ -10,14 +10,13 @@ mod passes;
 mod published;
 mod rejected;
 
-use crate::support::loaded;
 use crate::support::tampered::Tampered;
+use crate::support::{loaded, measured, measured_under};
 use glam::{Vec2, Vec3};
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
 use merlkit::material::Material;
-use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::PointSet;
 use merlkit::sampler::store::encode;
@@ -35,13 +34,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Upper bound of how often [`assert_passes`] is called in this file: together they err once in a hundred seeds.
 const CALLS: usize = 100;
-
-fn measured(name: &str, rule: LookupRule) -> Arc<MerlBrdf> {
-    Arc::new(MerlBrdf::new(
-        Arc::new(decode_embedded(name).unwrap()),
-        rule,
-    ))
-}
 
 fn direction(degrees: f64) -> Vec3 {
     spherical(degrees.to_radians(), 0.8).as_vec3()

@@ -5,7 +5,7 @@ use super::*;
 /// Every sampler with the mixture; with the nearest table the default ones for every second material, the others for the rest.
 fn assert_all_pass(name: &str, seed: u64) {
     use TableChoice::{Mixture, Nearest};
-    let brdf = measured(name, LookupRule::Floor);
+    let brdf = measured(name);
     let nearest = match seed.is_multiple_of(2) {
         true => [disc(Nearest), cascade(Nearest)],
         false => [whole(Nearest), coarse(Nearest)],
@@ -57,7 +57,7 @@ fn cosine_passes_on_dull_materials() {
     {
         assert_passes(
             SamplerSpec::new(CosineSettings {}),
-            &measured(name, LookupRule::Floor),
+            &measured(name),
             &settings(2000 + seed as u64),
         );
     }
@@ -65,7 +65,7 @@ fn cosine_passes_on_dull_materials() {
 
 #[test]
 fn luminance_passes() {
-    let brdf = measured("blue-metallic-paint", LookupRule::Floor);
+    let brdf = measured("blue-metallic-paint");
     let importance = Importance::Luminance;
     let specs = [
         SamplerSpec::new(AdaptiveDiscSettings {
@@ -96,7 +96,7 @@ fn other_lookup_rules_pass() {
         ("violet-acrylic", LookupRule::Centred),
     ];
     for (seed, (name, rule)) in cases.into_iter().enumerate() {
-        let brdf = measured(name, rule);
+        let brdf = Arc::new(measured_under(name, rule));
         for spec in [
             disc(TableChoice::Mixture),
             rejection_free(TableChoice::Mixture),

@@ -13,7 +13,7 @@ fn spreads(spec: SamplerSpec, brdf: &Arc<MerlBrdf>) -> Vec<WeightSpread> {
 
 #[test]
 fn the_published_cascade_has_holes() {
-    let brdf = measured("teflon", LookupRule::Floor);
+    let brdf = measured("teflon");
     let sampler = SamplerSpec::new(CascadeCdfSettings::as_published(true))
         .build(&loaded(&brdf))
         .unwrap();
@@ -30,7 +30,7 @@ fn the_published_cascade_has_holes() {
 
 #[test]
 fn the_published_cascade_is_heavy_tailed_and_ours_is_not() {
-    let brdf = measured("red-plastic", LookupRule::Floor);
+    let brdf = measured("red-plastic");
     let published = spreads(
         SamplerSpec::new(CascadeCdfSettings::as_published(true)),
         &brdf,
@@ -45,7 +45,7 @@ fn the_published_cascade_is_heavy_tailed_and_ours_is_not() {
 
 #[test]
 fn the_published_disc_has_a_density_that_is_off() {
-    let brdf = measured("chrome", LookupRule::Floor);
+    let brdf = measured("chrome");
     let sampler = SamplerSpec::new(AdaptiveDiscSettings::as_published())
         .build(&loaded(&brdf))
         .unwrap();

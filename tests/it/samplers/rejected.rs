@@ -24,7 +24,7 @@ fn check_tampered(
 
 #[test]
 fn the_density_of_the_neighbouring_tree_is_rejected() {
-    let brdf = measured("nickel", LookupRule::Floor);
+    let brdf = measured("nickel");
     let sampler = kept(TableChoice::Nearest).build(&loaded(&brdf)).unwrap();
     let wos = [14.5, 45.0, 75.5].map(direction);
     // Its density knows of `wo` only the azimuth and the trees, which stand 90°/59 apart.
@@ -43,7 +43,7 @@ fn the_density_of_the_neighbouring_tree_is_rejected() {
 /// The floor is a thousandth of the draws, which takes a few million of them to see.
 #[test]
 fn a_density_without_the_floor_is_rejected() {
-    let brdf = measured("chrome", LookupRule::Floor);
+    let brdf = measured("chrome");
     let without = [
         SamplerSpec::new(AdaptiveDiscSettings {
             floor: 0.0,
@@ -85,7 +85,7 @@ fn a_density_without_the_floor_is_rejected() {
 /// Half vectors follow `wo`: their density at an angle of `wo` half a degree away is another.
 #[test]
 fn a_density_for_another_angle_is_rejected() {
-    let brdf = measured("nickel", LookupRule::Floor);
+    let brdf = measured("nickel");
     let wos = [14.5, 45.0, 75.5].map(direction);
     for spec in [
         disc(TableChoice::Mixture),
@@ -105,7 +105,7 @@ fn a_density_for_another_angle_is_rejected() {
 
 #[test]
 fn draws_of_the_nearest_table_with_the_density_of_the_mixture_are_rejected() {
-    let brdf = measured("nickel", LookupRule::Floor);
+    let brdf = measured("nickel");
     // Midway between trees 1.5° apart, and between tables 6° apart where half vectors change fast.
     let cases: [(Spec, _); 2] = [(kept, [14.5, 45.0, 75.5]), (cascade, [75.0, 81.0, 87.0])];
     for (spec, angles) in cases {

@@ -27,19 +27,19 @@ use crate::{args, output};
     after_help = "Example:\n  merlkit build nickel --sampler half-vector:64KB -o nickel.table"
 )]
 pub struct Args {
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     materials: args::Materials,
     /// Sampler to build, with settings (`merlkit samplers` lists them)
-    #[arg(long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
+    #[arg(help_heading = "Sampler", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
     sampler: SamplerSpec,
     /// How values between the samples of a table are interpolated
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// File to write. For several materials: folder for files named NAME.SAMPLER.safetensors
-    #[arg(short, long, value_name = "PATH")]
+    #[arg(help_heading = "Output", short, long, value_name = "PATH")]
     output: PathBuf,
     /// Replace existing files [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 
@@ -104,19 +104,16 @@ fn destinations(
     if !single {
         std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     }
-    let file = |m: &Material| match single {
-        true => args.output.clone(),
-        false => args
-            .output
-            .join(format!("{}.{}.safetensors", m.name(), args.sampler.name())),
-    };
-    Ok(materials
-        .into_iter()
-        .map(|m| {
-            let path = file(&m);
-            (m, path)
-        })
-        .collect())
+    let mut destinations = Vec::new();
+    for material in materials {
+        let file = format!("{}.{}.safetensors", material.name(), args.sampler.name());
+        let path = match single {
+            true => args.output.clone(),
+            false => args.output.join(file),
+        };
+        destinations.push((material, path));
+    }
+    Ok(destinations)
 }
 
 fn build(

@@ -41,33 +41,43 @@ use crate::{args, table};
     after_help = "Example:\n  merlkit check nickel --sampler half-vector:64KB --sampler lobe:ggx"
 )]
 pub struct Args {
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     materials: args::Materials,
     /// Check hard cases instead of materials: difficult tables, extreme directions and extreme numbers, with every sampler,
     /// lookup rule and light. Takes less than a minute on two cores; with --all, every combination in about ten minutes
-    #[arg(long, conflicts_with_all = ["materials", "samplers", "draws", "significance", "lookup"])]
+    #[arg(help_heading = "Checks", long, conflicts_with_all = ["materials", "samplers", "draws", "significance", "lookup"])]
     hard: bool,
     /// Sampler to check, with settings (`merlkit samplers` lists them); repeatable [default: those the material supports of
     /// half-vector at 2KB, 64KB and 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file]
-    #[arg(long = "sampler", value_name = sampler_args::VALUE)]
+    #[arg(help_heading = "Checks", long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
     /// How values between the samples of a table are interpolated
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// Number of draws in each statistical check, 1000 to 10000000
-    #[arg(long, value_name = "N", default_value_t = 100_000)]
+    #[arg(
+        help_heading = "Checks",
+        long,
+        value_name = "N",
+        default_value_t = 100_000
+    )]
     draws: usize,
     /// Seed of the draws
-    #[arg(long, value_name = "K", default_value_t = 1)]
+    #[arg(help_heading = "Checks", long, value_name = "K", default_value_t = 1)]
     seed: u64,
     /// Probability that a run fails by chance although all samplers are correct, between 0 and 1 (exclusive)
-    #[arg(long, value_name = "P", default_value_t = 0.01)]
+    #[arg(
+        help_heading = "Checks",
+        long,
+        value_name = "P",
+        default_value_t = 0.01
+    )]
     significance: f64,
     /// Also write every outcome as JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
-    #[arg(long, value_name = "FILE|-")]
+    #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     json: Option<Destination>,
     /// Replace an existing FILE [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 
@@ -99,7 +109,8 @@ pub fn run(args: &Args) -> Outcome {
     };
     let progress = Progress::new("checking", settings.calls);
     let results = Arc::new(Mutex::new(Vec::new()));
-    let (finished, destination) = (results.clone(), args.json.clone());
+    let finished = results.clone();
+    let destination = args.json.clone();
     interrupt::at_end(move || write_finished(&lock(&finished), destination.as_ref(), overwrite));
     for (material, specs) in materials.iter().zip(&specs) {
         let brdf = args::load(material, args.lookup)?;

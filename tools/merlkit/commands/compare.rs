@@ -45,29 +45,40 @@ pub struct Args {
     materials: Vec<String>,
     /// Sampler to compare, with settings (`merlkit samplers` lists them); repeatable. Named samplers are compared without
     /// light sampling and only with the given settings [default: all useful samplers]
-    #[arg(long = "sampler", value_name = sampler_args::VALUE)]
+    #[arg(help_heading = "Comparison", long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
     /// Use fewer samplers, angles, seeds and settings: one minute for three materials on two cores instead of an hour
-    #[arg(long)]
+    #[arg(help_heading = "Comparison", long)]
     quick: bool,
     /// Continue an interrupted run that had the same options
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     resume: bool,
     /// How values between the samples of a table are interpolated
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     invalid: args::Invalid,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Comparison")]
     sky: SkyArgs,
     /// Seed of the draws
-    #[arg(long, value_name = "K", default_value_t = 1)]
+    #[arg(
+        help_heading = "Comparison",
+        long,
+        value_name = "K",
+        default_value_t = 1
+    )]
     seed: u64,
     /// Folder for the results
-    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    #[arg(
+        help_heading = "Output",
+        short,
+        long,
+        value_name = "DIR",
+        default_value = "out"
+    )]
     output: PathBuf,
     /// Replace existing results [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 
@@ -249,7 +260,8 @@ impl Run {
 
     /// The lit point.
     fn material(&mut self, material: &Loaded) -> Result<MaterialComparison, Error> {
-        let (name, brdf) = (material.name(), &**material.brdf());
+        let name = material.name();
+        let brdf = &**material.brdf();
         let Self {
             plan,
             sky,
@@ -351,7 +363,8 @@ impl Run {
             progress,
             ..
         } = self;
-        let (name, facts) = (material.name(), material.facts());
+        let name = material.name();
+        let facts = material.facts();
         let mut settings = Vec::new();
         for (number, knob) in tried_settings(plan, &facts).into_iter().enumerate() {
             settings.push(journal.recall_or(&format!("setting/{name}/{number}"), || {

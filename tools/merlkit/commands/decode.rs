@@ -19,17 +19,17 @@ use crate::{args, output};
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit decode nickel chrome -o brdfs")]
 pub struct Args {
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     materials: args::Materials,
     /// Write a table that is difficult for lookups and samplers instead of a material; repeatable
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["materials", "all"],
+    #[arg(help_heading = "Materials", long, value_name = "NAME", conflicts_with_all = ["materials", "all"],
           value_parser = PossibleValuesParser::new(HardCase::ALL.map(|case| case.name)))]
     hard_case: Vec<String>,
     /// Folder for the files, which are named NAME.binary; created if missing
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(help_heading = "Output", short, long, value_name = "DIR")]
     output: PathBuf,
     /// Replace existing files [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 

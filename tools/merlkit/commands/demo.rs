@@ -31,16 +31,22 @@ use crate::table;
 #[command(after_help = "Example:\n  merlkit demo -o out")]
 pub struct Args {
     /// Folder for the files; created if missing
-    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    #[arg(
+        help_heading = "Output",
+        short,
+        long,
+        value_name = "DIR",
+        default_value = "out"
+    )]
     output: PathBuf,
     /// Paths per pixel
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(help_heading = "Picture", long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
     /// Seed of all random numbers
-    #[arg(long, value_name = "K", default_value_t = 1)]
+    #[arg(help_heading = "Picture", long, value_name = "K", default_value_t = 1)]
     seed: u64,
     /// Replace existing files [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 

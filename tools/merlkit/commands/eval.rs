@@ -27,15 +27,15 @@ pub struct Args {
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// How values between the samples of a table are interpolated
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     invalid: args::Invalid,
     /// View direction as polar angle (0 to 180) and azimuth in degrees, instead of standard input [default: none]
-    #[arg(long, value_name = "T,P", allow_hyphen_values = true, requires = "wi", value_parser = angles)]
+    #[arg(help_heading = "Directions", long, value_name = "T,P", allow_hyphen_values = true, requires = "wi", value_parser = angles)]
     wo: Option<DVec3>,
     /// Light direction as polar angle (0 to 180) and azimuth in degrees, instead of standard input [default: none]
-    #[arg(long, value_name = "T,P", allow_hyphen_values = true, requires = "wo", value_parser = angles)]
+    #[arg(help_heading = "Directions", long, value_name = "T,P", allow_hyphen_values = true, requires = "wo", value_parser = angles)]
     wi: Option<DVec3>,
 }
 

@@ -33,35 +33,35 @@ use crate::{args, output, sampler_args, table};
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit export nickel --format bsdf -o exported")]
 pub struct Args {
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     materials: args::Materials,
     /// File format
-    #[arg(long, value_name = "FORMAT", value_parser = args::named(FORMATS))]
+    #[arg(help_heading = "Format", long, value_name = "FORMAT", value_parser = args::named(FORMATS))]
     format: Format,
     /// bsdf: RGB colours, spectra, or one file of each [default: both]
-    #[arg(long, value_name = "VARIANT", value_parser = args::named(VARIANTS))]
+    #[arg(help_heading = "Format", long, value_name = "VARIANT", value_parser = args::named(VARIANTS))]
     variant: Option<Variant>,
     /// bsdf: size of an RGB file; a spectral file is twice as large [default: 6MB]
-    #[arg(long, value_name = "SIZE", conflicts_with = "target_error", value_parser = size())]
+    #[arg(help_heading = "Format", long, value_name = "SIZE", conflicts_with = "target_error", value_parser = size())]
     size: Option<BsdfSize>,
     /// bsdf: use the smallest size whose median error is at most E, such as 0.001 or 0.1% [default: none]
-    #[arg(long, value_name = "E", value_parser = args::target_error)]
+    #[arg(help_heading = "Format", long, value_name = "E", value_parser = args::target_error)]
     target_error: Option<f64>,
     /// header, npz: half-vector table to export, with settings (`merlkit samplers half-vector`) [default: half-vector:64KB]
-    #[arg(long, value_name = sampler_args::VALUE)]
+    #[arg(help_heading = "Format", long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
     /// How values between the samples of a table are interpolated. A written .bsdf file is always linear [default: linear for
     /// bsdf, floor otherwise]
-    #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
     /// Folder for the files; created if missing
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(help_heading = "Output", short, long, value_name = "DIR")]
     output: PathBuf,
     /// bsdf: write the file even if an albedo is off by more than 25 % [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     accept_error: bool,
     /// Replace existing files [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 

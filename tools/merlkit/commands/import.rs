@@ -43,25 +43,25 @@ pub struct Args {
     #[arg(value_name = "FILE")]
     file: String,
     /// Lookup rule that the table will be used with: linear puts values at the bins' lower edges, the others at their centres
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Table", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Table")]
     invalid: args::Invalid,
     /// Unit of the angles in a list [default: from the column names, else degrees for CSV, radians for ASTM and Cornell]
-    #[arg(long, value_name = "UNIT", value_parser = args::named(UNITS))]
+    #[arg(help_heading = "Table", long, value_name = "UNIT", value_parser = args::named(UNITS))]
     angles: Option<AngleUnit>,
     /// Fill gaps from mirror images (φd to π − φd) and neighbouring cells. Filled cells are marked in the file, and every
     /// command reports them
-    #[arg(long)]
+    #[arg(help_heading = "Table", long)]
     fill: bool,
     /// File to write
-    #[arg(short, long, value_name = "PATH")]
+    #[arg(help_heading = "Output", short, long, value_name = "PATH")]
     output: PathBuf,
     /// Write the table even if an albedo is off by more than 25 % [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     accept_error: bool,
     /// Replace an existing file [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 

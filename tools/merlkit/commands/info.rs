@@ -29,15 +29,15 @@ pub struct Args {
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
     sources: Vec<String>,
     /// How values between the samples of a table are interpolated
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     invalid: args::Invalid,
     /// Also write JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
-    #[arg(long, value_name = "FILE|-")]
+    #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     json: Option<Destination>,
     /// Replace an existing FILE [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 

@@ -76,10 +76,11 @@ pub struct Args {
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// What to plot
-    #[arg(long, value_name = "KIND")]
+    #[arg(help_heading = "Plot", long, value_name = "KIND")]
     kind: Kind,
     /// Polar angles of wo in degrees, from 0 to below 90, such as 10,30,60; one for disc, up to four otherwise [default: 30]
     #[arg(
+        help_heading = "Plot",
         long,
         value_name = "DEG",
         value_delimiter = ',',
@@ -88,24 +89,24 @@ pub struct Args {
     theta: Vec<f64>,
     /// Sampler to show, with settings (`merlkit samplers` lists them) [default: none for lobes, adaptive-disc for disc,
     /// cascade-cdf for CDFs]
-    #[arg(long, value_name = sampler_args::VALUE)]
+    #[arg(help_heading = "Plot", long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
     /// How values between the samples of a table are interpolated [default: floor]
-    #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     invalid: args::Invalid,
     /// disc: number of directions to draw, 0 to 100000 [default: 1000]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    #[arg(help_heading = "Plot", long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     samples: Option<u32>,
     /// disc: seed of the draws [default: 0]
-    #[arg(long, value_name = "K")]
+    #[arg(help_heading = "Plot", long, value_name = "K")]
     seed: Option<u64>,
     /// SVG or PNG file to write, or - for SVG on standard output [default: MATERIAL-KIND.svg]
-    #[arg(short, long, value_name = "FILE|-")]
+    #[arg(help_heading = "Output", short, long, value_name = "FILE|-")]
     output: Option<Destination>,
     /// Replace an existing FILE [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 

@@ -123,7 +123,7 @@ const POINTS: [(&str, PointSet); 3] = [
     ("sobol", PointSet::Sobol),
     ("lattice", PointSet::Lattice),
 ];
-/// Paths a pixel that a target error may take, where nothing is said.
+/// Paths per pixel that a target error may take, where nothing is said.
 const MAX_SPP: u64 = 4096;
 /// The floor's reflectance: a mid grey.
 pub const GREY: f32 = 0.35;
@@ -186,7 +186,7 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
-/// How many paths a pixel has; of a target error the mean, and with those that only served decisions.
+/// How many paths per pixel has; of a target error the mean, and with those that only served decisions.
 fn paths_a_pixel(settings: &RenderSettings, refinement: Option<&Refinement>) -> String {
     match (settings.budget, refinement) {
         (Budget::Even(paths), _) => paths.to_string(),
@@ -227,7 +227,7 @@ fn stops(argument: &str) -> Result<f32, String> {
         .ok_or_else(|| "expected a finite number of stops".into())
 }
 
-/// Paths a pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
+/// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
 const SOBOL_FROM: u64 = 512;
 
 fn settings(args: &Args) -> Result<RenderSettings, Error> {
@@ -281,15 +281,9 @@ fn describe(args: &Args, settings: &RenderSettings) -> Result<(SceneSpec, Vec<Ma
 }
 
 fn strategy(args: &Args) -> Result<Strategy, Error> {
-    let only = |option: &str, strategy: &str| {
-        Error::argument(
-            format!("{option} has no effect with --strategy {}", args.strategy),
-            format!("omit it, or pass --strategy {strategy}"),
-        )
-    };
     match (args.strategy.as_str(), args.heuristic, args.candidates) {
-        (name, Some(_), _) if name != "mis" => Err(only("--heuristic", "mis")),
-        (name, _, Some(_)) if name != "ris" => Err(only("--candidates", "ris")),
+        (name, Some(_), _) if name != "mis" => Err(no_effect(name, "--heuristic", "mis")),
+        (name, _, Some(_)) if name != "ris" => Err(no_effect(name, "--candidates", "ris")),
         ("light", ..) => Ok(Strategy::Light),
         ("brdf", ..) => Ok(Strategy::Brdf),
         ("ris", _, candidates) => Ok(Strategy::Ris {
@@ -297,6 +291,14 @@ fn strategy(args: &Args) -> Result<Strategy, Error> {
         }),
         (_, heuristic, _) => Ok(Strategy::Mis(heuristic.unwrap_or_default())),
     }
+}
+
+/// The error for an option that belongs to the strategy `wanted` only.
+fn no_effect(strategy: &str, option: &str, wanted: &str) -> Error {
+    Error::argument(
+        format!("{option} has no effect with --strategy {strategy}"),
+        format!("omit it, or pass --strategy {wanted}"),
+    )
 }
 
 fn light_help() -> String {

@@ -30,30 +30,40 @@ use crate::{args, table};
     after_help = "Example:\n  merlkit report nickel teflon --sampler cosine --sampler half-vector:2KB"
 )]
 pub struct Args {
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     materials: args::Materials,
     /// Sampler to measure, with settings (`merlkit samplers` lists them); repeatable [default: those the material supports of
     /// half-vector at 2KB, 64KB and 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file]
-    #[arg(long = "sampler", value_name = sampler_args::VALUE)]
+    #[arg(help_heading = "Measurement", long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
     /// How values between the samples of a table are interpolated
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// Number of draws per angle for estimating the bias
-    #[arg(long, value_name = "N", default_value_t = 100_000)]
+    #[arg(
+        help_heading = "Measurement",
+        long,
+        value_name = "N",
+        default_value_t = 100_000
+    )]
     draws: usize,
     /// Seed of the draws
-    #[arg(long, value_name = "K", default_value_t = 1)]
+    #[arg(
+        help_heading = "Measurement",
+        long,
+        value_name = "K",
+        default_value_t = 1
+    )]
     seed: u64,
     /// Also write JSON to FILE; with -, write JSON to standard output instead of the tables [default: none]
-    #[arg(long, value_name = "FILE|-")]
+    #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     json: Option<Destination>,
     /// Also write CSV, one line per material, sampler and angle, to FILE; with -, write CSV to standard output instead of the
     /// tables [default: none]
-    #[arg(long, value_name = "FILE|-")]
+    #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     csv: Option<Destination>,
     /// Replace existing files [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 

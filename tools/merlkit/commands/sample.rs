@@ -34,21 +34,27 @@ pub struct Args {
     source: String,
     /// Sampler to build, with settings (`merlkit samplers` lists them) [default: half-vector:64KB, or the one in the sampler
     /// file]
-    #[arg(long, value_name = sampler_args::VALUE)]
+    #[arg(help_heading = "Draws", long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
     /// Material of the sampler file [default: the one named in it]
-    #[arg(long, value_name = "MATERIAL")]
+    #[arg(help_heading = "Materials", long, value_name = "MATERIAL")]
     material: Option<String>,
     /// How values between the samples of a table are interpolated [default: floor, or the rule in the sampler file]
-    #[arg(long, value_name = "RULE", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     invalid: args::Invalid,
     /// Polar angle of wo in degrees, from 0 to below 90
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(
+        help_heading = "Draws",
+        long,
+        value_name = "DEG",
+        allow_negative_numbers = true
+    )]
     theta: f64,
     /// Azimuth of wo in degrees
     #[arg(
+        help_heading = "Draws",
         long,
         value_name = "DEG",
         default_value_t = 0.0,
@@ -56,19 +62,19 @@ pub struct Args {
     )]
     phi: f64,
     /// Number of draws
-    #[arg(long, value_name = "N")]
+    #[arg(help_heading = "Draws", long, value_name = "N")]
     count: u64,
     /// Seed of the points
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(help_heading = "Draws", long, value_name = "K", default_value_t = 0)]
     seed: u64,
     /// Sample points in the unit square: random or Owen-scrambled Sobol
-    #[arg(long, value_name = "SET", default_value = "random", value_parser = ["random", "sobol"])]
+    #[arg(help_heading = "Draws", long, value_name = "SET", default_value = "random", value_parser = ["random", "sobol"])]
     points: String,
     /// Write a FIT point cloud: successful draws only, with the mean of RGB as the value
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     fit: bool,
     /// Start each line with its input wo_x,wo_y,wo_z,u_x,u_y, for comparison with another implementation
-    #[arg(long, conflicts_with = "fit")]
+    #[arg(help_heading = "Output", long, conflicts_with = "fit")]
     with_points: bool,
 }
 

@@ -34,38 +34,38 @@ pub struct Args {
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// Sampler to try, with settings (`merlkit samplers` lists them); repeatable [default: those named above]
-    #[arg(long = "sampler", value_name = sampler_args::VALUE)]
+    #[arg(help_heading = "Search", long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
     /// Target relative RMSE of one estimate: 0.01 or 1%
-    #[arg(long, value_name = "E", value_parser = args::target_error)]
+    #[arg(help_heading = "Search", long, value_name = "E", value_parser = args::target_error)]
     target_error: f64,
     /// Maximum size of the sampler's tables in bytes [default: unlimited]
-    #[arg(long, value_name = "BYTES")]
+    #[arg(help_heading = "Search", long, value_name = "BYTES")]
     max_bytes: Option<usize>,
     /// Maximum build time in seconds, measured with this run's threads [default: unlimited]
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(help_heading = "Search", long, value_name = "SECONDS", value_parser = seconds)]
     max_build: Option<f64>,
     /// Total number of samples that the sampler will draw, over which its build time is spread
-    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     shared_by: u64,
     /// How values between the samples of a table are interpolated
-    #[arg(long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Materials")]
     invalid: args::Invalid,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Search")]
     sky: SkyArgs,
     /// Seed of the draws
-    #[arg(long, value_name = "K", default_value_t = 1)]
+    #[arg(help_heading = "Search", long, value_name = "K", default_value_t = 1)]
     seed: u64,
     /// Also write every number as JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
-    #[arg(long, value_name = "FILE|-")]
+    #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     json: Option<Destination>,
     /// Write the chosen sampler to FILE. Excludes the cosine, which has no tables to store [default: none]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Replace existing files [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 

@@ -9,6 +9,8 @@ use super::half_diff_tan2::HalfDiffTan2;
 use crate::geometry::merl_axes::AxisBins;
 
 /// Bin indices of a pair of directions.
+///
+/// The example of [`MerlTable`](crate::material::merl::MerlTable) makes a table and evaluates it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BinIndex {
     /// 0..90, spaced as √θh.

@@ -1,6 +1,8 @@
 //! The readings of a table between its samples.
 
 /// What a table says between its samples. The rule changes the albedo of metals by up to a quarter, so reports name it.
+///
+/// The example of [`Material`](crate::material::Material) goes from an argument to a loaded material.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]

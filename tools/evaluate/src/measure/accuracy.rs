@@ -105,8 +105,8 @@ pub fn bias(
 ) -> Bias {
     let moments = Moments::integrate(sampler, brdf, quadrature, importance);
     let wo = quadrature.wo();
-    let point = |i| PointSet::Random.point(draws.seed, i, 0);
-    let samples = (0..draws.count as u64).map(|i| sampler.sample(wo, point(i)));
+    let points = (0..draws.count as u64).map(|i| PointSet::Random.point(draws.seed, i, 0));
+    let samples = points.map(|u| sampler.sample(wo, u));
     let estimate = mean_weight(brdf, wo, importance, samples)[SCALAR];
     moments.bias(SCALAR, estimate, draws.count)
 }
@@ -140,7 +140,8 @@ impl Moments {
         let mut sums = Self::default();
         let wo = quadrature.wo();
         quadrature.for_each(|wi, d_sigma| {
-            let (f_cos, pdf) = (value(brdf, wo, wi, importance), sampler.pdf(wo, wi));
+            let f_cos = value(brdf, wo, wi, importance);
+            let pdf = sampler.pdf(wo, wi);
             if pdf > 0.0 && pdf.is_finite() {
                 sums.add(f_cos, f64::from(pdf), d_sigma);
             } else if f_cos.max_element() > 0.0 {
@@ -160,7 +161,8 @@ impl Moments {
     }
 
     pub fn spread(&self, lane: usize) -> WeightSpread {
-        let (mean, albedo) = (self.first[lane], self.albedo[lane]);
+        let mean = self.first[lane];
+        let albedo = self.albedo[lane];
         let holes = if albedo > 0.0 {
             (1.0 - mean / albedo).max(0.0)
         } else {

@@ -221,8 +221,9 @@ impl<'a> CheckSubject<'a> {
     }
 
     fn mean_of_single_draws(&self) -> DVec4 {
-        let point = |i| PointSet::Random.point(self.seed ^ 3, i, 0);
-        let draws = (0..self.settings.draws as u64).map(|i| self.sampler.sample(self.wo, point(i)));
+        let indices = 0..self.settings.draws as u64;
+        let points = indices.map(|i| PointSet::Random.point(self.seed ^ 3, i, 0));
+        let draws = points.map(|u| self.sampler.sample(self.wo, u));
         mean_weight(self.brdf, self.wo, self.settings.importance, draws)
     }
 

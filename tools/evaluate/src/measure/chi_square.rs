@@ -79,7 +79,7 @@ pub enum ChiSquareVerdict {
 pub struct Cell {
     /// Range of θh, degrees; absent for the pool of small cells and for failed draws.
     pub theta_h_deg: Option<[f64; 2]>,
-    /// Range of the azimuth of the half vector about `wo`, as a share of the largest above the horizon, in [−1, 1].
+    /// Range of the azimuth of the half vector about `wo`, as a fraction of the largest above the horizon, in [−1, 1].
     pub azimuth_share: Option<[f64; 2]>,
     /// Draws that fell there.
     pub observed: u64,

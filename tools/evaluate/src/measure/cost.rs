@@ -22,7 +22,8 @@ pub struct Seconds {
 
 /// Runs `work` and times it. Whatever else the process does meanwhile counts as `cpu`.
 pub fn time<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
-    let (started, before) = (Instant::now(), ProcessTime::now());
+    let started = Instant::now();
+    let before = ProcessTime::now();
     let result = work();
     let seconds = Seconds {
         wall: started.elapsed().as_secs_f64(),
@@ -31,7 +32,7 @@ pub fn time<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
     (result, seconds)
 }
 
-/// What one call costs a thread, from short batches in turn with the other contenders' ([`costs`]).
+/// What one call costs on one thread, from short batches in turn with the other contenders' ([`costs`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CallCost {
     /// Nanoseconds of CPU time a call: the lower quartile over the rounds, which other programs disturb least. 0 for a

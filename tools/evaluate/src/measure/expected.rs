@@ -12,7 +12,7 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{HalfVectorDomain, is_upper};
 use merlkit::points::{Stream, mix};
 
-/// A grid over the half vectors about `wo`: uniform in √θh and in the share of the azimuth, both odd so that no cell edge
+/// A grid over the half vectors about `wo`: uniform in √θh and in the fraction of the azimuth, both odd so that no cell edge
 /// falls on the plane of symmetry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
@@ -66,7 +66,8 @@ impl Grid {
     /// The direction at a place within a cell, and dσ(wi) per unit of the place.
     pub fn direction(&self, cell: usize, at: [f64; 2]) -> (Vec3, f64) {
         let ([theta_low, theta_high], [b_low, b_high]) = self.ranges(cell);
-        let (low, step) = (theta_low.sqrt(), theta_high.sqrt() - theta_low.sqrt());
+        let low = theta_low.sqrt();
+        let step = theta_high.sqrt() - theta_low.sqrt();
         let root = low + step * at[0];
         let (wi, jacobian) = self
             .domain

@@ -83,7 +83,7 @@ impl SamplerFigures {
             .fold(0.0, f64::max)
     }
 
-    /// Largest share of the albedo, over the angles, where the density is 0.
+    /// Largest fraction of the albedo, over the angles, where the density is 0.
     pub fn worst_holes(&self) -> f64 {
         self.angles
             .iter()

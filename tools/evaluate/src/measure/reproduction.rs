@@ -153,7 +153,7 @@ pub fn size_within(brdf: &dyn Brdf, limit: f64) -> Result<(BsdfSize, BsdfFile)> 
     );
     Err(Error::argument(
         reached,
-        "allow more, or export with --lookup linear, which a file follows best",
+        "allow more, or export with --lookup linear, which a file reproduces best",
     ))
 }
 

@@ -74,13 +74,13 @@ impl Frame {
         svg.push(&format!(
             "<rect x=\"{left}\" y=\"{top}\" width=\"{across}\" height=\"{down}\" fill=\"none\" stroke=\"{INK}\"/>"
         ));
-        let title = |axis: &Axis, room: f64| shortened(&scaled(axis), TEXT, room);
         svg.label(
             (x + width / 2.0, self.area.bottom() + 37.0),
             Anchor::Middle,
-            &title(axes.0, width + 60.0),
+            &shortened(&scaled(axes.0), TEXT, width + 60.0),
         );
-        svg.label_upwards((18.0, y + height / 2.0), &title(axes.1, height + 30.0));
+        let title = shortened(&scaled(axes.1), TEXT, height + 30.0);
+        svg.label_upwards((18.0, y + height / 2.0), &title);
         legend.draw(&mut svg, self.area.bottom() + BELOW);
         svg
     }

@@ -24,6 +24,8 @@ pub fn viridis(value: f64) -> [u8; 3] {
     };
     let i = (at as usize).min(last - 1);
     let t = at - i as f64;
-    let mix = |c: usize| f64::from(VIRIDIS[i][c]) * (1.0 - t) + f64::from(VIRIDIS[i + 1][c]) * t;
-    [0, 1, 2].map(|c| mix(c).round() as u8)
+    [0, 1, 2].map(|c| {
+        let mixed = f64::from(VIRIDIS[i][c]) * (1.0 - t) + f64::from(VIRIDIS[i + 1][c]) * t;
+        mixed.round() as u8
+    })
 }

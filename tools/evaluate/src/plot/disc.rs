@@ -118,12 +118,14 @@ impl Disc {
 
     fn draw_points(&self, svg: &mut Svg) {
         let style = POINTS;
-        let on_disc = |p: &&(f64, f64)| p.0.hypot(p.1) <= 1.0 + 1e-6;
-        let places = self.points.iter().filter(on_disc).filter_map(|&p| pixel(p));
         // Round line ends of no length are dots, of a few bytes each.
-        let data: String = places
-            .map(|(x, y)| format!("M{} {}h0", px(x), px(y)))
-            .collect();
+        let mut data = String::new();
+        for &point in &self.points {
+            let on_disc = point.0.hypot(point.1) <= 1.0 + 1e-6;
+            if let Some((x, y)) = pixel(point).filter(|_| on_disc) {
+                data += &format!("M{} {}h0", px(x), px(y));
+            }
+        }
         if !data.is_empty() {
             let colour = style.colour();
             svg.push(&format!(

@@ -84,12 +84,9 @@ impl Lines {
     }
 
     fn all_y(&self) -> impl Iterator<Item = f64> {
-        let of_band = |b: &(f64, f64, f64)| [b.1, b.2];
-        self.series.iter().flat_map(move |s| {
-            s.points
-                .iter()
-                .map(|p| p.1)
-                .chain(s.band.iter().flat_map(of_band))
+        self.series.iter().flat_map(|s| {
+            let of_band = s.band.iter().flat_map(|&(_, low, high)| [low, high]);
+            s.points.iter().map(|p| p.1).chain(of_band)
         })
     }
 }

@@ -174,23 +174,21 @@ fn around(angle: f64, distance: f64) -> (f64, f64) {
     (CENTRE.0 + distance * sin, CENTRE.1 - distance * cos)
 }
 
+/// The half of a circle about the centre that lies above the surface.
+fn draw_ring(svg: &mut Svg, radius: f64, ink: &str) {
+    let [left, right] = [CENTRE.0 - radius, CENTRE.0 + radius].map(px);
+    let [y, r] = [CENTRE.1, radius].map(px);
+    svg.push(&format!(
+        "<path d=\"M{left} {y}A{r} {r} 0 0 1 {right} {y}\" fill=\"none\" stroke=\"{ink}\"/>"
+    ));
+}
+
 /// Rings with their radii, spokes with their angles, and the surface.
 fn draw_grid(svg: &mut Svg, ruler: Option<&Ruler>) {
-    let ring = |svg: &mut Svg, radius: f64, ink: &str| {
-        let (left, right, y, r) = (
-            px(CENTRE.0 - radius),
-            px(CENTRE.0 + radius),
-            px(CENTRE.1),
-            px(radius),
-        );
-        svg.push(&format!(
-            "<path d=\"M{left} {y}A{r} {r} 0 0 1 {right} {y}\" fill=\"none\" stroke=\"{ink}\"/>"
-        ));
-    };
     for tick in ruler.map(Ruler::ticks).unwrap_or_default() {
         let radius = tick.at - CENTRE.0;
         if radius > 1.0 && radius < RADIUS - 1.0 {
-            ring(svg, radius, GRID);
+            draw_ring(svg, radius, GRID);
         }
         if let Some(label) = tick.label {
             svg.label((tick.at, CENTRE.1 + 18.0), Anchor::Middle, &label);
@@ -201,7 +199,7 @@ fn draw_grid(svg: &mut Svg, ruler: Option<&Ruler>) {
             );
         }
     }
-    ring(svg, RADIUS, INK);
+    draw_ring(svg, RADIUS, INK);
     for step in -6..=6 {
         let angle = f64::from(step) * 15.0;
         svg.line(CENTRE, around(angle, RADIUS), &format!("stroke=\"{GRID}\""));

@@ -75,7 +75,8 @@ impl Scatter {
         for (group, points) in self.groups.iter().zip(&placed) {
             svg.push(&format!("<g {}>", Style(group.style).marks()));
             for p in points.iter().filter(|p| frame.area.holds(p.at)) {
-                let (mark, label) = (Style(group.style).mark(p.at), escape(p.label));
+                let mark = Style(group.style).mark(p.at);
+                let label = escape(p.label);
                 svg.push(&format!("<path d=\"{mark}\"><title>{label}</title></path>"));
             }
             svg.push("</g>");

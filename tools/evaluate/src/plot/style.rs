@@ -55,7 +55,9 @@ impl Style {
         };
         match self.0 % MARKS {
             0 => {
-                let (left, r, d) = (px(x - r), px(r), px(2.0 * r));
+                let left = px(x - r);
+                let d = px(2.0 * r);
+                let r = px(r);
                 format!(
                     "M{left} {}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0Z",
                     px(y)

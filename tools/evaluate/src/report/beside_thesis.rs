@@ -10,7 +10,7 @@ use merlkit::sampler::{
     AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice, SamplerSpec,
 };
 
-/// One table of the thesis and what stands beside it.
+/// One table of the thesis, with our counterparts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ThesisTable {
     /// Its number and what it shows.
@@ -31,7 +31,7 @@ impl ThesisTable {
     }
 }
 
-/// The tables that something measured stands beside: 5.9, 5.10, 6.23, 6.24 and the rankings of 6.14 and 6.22. Materials
+/// The tables for which something was measured: 5.9, 5.10, 6.23, 6.24 and the rankings of 6.14 and 6.22. Materials
 /// and numbers of samples that the thesis doesn't have are left out.
 pub fn beside_thesis(comparison: &Comparison) -> Vec<ThesisTable> {
     let costs = [
@@ -98,8 +98,8 @@ fn whole_cdfs<'a>(comparison: &'a Comparison, material: Option<&str>) -> Vec<&'a
         .settings
         .iter()
         .find(|s| material.is_none_or(|m| s.material == m));
-    let whole = |s: &&Setting| is_cascade(&s.knob.spec, |c| c.tolerance.is_none());
-    let mut all: Vec<&Setting> = of.iter().flat_map(|s| &s.settings).filter(whole).collect();
+    let mut all: Vec<&Setting> = of.iter().flat_map(|s| &s.settings).collect();
+    all.retain(|s| is_cascade(&s.knob.spec, |c| c.tolerance.is_none()));
     all.sort_by_key(|s| s.table_bytes);
     all
 }
@@ -151,12 +151,12 @@ fn uniform_memory(comparison: &Comparison) -> Option<ThesisTable> {
         "ratio",
     ]);
     for (theta, phi, kb) in thesis_uniform_memory() {
-        let fine = |s: &&&Setting| {
+        let fine_enough = whole.iter().find(|s| {
             is_cascade(&s.knob.spec, |c| {
                 c.theta_h >= theta as usize && c.phi_h >= phi as usize
             })
-        };
-        let Some(ours) = whole.iter().find(fine).map(|s| Ours::from(*s)) else {
+        });
+        let Some(ours) = fine_enough.map(|s| Ours::from(*s)) else {
             continue;
         };
         let figures = [

@@ -42,28 +42,28 @@ impl CheckResult {
             Check::Bias,
             Check::Furnace,
         ];
-        let count = |check: Check| {
-            let outcomes = self.report.outcomes.iter().filter(|o| o.check == check);
-            let (passed, all) = outcomes.fold((0, 0), |(p, n), o| (p + u32::from(o.pass), n + 1));
-            let unjudged: usize = self
-                .report
-                .outcomes
-                .iter()
-                .filter(|o| o.check == check)
-                .map(|o| o.unjudged)
-                .sum();
-            if passed == all && unjudged > 0 {
-                format!("{passed} ok, {unjudged} cells unjudged")
-            } else if passed == all {
-                format!("{passed} ok")
-            } else {
-                format!("{} of {all} FAILED", all - passed)
-            }
-        };
-        [self.material.clone(), self.sampler.clone()]
-            .into_iter()
-            .chain(checks.map(count))
-            .collect()
+        let mut line = vec![self.material.clone(), self.sampler.clone()];
+        line.extend(checks.map(|check| self.count(check)));
+        line
+    }
+
+    /// How many directions passed a check, or how many of all failed.
+    fn count(&self, check: Check) -> String {
+        let mut passed = 0;
+        let mut all = 0;
+        let mut unjudged = 0;
+        for outcome in self.report.outcomes.iter().filter(|o| o.check == check) {
+            passed += u32::from(outcome.pass);
+            all += 1;
+            unjudged += outcome.unjudged;
+        }
+        if passed == all && unjudged > 0 {
+            format!("{passed} ok, {unjudged} cells unjudged")
+        } else if passed == all {
+            format!("{passed} ok")
+        } else {
+            format!("{} of {all} FAILED", all - passed)
+        }
     }
 
     /// A row for each failed check, with where and what.

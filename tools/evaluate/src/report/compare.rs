@@ -59,10 +59,14 @@ pub fn targets(material: &MaterialComparison) -> Sheet {
 
 /// The curves, the quickest to 1 % by counted time first.
 pub(super) fn by_time(curves: &[Curve]) -> Vec<&Curve> {
-    let seconds = |c: &Curve| reach(c, 0.01).map_or(f64::INFINITY, |r| r.counted_seconds[1]);
     let mut order: Vec<&Curve> = curves.iter().collect();
-    order.sort_by(|a, b| seconds(a).total_cmp(&seconds(b)));
+    order.sort_by(|a, b| seconds_to_one_percent(a).total_cmp(&seconds_to_one_percent(b)));
     order
+}
+
+/// Counted time to an error of 1 %; infinite for a curve that does not reach it.
+fn seconds_to_one_percent(curve: &Curve) -> f64 {
+    reach(curve, 0.01).map_or(f64::INFINITY, |r| r.counted_seconds[1])
 }
 
 /// "12 µs (340)", with "~" where the samples are extrapolated.
@@ -190,7 +194,8 @@ fn push_curve(sheet: &mut Sheet, material: &str, curve: &Curve) {
 
 /// What a curve's sample and sampler cost: figure, value, unit.
 fn cost_figures(curve: &Curve) -> [(&'static str, f64, &'static str); 8] {
-    let (counted, measured) = (curve.counted, curve.ns_per_sample);
+    let counted = curve.counted;
+    let measured = curve.ns_per_sample;
     [
         ("table", curve.table_bytes as f64, "bytes"),
         ("build", curve.build_seconds, "s"),

@@ -153,15 +153,18 @@ impl SamplerReport {
         }
         for t in &self.thesis {
             let mut row = vec![String::new(); sheet.heading.len()];
-            let number = |x: Option<f64>| x.map(|x| x.to_string()).unwrap_or_default();
             row[0] = m.material.clone();
             row[2] = "thesis".into();
             row[3] = t.method.clone();
-            row[4] = number(t.memory_kb.map(|kb| (kb * THESIS_KB).round()));
-            row[7] = number(t.precompute_s);
+            row[4] = number_or_empty(t.memory_kb.map(|kb| (kb * THESIS_KB).round()));
+            row[7] = number_or_empty(t.precompute_s);
             sheet.push(row);
         }
     }
+}
+
+fn number_or_empty(x: Option<f64>) -> String {
+    x.map_or_else(String::new, |x| x.to_string())
 }
 
 /// What the thesis's lines are, once for a whole report.

@@ -45,10 +45,22 @@ pub fn summary(reports: &[SamplerReport]) -> Sheet {
     sheet
 }
 
+fn kilobytes(figures: &SamplerFigures) -> f64 {
+    figures.table_bytes as f64 / 1000.0
+}
+
+/// The largest distance of a pdf's integral from 1.
+fn worst_integral(figures: &SamplerFigures) -> f64 {
+    let mut worst = 0.0;
+    for angle in &figures.angles {
+        worst = f64::max(worst, (angle.spread.pdf_integral - 1.0).abs());
+    }
+    worst
+}
+
 fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
     let most =
         |of: &dyn Fn(&SamplerFigures) -> f64| all.iter().map(|(_, s)| of(s)).fold(0.0, f64::max);
-    let kilobytes = |s: &SamplerFigures| s.table_bytes as f64 / 1000.0;
     let least = all
         .iter()
         .map(|(_, s)| kilobytes(s))
@@ -59,12 +71,6 @@ fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
     let slowest = all
         .iter()
         .max_by(|a, b| a.1.calls.sample_ns.ns.total_cmp(&b.1.calls.sample_ns.ns));
-    let off = |s: &SamplerFigures| {
-        s.angles
-            .iter()
-            .map(|a| (a.spread.pdf_integral - 1.0).abs())
-            .fold(0.0, f64::max)
-    };
     vec![
         label,
         format!("{least:.1}–{:.1}", most(&kilobytes)),
@@ -77,7 +83,7 @@ fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
         format!("{:.3}", most(&SamplerFigures::worst_relstd)),
         format!("{:.3}", 100.0 * most(&SamplerFigures::worst_holes)),
         format!("{:.1}", most(&|s| s.worst_bias().in_standard_errors())),
-        format!("{:.3}", 100.0 * most(&off)),
+        format!("{:.3}", 100.0 * most(&worst_integral)),
         format!("{:.2}", 100.0 * most(&|s| s.calls.failed)),
     ]
 }

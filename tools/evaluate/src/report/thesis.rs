@@ -1,4 +1,4 @@
-//! Figures of the 2008 thesis for a material, to stand beside ours.
+//! Figures of the 2008 thesis for a material, to compare with ours.
 
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ pub(super) const THESIS_KB: f64 = 1024.0;
 /// What the thesis gives for one method and material. Its machine was an AMD Opteron of 2007.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ThesisFigures {
-    /// The thesis's name for the method, and where the figures stand.
+    /// The thesis's name for the method, and the tables that have its figures.
     pub method: String,
     /// Memory, KB.
     pub memory_kb: Option<f64>,
@@ -62,7 +62,7 @@ pub fn thesis_figures(material: &str) -> Vec<ThesisFigures> {
     methods.into_iter().filter_map(named).chain(alone).collect()
 }
 
-/// The thesis's memory of uniform CDFs, whatever the material: (cells over θh, cells over φh, KB).
+/// The thesis's memory of uniform CDFs, the same for every material: (cells over θh, cells over φh, KB).
 pub fn thesis_uniform_memory() -> Vec<(u32, u32, f64)> {
     UNIFORM_MEMORY
         .lines()

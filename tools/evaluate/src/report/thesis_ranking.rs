@@ -114,13 +114,12 @@ fn ranking(
         if ours.is_empty() {
             continue;
         }
-        let of = |p: &Pair| thesis.iter().find(|t| t.0 == p.thesis).map(|t| t.1 / 100.0);
-        sheet.push(row(
-            "thesis",
-            samples,
-            pairs,
-            &pairs.iter().map(of).collect::<Vec<_>>(),
-        ));
+        let mut percent = Vec::new();
+        for pair in pairs {
+            let found = thesis.iter().find(|t| t.0 == pair.thesis);
+            percent.push(found.map(|t| t.1 / 100.0));
+        }
+        sheet.push(row("thesis", samples, pairs, &percent));
         for (material, errors) in ours {
             sheet.push(row(&material, samples, pairs, &errors));
         }
@@ -130,14 +129,14 @@ fn ranking(
 
 /// Errors of a picture's counterparts at a number of samples; `None` without any.
 fn errors(picture: &PictureComparison, samples: u64, pairs: &[Pair]) -> Option<Vec<Option<f64>>> {
-    let error = |pair: &Pair| {
+    let mut all = Vec::with_capacity(pairs.len());
+    for pair in pairs {
         let result = picture
             .results
             .iter()
             .find(|r| r.samples == samples && (pair.matches)(&r.competitor));
-        result.map(|r| r.errors.mean_relative)
-    };
-    let all: Vec<Option<f64>> = pairs.iter().map(error).collect();
+        all.push(result.map(|r| r.errors.mean_relative));
+    }
     all.iter().any(Option::is_some).then_some(all)
 }
 
@@ -147,11 +146,6 @@ fn row(whose: &str, samples: u64, pairs: &[Pair], errors: &[Option<f64>]) -> Vec
         .flatten()
         .copied()
         .fold(f64::INFINITY, f64::min);
-    let cell = |e: &Option<f64>| match e {
-        Some(e) if least > 0.0 => format!("{:.2} ({:.1} %)", e / least, e * 100.0),
-        Some(e) => format!("{:.1} %", e * 100.0),
-        None => "–".into(),
-    };
     let mut order: Vec<(&str, f64)> = pairs
         .iter()
         .zip(errors)
@@ -160,7 +154,13 @@ fn row(whose: &str, samples: u64, pairs: &[Pair], errors: &[Option<f64>]) -> Vec
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
     let names: Vec<&str> = order.iter().map(|o| o.0).collect();
     let mut row = vec![whose.to_owned(), samples.to_string()];
-    row.extend(errors.iter().map(cell));
+    for error in errors {
+        row.push(match error {
+            Some(e) if least > 0.0 => format!("{:.2} ({:.1} %)", e / least, e * 100.0),
+            Some(e) => format!("{:.1} %", e * 100.0),
+            None => "–".into(),
+        });
+    }
     row.push(names.join(" < "));
     row
 }

@@ -86,9 +86,13 @@ pub fn tuning_summary(material: &str, tuning: &Tuning) -> String {
         ),
     }];
     lines.extend(tie(tuning));
-    let named = |index: Option<usize>| index.and_then(|i| tuning.tried.get(i));
-    lines.extend(named(tuning.cheaper).map(|t| neighbour("with less memory", t)));
-    lines.extend(named(tuning.better).map(|t| neighbour("with fewer samples", t)));
+    for (how, index) in [
+        ("with less memory", tuning.cheaper),
+        ("with fewer samples", tuning.better),
+    ] {
+        let tried = index.and_then(|i| tuning.tried.get(i));
+        lines.extend(tried.map(|t| neighbour(how, t)));
+    }
     lines.join("\n")
 }
 
@@ -108,14 +112,9 @@ fn tie(tuning: &Tuning) -> Option<String> {
 
 /// Measured seconds of an estimate without its part of the precomputation, with their interval.
 fn measured(tried: &Tried, samples: f64) -> String {
-    let seconds = |ns: f64| duration(ns * 1e-9 * samples);
     let cost = &tried.curve.ns_per_sample;
-    format!(
-        "{} ({} to {})",
-        seconds(cost.ns),
-        seconds(cost.low),
-        seconds(cost.high)
-    )
+    let [mean, low, high] = [cost.ns, cost.low, cost.high].map(|ns| duration(ns * 1e-9 * samples));
+    format!("{mean} ({low} to {high})")
 }
 
 fn neighbour(how: &str, tried: &Tried) -> String {

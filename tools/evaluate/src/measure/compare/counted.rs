@@ -114,7 +114,8 @@ pub fn counted_cost(
     light_bytes: usize,
 ) -> CountedCost {
     let cost = SamplerCost::find(&competitor.spec, sampler_bytes);
-    let (draw, f) = (cost.draw_ns, value_ns(material));
+    let draw = cost.draw_ns;
+    let f = value_ns(material);
     let build = cost.build_values * f * 1e-9 + cost.build_seconds;
     let light_build = light_bytes as f64 * LIGHT_BUILD * 1e-9;
     let from_brdf = POINT_AND_LIGHT + f + draw;
@@ -150,8 +151,7 @@ pub fn cost_notes(curves: &[&Curve]) -> Vec<String> {
     let times = curves.iter().map(|c| (c.label.as_str(), c.ns_per_sample));
     let mut notes: Vec<String> = unsteady_note(times).into_iter().collect();
     // The median of measured over counted is this machine's speed, by which each one's is divided.
-    let ratio = |c: &Curve| c.ns_per_sample.ns / c.counted.sample_ns;
-    let mut ratios: Vec<f64> = curves.iter().map(|c| ratio(c)).collect();
+    let mut ratios: Vec<f64> = curves.iter().map(|c| measured_over_counted(c)).collect();
     ratios.retain(|r| r.is_finite() && *r > 0.0);
     ratios.sort_by(f64::total_cmp);
     let Some(&speed) = ratios.get(ratios.len() / 2) else {
@@ -159,7 +159,7 @@ pub fn cost_notes(curves: &[&Curve]) -> Vec<String> {
     };
     let mut names: Vec<String> = Vec::new();
     for curve in curves {
-        let factor = ratio(curve) / speed;
+        let factor = measured_over_counted(curve) / speed;
         if factor.is_finite() && !(1.0 / DISAGREE..=DISAGREE).contains(&factor) {
             names.push(format!("{} ({factor:.1}×)", curve.label));
         }
@@ -171,6 +171,10 @@ pub fn cost_notes(curves: &[&Curve]) -> Vec<String> {
         ));
     }
     notes
+}
+
+fn measured_over_counted(curve: &Curve) -> f64 {
+    curve.ns_per_sample.ns / curve.counted.sample_ns
 }
 
 #[cfg(test)]

@@ -61,7 +61,7 @@ impl SceneKind {
 /// Reflectance of the ground: a mid grey.
 const GROUND: f32 = 0.35;
 
-/// Samples a pixel of the thesis's comparison by picture (figure 6.22).
+/// Samples per pixel of the thesis's comparison by picture (figure 6.22).
 pub const PICTURE_SAMPLES: u64 = 25;
 
 /// How much of the experiment is run.
@@ -69,9 +69,9 @@ pub const PICTURE_SAMPLES: u64 = 25;
 pub struct PicturePlan {
     /// Pixels a side.
     pub side: usize,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: Vec<u64>,
-    /// Samples a pixel of the reference.
+    /// Samples per pixel of the reference.
     pub reference_samples: u64,
     /// The competitors' seed; the reference has another.
     pub seed: u64,
@@ -114,7 +114,7 @@ impl PicturePlan {
 pub struct PictureReference {
     /// How it was made.
     pub label: String,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: u64,
     /// Mean over lit pixels of its own relative standard error.
     pub relative_error: f64,
@@ -139,7 +139,7 @@ pub struct PictureResult {
     pub competitor: Competitor,
     /// Its name for people.
     pub label: String,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: u64,
     /// Seconds to render, without loading and building.
     pub seconds: Seconds,
@@ -250,7 +250,7 @@ fn render_with(
     let surface = |i: usize, directions: bool| {
         let missing = || {
             Error::argument(
-                "a scene with a material too many",
+                "a scene with more materials than were given",
                 "name each material once",
             )
         };
@@ -276,7 +276,7 @@ fn strategy(technique: Technique) -> Strategy {
     }
 }
 
-/// Share of the reference's mean luminance from which on a pixel counts as lit.
+/// Fraction of the reference's mean luminance from which on a pixel counts as lit.
 pub const LIT_FROM: f64 = 1e-4;
 
 /// Luminance of every pixel, rows from the top.

@@ -318,12 +318,12 @@ fn interval(samples: usize, squares: impl Iterator<Item = f64> + Clone) -> Error
     let mean = squares.clone().sum::<f64>() / count;
     let variance = squares.map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
     let reach = 1.96 * (variance / count).sqrt();
-    let root = |x: f64| x.max(0.0).sqrt();
+    let [rmse, low, high] = [mean, mean - reach, mean + reach].map(|x| x.max(0.0).sqrt());
     ErrorPoint {
         samples,
-        rmse: root(mean),
-        low: root(mean - reach),
-        high: root(mean + reach),
+        rmse,
+        low,
+        high,
     }
 }
 

@@ -74,13 +74,12 @@ pub struct Tuning {
 impl Tuning {
     /// The allowed one with the least error at the largest number of samples measured: as near as one gets.
     pub fn nearest(&self) -> Option<(&Tried, ErrorPoint)> {
-        let last = |t: &Tried| t.curve.sobol.last().copied();
-        let ends = self
-            .tried
-            .iter()
-            .filter(|t| t.allowed)
-            .filter_map(|t| Some((t, last(t)?)));
-        ends.min_by(|a, b| a.1.rmse.total_cmp(&b.1.rmse))
+        let mut ends = Vec::new();
+        for tried in self.tried.iter().filter(|t| t.allowed) {
+            ends.extend(tried.curve.sobol.last().map(|end| (tried, *end)));
+        }
+        let nearest = ends.into_iter();
+        nearest.min_by(|a, b| a.1.rmse.total_cmp(&b.1.rmse))
     }
 }
 

@@ -140,9 +140,10 @@ fn mean(draws: &[Draw]) -> f64 {
     draws.iter().map(|d| d.weight).sum::<f64>() / draws.len().max(1) as f64
 }
 
-/// One technique's share of the integral, beside `others` draws of the other.
+/// One technique's part of the integral, with `others` draws of the other.
 fn shared(heuristic: Heuristic, draws: &[Draw], others: usize) -> f64 {
-    let (own, others) = (draws.len() as f64, others as f64);
+    let own = draws.len() as f64;
+    let others = others as f64;
     let share = |d: &Draw| d.weight * heuristic.weight(own * d.pdf, others * d.other);
     draws.iter().map(share).sum::<f64>() / own.max(1.0)
 }

@@ -146,6 +146,7 @@ fn energy(
 
 /// Bernstein's bound on the deviation of a mean of [`DRAWS`] values of a variance, each within `reach` of the mean.
 fn bernstein(variance: f64, reach: f64) -> f64 {
-    let (linear, count) = (reach * LOG_CHANCE / 3.0, DRAWS as f64);
+    let linear = reach * LOG_CHANCE / 3.0;
+    let count = DRAWS as f64;
     (linear + (linear * linear + 2.0 * variance * LOG_CHANCE * count).sqrt()) / count
 }

@@ -67,11 +67,10 @@ const WORDS: &str = " class=\"words\"";
 
 /// Whether no cell of a column is a figure.
 fn is_text(sheet: &Sheet, column: usize) -> bool {
-    let first = |row: &Vec<String>| row.get(column).and_then(|cell| cell.chars().next());
-    sheet
-        .rows
-        .iter()
-        .all(|row| first(row).is_some_and(char::is_alphabetic))
+    sheet.rows.iter().all(|row| {
+        row.get(column)
+            .is_some_and(|cell| cell.starts_with(char::is_alphabetic))
+    })
 }
 
 /// A heading of a column; `attributes` begin with a space.

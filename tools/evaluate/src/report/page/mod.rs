@@ -29,18 +29,17 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     .into_iter()
     .flatten()
     .collect();
-    let link = |s: &Section| {
-        format!(
-            "<li><a href=\"#{}\">{}</a></li>\n",
-            s.id,
-            html::escape(s.title)
-        )
-    };
-    let contents: String = sections.iter().map(link).collect();
-    let body: String = sections
-        .iter()
-        .map(|s| html::section(s.id, s.title, &s.body))
-        .collect();
+    let mut contents = String::new();
+    let mut body = String::new();
+    for Section {
+        id,
+        title,
+        body: text,
+    } in &sections
+    {
+        contents += &format!("<li><a href=\"#{id}\">{}</a></li>\n", html::escape(title));
+        body += &html::section(id, title, text);
+    }
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n\

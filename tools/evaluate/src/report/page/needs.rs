@@ -37,15 +37,14 @@ fn table(material: &MaterialComparison) -> String {
     };
     let least: [[f64; SHARED_BY.len()]; TARGETS.len()] =
         std::array::from_fn(|t| std::array::from_fn(|s| least(t, s)));
-    let row = |(curve, needs): (&&Curve, &[Option<Reach>; TARGETS.len()])| {
-        let cells: String = needs
-            .iter()
-            .zip(&least)
-            .map(|(r, least)| cells(r.as_ref(), least))
-            .collect();
-        format!("<tr>{}{cells}</tr>\n", start(curve))
-    };
-    let body: String = curves.iter().zip(&needs).map(row).collect();
+    let mut body = String::new();
+    for (curve, needs) in curves.iter().zip(&needs) {
+        body += &format!("<tr>{}", start(curve));
+        for (reach, least) in needs.iter().zip(&least) {
+            body += &cells(reach.as_ref(), least);
+        }
+        body += "</tr>\n";
+    }
     framed(
         &format!(
             "{}: samples and counted time to reach an error",
@@ -66,22 +65,24 @@ fn head() -> String {
     ]
     .map(|h| column_head(h, " rowspan=\"2\""))
     .concat();
-    let group = |target: f64| {
-        format!(
-            "<th scope=\"colgroup\" class=\"first\" colspan=\"4\">to {} %</th>",
-            target * 100.0
-        )
-    };
     let columns = [
         column_head("N", " class=\"first\""),
         column_head("alone", ""),
         column_head("over 10⁶", ""),
         column_head("over 10⁹", ""),
     ];
-    let groups = TARGETS.map(group).concat();
+    let groups = TARGETS.map(group_head).concat();
     format!(
         "<tr>{first}{groups}</tr>\n<tr>{}</tr>\n",
         columns.concat().repeat(TARGETS.len())
+    )
+}
+
+/// The heading over the columns of a target error.
+fn group_head(target: f64) -> String {
+    format!(
+        "<th scope=\"colgroup\" class=\"first\" colspan=\"4\">to {} %</th>",
+        target * 100.0
     )
 }
 
@@ -101,16 +102,14 @@ fn cells(reach: Option<&Reach>, least: &[f64; SHARED_BY.len()]) -> String {
         return "<td class=\"first\">never</td><td></td><td></td><td></td>".into();
     };
     let about = if reach.extrapolated { "~" } else { "" };
-    let seconds = |(&seconds, &least): (&f64, &f64)| match duration(seconds) {
-        text if seconds <= TIE * least => format!("<td><b>{text}</b></td>"),
-        text => format!("<td>{text}</td>"),
-    };
-    let times: String = reach
-        .counted_seconds
-        .iter()
-        .zip(least)
-        .map(seconds)
-        .collect();
+    let mut times = String::new();
+    for (&seconds, &least) in reach.counted_seconds.iter().zip(least) {
+        let text = duration(seconds);
+        times += &match seconds <= TIE * least {
+            true => format!("<td><b>{text}</b></td>"),
+            false => format!("<td>{text}</td>"),
+        };
+    }
     format!(
         "<td class=\"first\">{about}{}</td>{times}",
         count(reach.samples)

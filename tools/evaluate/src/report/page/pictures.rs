@@ -72,7 +72,8 @@ fn image(png: &[u8], alt: &str) -> String {
     if png.is_empty() {
         return String::new();
     }
-    let (alt, data) = (escape(alt), STANDARD.encode(png));
+    let alt = escape(alt);
+    let data = STANDARD.encode(png);
     format!(
         "<label class=\"zoom\"><input type=\"checkbox\" aria-label=\"enlarge: {alt}\" />\
          <img alt=\"{alt}\" src=\"data:image/png;base64,{data}\" /></label>"

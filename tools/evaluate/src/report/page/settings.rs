@@ -70,11 +70,10 @@ fn chart(of: &SettingsComparison, x: Measure, y: Measure) -> String {
             y.0, x.0
         ),
     );
-    let axis = |m: Measure| Axis::new(m.0, Scale::Log);
     Scatter {
         caption,
-        x: axis(x),
-        y: axis(y),
+        x: Axis::new(x.0, Scale::Log),
+        y: Axis::new(y.0, Scale::Log),
         groups,
         front: true,
     }

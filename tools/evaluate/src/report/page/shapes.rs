@@ -13,21 +13,19 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
          closer these two are, the smaller the error.",
         first.theta_o_deg
     );
-    let one = |of: &MaterialCharts| {
-        subheading(&of.material)
-            + &{
-                let pairs = of
-                    .densities
-                    .iter()
-                    .zip(&of.discs)
-                    .flat_map(|(density, disc)| [density, disc]);
-                charts([&of.lobe]) + &charts(pairs)
-            }
-    };
-    let all: String = comparison.charts.iter().map(one).collect();
+    let all: String = comparison.charts.iter().map(material).collect();
     Section::new(
         "shapes",
         "Lobes, densities, directions",
         paragraph(&note) + &all,
     )
+}
+
+/// The lobe of a material, then each density with the directions drawn from it.
+fn material(of: &MaterialCharts) -> String {
+    let mut pairs = Vec::new();
+    for (density, disc) in of.densities.iter().zip(&of.discs) {
+        pairs.extend([density, disc]);
+    }
+    subheading(&of.material) + &charts([&of.lobe]) + &charts(pairs)
 }

@@ -6,8 +6,11 @@ use crate::measure::compare::Comparison;
 use crate::report::{ThesisTable, beside_thesis};
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
-    let one = |t: &ThesisTable| table(&t.title, &t.sheet) + &paragraph(&t.note);
-    let all: String = beside_thesis(comparison).iter().map(one).collect();
+    let mut all = String::new();
+    for ThesisTable { title, note, sheet } in beside_thesis(comparison) {
+        all += &table(&title, &sheet);
+        all += &paragraph(&note);
+    }
     if all.is_empty() {
         return None;
     }

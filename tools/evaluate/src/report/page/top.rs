@@ -68,27 +68,28 @@ pub(super) fn measured(comparison: &Comparison) -> String {
     format!("{}{}", paragraph(intro), definition_list(&lines))
 }
 
+/// A material's verdict as an item of the list.
+fn verdict_item(material: &MaterialComparison) -> String {
+    let sentence = match &material.verdict {
+        Some(verdict) => verdict.sentence.clone(),
+        None => format!(
+            "{}: no sampler's error falls to 1 %, and none falls steadily enough to extrapolate",
+            material.material
+        ),
+    };
+    let loses = match loses(material) {
+        Some(loses) => format!(" <span class=\"loses\">{}</span>", escape(&loses)),
+        None => String::new(),
+    };
+    format!("<li>{}.{loses}</li>\n", escape(&sentence))
+}
+
 /// Every material's verdict.
 pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
     if comparison.materials.is_empty() {
         return Section::new("verdicts", "Verdicts", paragraph("Nothing was measured."));
     }
-    let item = |m: &MaterialComparison| {
-        let sentence = match &m.verdict {
-            Some(verdict) => verdict.sentence.clone(),
-            None => {
-                format!(
-                    "{}: no sampler's error falls to 1 %, and none falls steadily enough to extrapolate",
-                    m.material
-                )
-            }
-        };
-        let loses = loses(m).map_or(String::new(), |l| {
-            format!(" <span class=\"loses\">{}</span>", escape(&l))
-        });
-        format!("<li>{}.{loses}</li>\n", escape(&sentence))
-    };
-    let items: String = comparison.materials.iter().map(item).collect();
+    let items: String = comparison.materials.iter().map(verdict_item).collect();
     let note = "Verdicts compare the time to reach a relative error of 1 % at the lit point, with the build time spread over 10⁶ \
                 samples, among samplers that draw from the BRDF only. Counted times come from a fixed cost per sample of \
                 each sampler, so that the same run gives the same verdict; the tables below also have measured times. \
@@ -164,11 +165,10 @@ fn summary(comparison: &Comparison) -> Sheet {
         let Some(verdict) = &material.verdict else {
             continue;
         };
-        let brdf = |c: &Curve| c.competitor.technique == Technique::Brdf;
         let table = quickest(&material.curves, |c| {
-            brdf(c) && c.competitor.spec.name() == HALF_VECTOR
+            draws_from_brdf(c) && c.competitor.spec.name() == HALF_VECTOR
         });
-        let light = quickest(&material.curves, |c| !brdf(c));
+        let light = quickest(&material.curves, |c| !draws_from_brdf(c));
         let named =
             |(label, s): (&str, f64)| format!("{label}: {} ({})", duration(s), times(s, verdict));
         sheet.push(vec![
@@ -187,4 +187,8 @@ fn summary(comparison: &Comparison) -> Sheet {
         ]);
     }
     sheet
+}
+
+fn draws_from_brdf(curve: &Curve) -> bool {
+    curve.competitor.technique == Technique::Brdf
 }
