@@ -166,7 +166,7 @@ impl DensityTerms {
 
 impl<'a> TableView<'a, TablePair<'a>> {
     /// The table about the `wo` of a chart (step 4).
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(tables: &'a IndexedTables, chart: HalfVectorChart) -> Self {
         Self::from_pair(chart, tables.interpolate(chart.cos_o()))
     }
@@ -281,14 +281,14 @@ impl<M: InterpolatedTable> TableView<'_, M> {
     }
 
     /// Steps 18 to 22.
-    #[inline]
+    #[inline(always)]
     pub(super) fn pdf(&self, wi: Vec3) -> f32 {
         let point = self.chart.locate(wi);
         self.density(&point, self.look_up_density(&point))
     }
 
     /// Steps 7 to 22.
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(&self, u: Vec2) -> DirectionSample {
         let wi = self.direction(self.look_up_draw(u));
         DirectionSample {

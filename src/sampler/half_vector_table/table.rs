@@ -1,5 +1,6 @@
 //! The half-vector table of an isotropic material.
 
+use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 
 use super::batch;
@@ -76,12 +77,22 @@ impl HalfVectorTable {
     }
 }
 
+#[inline(always)]
+fn sample_single(tables: &IndexedTables, wo: Vec3, u: Vec2) -> DirectionSample {
+    TableView::new(tables, HalfVectorChart::new(wo)).sample(u)
+}
+
+#[inline(always)]
+fn single_pdf(tables: &IndexedTables, wo: Vec3, wi: Vec3) -> f32 {
+    TableView::new(tables, HalfVectorChart::new(wo)).pdf(wi)
+}
+
 impl DirectionSampler for HalfVectorTable {
     /// Never fails for a `wo` above the horizon.
     #[inline]
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
         let wo = unit_upper(wo)?;
-        Some(TableView::new(&self.tables, HalfVectorChart::new(wo)).sample(u))
+        Some(dispatch!(Level::new(), _ => sample_single(&self.tables, wo, u)))
     }
 
     #[inline]
@@ -89,7 +100,7 @@ impl DirectionSampler for HalfVectorTable {
         let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
             return 0.0;
         };
-        TableView::new(&self.tables, HalfVectorChart::new(wo)).pdf(wi)
+        dispatch!(Level::new(), _ => single_pdf(&self.tables, wo, wi))
     }
 
     fn bytes(&self) -> usize {

@@ -3,6 +3,7 @@
 //! Arithmetic runs over arrays, which the compiler turns into vector code; look-ups in the small tables follow; reading
 //! the large table comes last, so that many reads from memory wait at the same time instead of one after another.
 
+use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 
 use super::bins::find_bins;
@@ -35,6 +36,11 @@ pub(in crate::material::merl) fn evaluate(
     wi: &[Vec3],
     out: &mut [Rgb],
 ) {
+    dispatch!(Level::new(), _ => evaluate_blocks(table, rule, wo, wi, out));
+}
+
+#[inline(always)]
+fn evaluate_blocks(table: &MerlTable, rule: LookupRule, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
     let mut block = Block::new(wo);
     for (number, out) in out.chunks_mut(LANES).enumerate() {
         let lanes = number * LANES..number * LANES + out.len();
@@ -49,6 +55,7 @@ pub(in crate::material::merl) fn evaluate(
 
 impl Block {
     /// A block without pairs; with its `wo`, if that is the same for all blocks.
+    #[inline(always)]
     fn new(wo: Wo<'_>) -> Self {
         let wo = match wo {
             Wo::One(wo) => UnitDirections::load(&[wo; LANES]),
@@ -89,6 +96,7 @@ impl Block {
     }
 
     /// The value of the bin that holds each pair.
+    #[inline(always)]
     fn floor(&self, table: &MerlTable, out: &mut [Rgb]) {
         let axes = AxisBins::get();
         let bins = table.phi_d_bins();
@@ -106,6 +114,7 @@ impl Block {
     }
 
     /// The mean of each pair's neighbours, whose values are taken to be at `bin + offset`.
+    #[inline(always)]
     fn trilinear(&self, table: &MerlTable, offset: f64, out: &mut [Rgb]) {
         let tables = CoordinateTables::get();
         let bins = table.phi_d_bins();
