@@ -1,5 +1,6 @@
 //! Points in the unit square, as pure functions of (seed, index, dimension): the same for any number of threads.
 
+use fearless_simd::{Level, dispatch};
 use glam::Vec2;
 
 /// How successive points fill the unit square.
@@ -53,7 +54,7 @@ impl PointSet {
     pub fn pair_of(self, count: u64, seed: u64, index: u64, set: u32, second: bool) -> Vec2 {
         if self == Self::Lattice {
             let pair = 2 * u64::from(set) + u64::from(second);
-            return Vec2::from_array(lattice_pair(count, seed, index, pair));
+            return lattice_pair(count, seed, index, pair);
         }
         let p = self.point4_of(count, seed, index, set);
         if second {
@@ -72,9 +73,9 @@ impl PointSet {
     pub fn point4_of(self, count: u64, seed: u64, index: u64, set: u32) -> [f32; 4] {
         match self {
             Self::Lattice => {
-                let [a, b] =
-                    [0, 1].map(|pair| lattice_pair(count, seed, index, 2 * u64::from(set) + pair));
-                [a[0], a[1], b[0], b[1]]
+                let a = lattice_pair(count, seed, index, 2 * u64::from(set));
+                let b = lattice_pair(count, seed, index, 2 * u64::from(set) + 1);
+                [a.x, a.y, b.x, b.y]
             }
             Self::Random => {
                 let mut stream = Stream::new(mix(seed ^ mix(index ^ mix(u64::from(set)))));
@@ -94,74 +95,184 @@ impl PointSet {
     }
 }
 
+/// A point among those that a seed gives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PointId {
+    pub(crate) seed: u64,
+    pub(crate) index: u64,
+    /// How many points the seed gives; only lattices need it.
+    pub(crate) count: u64,
+}
+
+impl PointSet {
+    /// [`Self::pair_of`] of many points, to the bit. Neighbours of one seed share its work.
+    pub(crate) fn fill_pairs(self, ids: &[PointId], set: u32, second: bool, out: &mut Vec<Vec2>) {
+        out.clear();
+        out.resize(ids.len(), Vec2::ZERO);
+        if self == Self::Lattice {
+            let pair = 2 * u64::from(set) + u64::from(second);
+            dispatch!(Level::new(), _ => fill_lattice_pairs(ids, pair, out));
+            return;
+        }
+        for (out, id) in out.iter_mut().zip(ids) {
+            *out = self.pair_of(id.count, id.seed, id.index, set, second);
+        }
+    }
+}
+
+/// [`lattice_pair`] of many points.
+#[inline(always)]
+fn fill_lattice_pairs(ids: &[PointId], pair: u64, out: &mut [Vec2]) {
+    let mut start = 0;
+    while start < ids.len() {
+        // A run of points of one lattice, with indices one after the other.
+        let first = ids[start];
+        let lattice = LatticeBlock::new(first.count, first.seed, first.index, pair);
+        let mut end = start + 1;
+        while end < ids.len()
+            && ids[end].seed == first.seed
+            && ids[end].count == first.count
+            && ids[end].index == first.index + (end - start) as u64
+            && lattice.holds(ids[end].index)
+        {
+            end += 1;
+        }
+        lattice.fill(first.index, &mut out[start..end]);
+        start = end;
+    }
+}
+
+/// One of the lattices that hold the points of a seed.
+struct LatticeBlock {
+    /// Index of its first point, and the number of its points.
+    start: u64,
+    size: u32,
+    key: u64,
+    is_shuffled: bool,
+}
+
+impl LatticeBlock {
+    /// The lattice that holds point `index`.
+    #[inline(always)]
+    fn new(count: u64, seed: u64, index: u64, pair: u64) -> Self {
+        let block = count.clamp(1, LATTICE_BLOCK);
+        let turn = index / block;
+        let start = turn * block;
+        // The last block of many holds what is left.
+        let size = if index < count {
+            block.min(count - start)
+        } else {
+            block
+        };
+        Self {
+            start,
+            size: size as u32,
+            key: mix(seed ^ mix(pair ^ mix(turn))),
+            // All others being shuffled against each other, the first may stay as it is, where all of it is taken.
+            is_shuffled: !(pair == 0 && count <= LATTICE_BLOCK),
+        }
+    }
+
+    #[inline(always)]
+    fn holds(&self, index: u64) -> bool {
+        index - self.start < u64::from(self.size)
+    }
+
+    /// The points from `index` on.
+    #[inline(always)]
+    fn fill(&self, index: u64, out: &mut [Vec2]) {
+        let first = (index - self.start) as u32;
+        if !self.is_shuffled {
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = lattice(self.size, first + k as u32, self.key);
+            }
+            return;
+        }
+        let turn = place_turn(self.size, self.key);
+        let key = mix(!self.key);
+        if self.size.is_power_of_two() {
+            // The bijection of just as many bits needs no second try.
+            for (k, out) in out.iter_mut().enumerate() {
+                let place = scramble(self.size, first + k as u32, key) + turn;
+                let place = if place < self.size {
+                    place
+                } else {
+                    place - self.size
+                };
+                *out = lattice(self.size, place, self.key);
+            }
+            return;
+        }
+        for (k, out) in out.iter_mut().enumerate() {
+            let place = shuffled(self.size, first + k as u32, key) + turn;
+            let place = if place < self.size {
+                place
+            } else {
+                place - self.size
+            };
+            *out = lattice(self.size, place, self.key);
+        }
+    }
+}
+
 /// Point `index` of the lattices that hold the `count` points a seed gives a pair of dimensions, and of others past these.
 #[inline]
-fn lattice_pair(count: u64, seed: u64, index: u64, pair: u64) -> [f32; 2] {
-    let block = count.clamp(1, LATTICE_BLOCK);
-    let (turn, within) = if index < block {
-        (0, index)
-    } else {
-        (index / block, index % block)
-    };
-    // The last block of many holds what is left.
-    let size = if index < count {
-        block.min(count - (index - within))
-    } else {
-        block
-    };
-    let key = mix(seed ^ mix(pair ^ mix(turn)));
-    let (size, within) = (size as u32, within as u32);
-    // All others being shuffled against each other, the first may stay as it is, where all of it is taken.
-    let is_first = pair == 0 && count <= LATTICE_BLOCK;
-    lattice(
-        size,
-        if is_first {
-            within
-        } else {
-            permute_index(size, within, key)
-        },
-        key,
-    )
+fn lattice_pair(count: u64, seed: u64, index: u64, pair: u64) -> Vec2 {
+    let mut out = [Vec2::ZERO];
+    LatticeBlock::new(count, seed, index, pair).fill(index, &mut out);
+    out[0]
 }
 
 /// Point `i` of a lattice of `count`, shifted by `key`.
-#[inline]
-fn lattice(count: u32, i: u32, key: u64) -> [f32; 2] {
+#[inline(always)]
+fn lattice(count: u32, i: u32, key: u64) -> Vec2 {
     let shift = (key & 0xff_ffff) as f32 * (1.0 / (1u32 << 24) as f32);
     let x = (f64::from(i) + f64::from(shift)) / f64::from(count);
     // In units of 2⁻³², where what is past 1 is lost by itself.
     let y = f64::from(i.wrapping_mul(GOLDEN).wrapping_add((key >> 32) as u32))
         * (1.0 / (1u64 << 32) as f64);
     // Rounding to f32 must not reach 1.
-    [x, y].map(|v| (v as f32).min(1f32.next_down()))
+    const LAST: f32 = 1f32.next_down();
+    Vec2::new((x as f32).min(LAST), (y as f32).min(LAST))
 }
 
-/// Place of `index` in a lattice of `count`: shuffled, and turned by as many as the bits of `key` say that shift nothing. By the
-/// shuffling alone some places of small lattices would be taken more often than others.
-#[inline]
-fn permute_index(count: u32, index: u32, key: u64) -> u32 {
-    let turn = ((((key >> 24) & 0xff) * u64::from(count)) >> 8) as u32;
-    let place = shuffled(count, index, mix(!key)) + turn;
-    if place < count { place } else { place - count }
+/// By how many places a lattice of `count` is turned: as many as the bits of `key` say that shift nothing. By the shuffling alone
+/// some places of small lattices would be taken more often than others.
+#[inline(always)]
+fn place_turn(count: u32, key: u64) -> u32 {
+    ((((key >> 24) & 0xff) * u64::from(count)) >> 8) as u32
 }
 
-/// Place of `index` < `count` under the permutation that `key` chooses: bijections of as many bits as it takes, again and
-/// again until the result is a place ("cycle walking", Black and Rogaway 2002).
-#[inline]
+/// Place of `index` < `count` ≤ 2¹⁶ under the permutation that `key` chooses: bijections of as many bits as it takes, again
+/// and again until the result is a place ("cycle walking", Black and Rogaway 2002).
+#[inline(always)]
 fn shuffled(count: u32, index: u32, key: u64) -> u32 {
-    let bits = u32::BITS - (count - 1).leading_zeros();
-    let (mask, half) = ((1u64 << bits) - 1, bits.div_ceil(2));
-    let mut i = u64::from(index);
+    let mut i = index;
     loop {
-        for round in 0..4 {
-            let key = key >> (13 * round);
-            i = i.wrapping_mul(key | 1).wrapping_add(key >> 7) & mask;
-            i ^= i >> half;
-        }
-        if i < u64::from(count) {
-            return i as u32;
+        i = scramble(count, i, key);
+        if i < count {
+            return i;
         }
     }
+}
+
+/// A bijection of as many bits as numbers below `count` ≤ 2¹⁶ take, in four rounds.
+#[inline(always)]
+fn scramble(count: u32, index: u32, key: u64) -> u32 {
+    let bits = u32::BITS - (count - 1).leading_zeros();
+    let mask = ((1u64 << bits) - 1) as u32;
+    let half = bits.div_ceil(2);
+    let mut i = index;
+    for round in 0..4 {
+        // Only the low bits count.
+        let key = key >> (13 * round);
+        i = i
+            .wrapping_mul(key as u32 | 1)
+            .wrapping_add((key >> 7) as u32)
+            & mask;
+        i ^= i >> half;
+    }
+    i
 }
 
 /// A short stream of random numbers started from any 64 bits (SplitMix64, Steele et al. 2014).
@@ -224,6 +335,34 @@ pub fn mix(mut z: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn permute_index(count: u32, index: u32, key: u64) -> u32 {
+        (shuffled(count, index, mix(!key)) + place_turn(count, key)) % count
+    }
+
+    #[test]
+    fn many_points_are_those_of_single_calls() {
+        for count in [1, 5, 16, 64, 100, 70_000] {
+            let mut ids = Vec::new();
+            for pixel in 0..5 {
+                for index in 0..20 {
+                    let index = index + pixel * 65_530;
+                    let seed = mix(pixel);
+                    ids.push(PointId { seed, index, count });
+                }
+            }
+            for points in [PointSet::Random, PointSet::Sobol, PointSet::Lattice] {
+                for (set, second) in [(0, false), (0, true), (3, true)] {
+                    let mut out = Vec::new();
+                    points.fill_pairs(&ids, set, second, &mut out);
+                    for (out, id) in out.iter().zip(&ids) {
+                        let single = points.pair_of(id.count, id.seed, id.index, set, second);
+                        assert_eq!(*out, single, "{points:?} {count} {id:?}");
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn points_are_in_the_unit_square_and_fill_it() {

@@ -4,7 +4,6 @@
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use super::path_numbers::PathRandoms;
 use super::scene::{Hit, Surface};
 use super::shape::Ray;
 use crate::color::Rgb;
@@ -12,15 +11,10 @@ use crate::direction_sampler::DirectionSample;
 use crate::distribution::Reservoir;
 use crate::geometry::Frame;
 use crate::light::{Emission, LightSample};
+use crate::points::PointId;
 
 /// Paths that are followed together: their arrays fit the fastest cache.
 pub(super) const BUNDLE: usize = 64;
-
-/// The ray through a pixel that a path begins with.
-pub(super) struct CameraRay {
-    pub(super) ray: Ray,
-    pub(super) randoms: PathRandoms,
-}
 
 /// A path that goes on.
 pub(super) struct ActivePath {
@@ -66,25 +60,24 @@ pub(super) struct Run<'r, 'a> {
     pub(super) vertices: &'r [Vertex<'a>],
     /// Surfaces that the paths have met before.
     pub(super) bounce: u32,
-    /// The bundle's camera rays, by lane.
-    pub(super) starts: &'r [CameraRay],
-}
-
-impl Run<'_, '_> {
-    /// The random numbers of a vertex's path.
-    pub(super) fn randoms(&self, vertex: &Vertex<'_>) -> &PathRandoms {
-        &self.starts[vertex.lane].randoms
-    }
+    /// The paths' places among those of their seeds, vertex by vertex.
+    pub(super) ids: &'r [PointId],
 }
 
 /// A bundle of paths.
 #[derive(Default)]
 pub(super) struct Bundle<'a> {
-    /// What the paths begin with, by lane.
-    pub(super) starts: Vec<CameraRay>,
+    /// The paths' places among those of their seeds, by lane.
+    pub(super) ids: Vec<PointId>,
+    /// Points of the pixels, by lane.
+    pub(super) pixels: Vec<Vec2>,
+    /// Rays through these, by lane.
+    pub(super) starts: Vec<Ray>,
     /// The paths that go on.
     pub(super) paths: Vec<ActivePath>,
     pub(super) vertices: Vec<Vertex<'a>>,
+    /// The places of the vertices' paths.
+    pub(super) vertex_ids: Vec<PointId>,
     /// Estimates of the radiance that arrives at the camera, by lane.
     pub(super) radiance: Vec<DVec3>,
     pub(super) scratch: Scratch,
@@ -138,6 +131,7 @@ impl EmittedLight {
 #[derive(Default)]
 pub(super) struct DirectLight {
     pub(super) from: Vec<DVec3>,
+    pub(super) numbers: Vec<Vec2>,
     pub(super) points: Vec<DVec2>,
     pub(super) samples: Vec<Option<LightSample>>,
     /// The samples from above the surfaces; the following arrays go with them.

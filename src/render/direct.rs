@@ -78,9 +78,11 @@ impl Tracer<'_> {
             if light.is_delta() {
                 refill(&mut direct.points, run.vertices.len(), DVec2::ZERO);
             } else if self.light_sampling {
+                let numbers = &mut direct.numbers;
+                self.numbers.fill_lights(run.bounce, i, run.ids, numbers);
                 direct.points.clear();
-                for vertex in run.vertices {
-                    direct.points.push(run.randoms(vertex).light(run.bounce, i));
+                for number in numbers {
+                    direct.points.push(number.as_dvec2());
                 }
             } else {
                 continue;

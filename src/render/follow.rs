@@ -13,11 +13,12 @@
 
 use glam::DVec3;
 
-use super::bundle::{ActivePath, BUNDLE, Bundle, CameraRay, Run, Scratch, Vertex, refill};
-use super::path_numbers::{PathId, PathRandoms};
+use super::bundle::{ActivePath, BUNDLE, Bundle, Run, Scratch, Vertex, refill};
+use super::path_numbers::PathId;
 use super::plan::ROULETTE_FROM;
 use super::tracer::Tracer;
 use crate::geometry::is_upper;
+use crate::points::PointId;
 
 /// Radiance whose square, summed over any number of samples, is still an f64: what standard errors are made of.
 const BRIGHTEST: f64 = 1e140;
@@ -37,8 +38,7 @@ impl<'a> Tracer<'a> {
             if ids.is_empty() {
                 break;
             }
-            bundle.starts.clear();
-            bundle.starts.extend(ids.iter().map(|&id| self.start(id)));
+            self.start(&ids, &mut bundle);
             self.follow(&mut bundle);
             for (id, radiance) in ids.iter().zip(&bundle.radiance) {
                 each(*id, *radiance);
@@ -46,11 +46,16 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    fn start(&self, path: PathId) -> CameraRay {
-        let randoms = PathRandoms::new(self.scene, self.settings.points, path);
-        CameraRay {
-            ray: self.ray(path.pixel, randoms.pixel()),
-            randoms,
+    /// Makes the rays that paths begin with.
+    fn start(&self, paths: &[PathId], bundle: &mut Bundle<'a>) {
+        bundle.ids.clear();
+        for path in paths {
+            bundle.ids.push(path.point);
+        }
+        self.numbers.fill_pixels(&bundle.ids, &mut bundle.pixels);
+        bundle.starts.clear();
+        for (path, within) in paths.iter().zip(&bundle.pixels) {
+            bundle.starts.push(self.ray(path.pixel, within.as_dvec2()));
         }
     }
 
@@ -58,26 +63,34 @@ impl<'a> Tracer<'a> {
     fn follow(&self, bundle: &mut Bundle<'a>) {
         self.begin_paths(bundle);
         let Bundle {
-            starts,
+            ids,
             paths,
             vertices,
+            vertex_ids,
             radiance,
             scratch,
+            ..
         } = bundle;
         for bounce in 0..self.scene.depth {
             // Turn hits into vertices; paths that leave the scene, or meet a surface from below, end.
             vertices.clear();
             vertices.extend(paths.iter().filter_map(|path| self.vertex(path)));
             paths.clear();
+            vertex_ids.clear();
+            for vertex in vertices.iter() {
+                vertex_ids.push(ids[vertex.lane]);
+            }
+            let mut first = 0;
             // Surfaces evaluate and sample their BRDFs for many directions at once.
             for vertices in vertices.chunk_by(|a, b| std::ptr::eq(a.surface, b.surface)) {
                 let run = Run {
                     vertices,
                     bounce,
-                    starts,
+                    ids: &vertex_ids[first..][..vertices.len()],
                 };
+                first += vertices.len();
                 self.reflect_direct(run, scratch, radiance);
-                self.continue_paths(run, scratch, radiance, paths);
+                self.continue_paths(run, scratch, radiance, ids, paths);
             }
             if paths.is_empty() {
                 break;
@@ -97,8 +110,7 @@ impl<'a> Tracer<'a> {
         let emitted = &mut bundle.scratch.emitted;
         bundle.paths.clear();
         emitted.clear();
-        for (lane, start) in bundle.starts.iter().enumerate() {
-            let ray = start.ray;
+        for (lane, &ray) in bundle.starts.iter().enumerate() {
             let hit = self.scene.hit(&ray, None);
             emitted.push(&ray, hit);
             bundle.paths.push(ActivePath {
@@ -147,6 +159,7 @@ impl<'a> Tracer<'a> {
         run: Run<'_, '_>,
         scratch: &mut Scratch,
         radiance: &mut [DVec3],
+        ids: &[PointId],
         paths: &mut Vec<ActivePath>,
     ) {
         // A direction is of use if the light that it hits counts, or if the path may have another vertex along it.
@@ -165,8 +178,7 @@ impl<'a> Tracer<'a> {
         // Let roulette decide which paths go on.
         if follows {
             for mut path in scratch.next.drain(..) {
-                let randoms = &run.starts[path.lane].randoms;
-                if self.survives(&mut path.throughput, run.bounce, randoms) {
+                if self.survives(&mut path.throughput, run.bounce, ids[path.lane]) {
                     paths.push(path);
                 }
             }
@@ -175,11 +187,8 @@ impl<'a> Tracer<'a> {
 
     /// Draws a direction from each vertex of a surface and finds what it meets: T ← T · f_r·cos/p. Those that carry nothing end.
     fn draw_next(&self, run: Run<'_, '_>, scratch: &mut Scratch) {
-        scratch.scattered.points.clear();
-        for vertex in run.vertices {
-            let point = run.randoms(vertex).direction(run.bounce);
-            scratch.scattered.points.push(point);
-        }
+        let points = &mut scratch.scattered.points;
+        self.numbers.fill_directions(run.bounce, run.ids, points);
         self.scatter(run, &mut scratch.scattered);
         scratch.found.clear();
         scratch.next.clear();
@@ -202,13 +211,13 @@ impl<'a> Tracer<'a> {
 
     /// Ends a path at random in proportion to what it can't carry any more, and makes up for it in the survivors: with the
     /// chance c = min(1, max T), T ← T/c.
-    fn survives(&self, throughput: &mut DVec3, bounce: u32, randoms: &PathRandoms) -> bool {
+    fn survives(&self, throughput: &mut DVec3, bounce: u32, id: PointId) -> bool {
         if !self.roulette || bounce + 1 < ROULETTE_FROM {
             return true;
         }
         // Unbiased: T/c with probability c has the mean T. A path whose T is 1 or more in a channel goes on for certain.
         let chance = throughput.max_element().min(1.0);
         *throughput /= chance;
-        f64::from(randoms.chances(bounce).x) < chance
+        f64::from(self.numbers.chances(bounce, id).x) < chance
     }
 }

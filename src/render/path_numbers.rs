@@ -1,75 +1,58 @@
-//! The random numbers of a path.
+//! The random numbers of paths.
 
-use glam::{DVec2, Vec2};
+use glam::Vec2;
 
 use super::scene::Scene;
-use crate::points::{PointSet, mix};
+use crate::points::{PointId, PointSet, mix};
 
 /// A path of those that a seed gives a pixel.
 #[derive(Clone, Copy)]
 pub(super) struct PathId {
     /// Column and row.
     pub(super) pixel: [usize; 2],
-    pub(super) seed: u64,
-    pub(super) index: u64,
-    /// How many paths the seed gives; only lattices need it.
-    pub(super) count: u64,
+    /// Its place among the seed's.
+    pub(super) point: PointId,
 }
 
-/// The numbers behind one path: sets of four dimensions, one for the pixel and the first light of the first vertex, then for
-/// each vertex one for the BRDF, roulette and the choice of a candidate, and one for every two lights. Candidates have a seed of
-/// their own.
-pub(super) struct PathRandoms {
+/// Where the numbers behind paths are found: sets of four dimensions, one for the pixel and the first light of the first vertex,
+/// then for each vertex one for the BRDF, roulette and the choice of a candidate, and one for every two lights. Candidates have a
+/// seed of their own.
+pub(super) struct PathNumbers {
     points: PointSet,
-    seed: u64,
-    index: u64,
-    /// How many paths the set of points is for.
-    count: u64,
     sets_per_vertex: u32,
     candidates: u32,
 }
 
-impl PathRandoms {
-    /// The numbers of a path.
-    pub(super) fn new(scene: &Scene, points: PointSet, path: PathId) -> Self {
-        let PathId {
-            seed, index, count, ..
-        } = path;
-        // A set holds two pairs of numbers. The first has that of the BRDF and that of roulette, the others one for each light.
-        let sets_per_vertex = 1 + (scene.lights.len() as u32).div_ceil(2);
+impl PathNumbers {
+    /// The numbers of paths through a scene.
+    pub(super) fn new(scene: &Scene, points: PointSet) -> Self {
         Self {
             points,
-            seed,
-            index,
-            count,
-            sets_per_vertex,
+            sets_per_vertex: 1 + (scene.lights.len() as u32).div_ceil(2),
             candidates: scene.strategy.candidates(),
         }
     }
 
-    fn pair(&self, set: u32, second: bool) -> Vec2 {
-        self.points
-            .pair_of(self.count, self.seed, self.index, set, second)
+    /// For each path a point of its pixel.
+    pub(super) fn fill_pixels(&self, ids: &[PointId], out: &mut Vec<Vec2>) {
+        self.points.fill_pairs(ids, 0, false, out);
     }
 
-    /// A point of the pixel.
-    pub(super) fn pixel(&self) -> DVec2 {
-        self.pair(0, false).as_dvec2()
+    /// For each path two numbers for a direction from the BRDF.
+    pub(super) fn fill_directions(&self, vertex: u32, ids: &[PointId], out: &mut Vec<Vec2>) {
+        let set = 1 + vertex * self.sets_per_vertex;
+        self.points.fill_pairs(ids, set, false, out);
     }
 
-    /// Two numbers for a direction from the BRDF.
-    pub(super) fn direction(&self, vertex: u32) -> Vec2 {
-        self.pair(1 + vertex * self.sets_per_vertex, false)
-    }
-
-    /// One number for roulette and one for the choice of a candidate.
-    pub(super) fn chances(&self, vertex: u32) -> Vec2 {
-        self.pair(1 + vertex * self.sets_per_vertex, true)
-    }
-
-    /// A point on a light. The first vertex's first light uses the same four dimensions as the point of the pixel, which Sobol
-    /// points spread together: these two make most of the error of most pixels.
-    pub(super) fn light(&self, vertex: u32, light: usize) -> DVec2 {
+    /// For each path a point on a light. The first vertex's first light uses the same four dimensions as the point of the
+    /// pixel, which Sobol points spread together: these two make most of the error of most pixels.
+    pub(super) fn fill_lights(
+        &self,
+        vertex: u32,
+        light: usize,
+        ids: &[PointId],
+        out: &mut Vec<Vec2>,
+    ) {
         let (set, second) = match (vertex, light) {
             (0, 0) => (0, true),
             _ => (
@@ -77,16 +60,22 @@ impl PathRandoms {
                 light % 2 == 1,
             ),
         };
-        self.pair(set, second).as_dvec2()
+        self.points.fill_pairs(ids, set, second, out);
+    }
+
+    /// One number for roulette and one for the choice of a candidate.
+    pub(super) fn chances(&self, vertex: u32, id: PointId) -> Vec2 {
+        let set = 1 + vertex * self.sets_per_vertex;
+        self.points.pair_of(id.count, id.seed, id.index, set, true)
     }
 
     /// Two numbers for a candidate. The candidates of all paths are one sequence of points, well spread together.
-    pub(super) fn candidate(&self, vertex: u32, candidate: u32) -> Vec2 {
+    pub(super) fn candidate(&self, vertex: u32, candidate: u32, id: PointId) -> Vec2 {
         let candidates = u64::from(self.candidates);
-        let index = self.index * candidates + u64::from(candidate);
+        let index = id.index * candidates + u64::from(candidate);
         self.points.pair_of(
-            self.count.saturating_mul(candidates),
-            mix(!self.seed),
+            id.count.saturating_mul(candidates),
+            mix(!id.seed),
             index,
             vertex,
             true,

@@ -21,14 +21,14 @@ impl Tracer<'_> {
     pub(super) fn resample(&self, run: Run<'_, '_>, scratch: &mut Scratch) {
         // Offer all candidates of each vertex to its reservoir.
         scratch.reservoirs.clear();
-        for vertex in run.vertices {
-            let chance = run.randoms(vertex).chances(run.bounce).y;
+        for &id in run.ids {
+            let chance = self.numbers.chances(run.bounce, id).y;
             scratch.reservoirs.push(Reservoir::new(f64::from(chance)));
         }
         for candidate in 0..self.scene.strategy.candidates() {
             scratch.scattered.points.clear();
-            for vertex in run.vertices {
-                let point = run.randoms(vertex).candidate(run.bounce, candidate);
+            for &id in run.ids {
+                let point = self.numbers.candidate(run.bounce, candidate, id);
                 scratch.scattered.points.push(point);
             }
             self.scatter(run, &mut scratch.scattered);

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::camera::CameraAxes;
+use super::path_numbers::PathNumbers;
 use super::plan::Effect;
 use super::scene::Scene;
 use super::settings::RenderSettings;
@@ -14,6 +15,7 @@ pub(super) struct Tracer<'a> {
     pub(super) scene: &'a Scene,
     pub(super) settings: RenderSettings,
     axes: CameraAxes,
+    pub(super) numbers: PathNumbers,
     /// Whether directions from the BRDF are drawn.
     pub(super) directions: bool,
     /// Whether lights with an extent are sampled.
@@ -44,6 +46,7 @@ impl<'a> Tracer<'a> {
             axes: scene
                 .camera
                 .axes(settings.width as f64 / settings.height as f64),
+            numbers: PathNumbers::new(scene, settings.points),
             directions: plan.is_on(Effect::Directions),
             light_sampling,
             hits_count: hits_may_count && !resampling,

@@ -4,6 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::words::{WordReader, WordWriter};
+use crate::points::PointId;
 use crate::render::bundle::BUNDLE;
 use crate::render::film::RunningMoments;
 use crate::render::path_numbers::PathId;
@@ -70,9 +71,7 @@ pub(super) fn trace_round(
             } = share(pixel);
             (from..to).map(move |index| PathId {
                 pixel,
-                seed,
-                index,
-                count,
+                point: PointId { seed, index, count },
             })
         });
         tracer.trace(paths, |path, radiance| row[path.pixel[0]].add(radiance));

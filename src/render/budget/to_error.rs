@@ -24,6 +24,7 @@ use super::rendered::{Refinement, Rendered, Tile};
 use super::rounds::Watch;
 use super::tiles::{HalfTile, OpenTile, REPLICATES, RefinedTile, Replicates, TileState};
 use super::words::{WordReader, WordWriter};
+use crate::points::PointId;
 use crate::points::mix;
 use crate::render::film::{Film, Pixel};
 use crate::render::path_numbers::PathId;
@@ -320,9 +321,7 @@ impl Refiner<'_> {
                     r,
                     PathId {
                         pixel,
-                        seed,
-                        index,
-                        count,
+                        point: PointId { seed, index, count },
                     },
                 )
             })

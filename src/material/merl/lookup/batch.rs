@@ -109,7 +109,10 @@ impl Block {
             }
         }
         for (out, &cell) in out.iter_mut().zip(&cells) {
-            *out = table.cells().get(cell).map_or(Rgb::ZERO, |c| c.truncate());
+            *out = match table.cells().get(cell) {
+                Some(value) => value.truncate(),
+                None => Rgb::ZERO,
+            };
         }
     }
 
@@ -124,7 +127,10 @@ impl Block {
             *n = CellNeighbours::find(tables, self.tangents(lane), self.wi.get(lane), bins, offset);
         }
         for (out, n) in out.iter_mut().zip(&neighbours) {
-            *out = n.as_ref().map_or(Rgb::ZERO, |n| n.mean(table));
+            *out = match n {
+                Some(n) => n.mean(table),
+                None => Rgb::ZERO,
+            };
         }
     }
 }
