@@ -9,10 +9,11 @@ use rayon::prelude::*;
 use super::azimuth_shift::AzimuthShift;
 use super::batch::{LANES, PointLanes};
 use super::lookup::InterpolatedTable;
+use super::pair::TablePair;
 use super::sample::{DrawTerms, TableView, raise_above_horizon};
 use super::settings::{HalfVectorSettings, azimuths_of_isotropic};
 use super::table::HalfVectorTable;
-use super::tables::{Stored, TablePair};
+use super::tables::Stored;
 use crate::Result;
 use crate::batch::Wo;
 use crate::brdf::Brdf;
@@ -25,6 +26,8 @@ use crate::sampler::Settings;
 use crate::sampler::knots::split_unit;
 
 /// A half-vector table for each of a few azimuths of `wo`.
+///
+/// See [`SamplerSpec`](crate::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Debug)]
 pub struct ByAzimuth {
     settings: HalfVectorSettings,

@@ -7,9 +7,10 @@ use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 
 use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable};
+use super::pair::TablePair;
 use super::pair_lanes::PairLanes;
 use super::sample::{DensityTerms, DrawTerms, TableView};
-use super::tables::{IndexedTables, TablePair};
+use super::tables::IndexedTables;
 use crate::batch::Wo;
 use crate::direction_sampler::DirectionSample;
 use crate::geometry::half_vector_chart::{ChartPoint, HalfVectorChart, PARTS};

@@ -6,8 +6,9 @@ use ndarray::{ArrayView1, Axis};
 use rayon::prelude::*;
 
 use super::lookup::{NODE_SUM, ONE};
+use super::packed::SLOPE_UNIT;
 use super::settings::HalfVectorSettings;
-use super::tables::{SLOPE_UNIT, STEEPEST, Stored};
+use super::tables::{STEEPEST, Stored};
 use super::tabulate::{Tabulated, choose_row_edges, columns, slope_of, tabulate};
 use crate::brdf::Brdf;
 

@@ -35,7 +35,7 @@ impl Settings for HalfVectorSettings {
             Field::choice(
                 "sides",
                 &[("unfolded", false), ("folded", true)],
-                "whether the two sides of the plane of incidence are told apart, or one is stored for both",
+                "whether both sides of the plane of incidence are stored, or one for both",
                 |s: &Self| s.fold,
                 |s, value| s.fold = value,
             )

@@ -9,8 +9,8 @@
 //! Unlike the cascade CDF (thesis 5.6; Lawrence et al. 2005), the domain ends exactly at the horizon, so no draw is lost, and
 //! angles between tables are served by one interpolated table instead of a random choice of two.
 //!
-//! `docs/half-vector-table.md` has the method as steps 1 to 24. Comments name the step at its line: [`tables`] has step 4,
-//! [`lookup`] 5, 7, 11 and 12, the chart 1 to 3, 6 and 15 to 20, [`sample`] puts them together, [`batch`] for many lanes.
+//! `docs/half-vector-table.md` has the method as steps 1 to 24. Comments name the step at its line: [`pair`] has step 4,
+//! [`packed`] 5, 7 and 12, [`lookup`] 11, the chart 1 to 3, 6 and 15 to 20, [`sample`] puts them together, [`batch`] for many lanes.
 
 mod azimuth_shift;
 mod azimuths;
@@ -19,6 +19,8 @@ mod build;
 mod codec;
 mod fields;
 mod lookup;
+mod packed;
+mod pair;
 mod pair_lanes;
 mod sample;
 mod settings;
@@ -42,6 +44,8 @@ pub use table::HalfVectorTable;
 pub(crate) use tables::Stored;
 
 /// The half-vector table of an isotropic material, or those of an anisotropic one.
+///
+/// See [`SamplerSpec`](crate::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Debug)]
 pub enum HalfVector {
     /// One azimuth of `wo` is enough.

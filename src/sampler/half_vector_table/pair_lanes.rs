@@ -8,8 +8,9 @@ use glam::Vec2;
 
 use super::batch::{LANES, PointLanes};
 use super::lookup::{AzimuthSegment, ROW_UNIT, row_target, segment_target};
+use super::packed::{BLOCK, PackedPair};
 use super::sample::{DensityTerms, DrawTerms, density, unfold, unit_azimuth};
-use super::tables::{BLOCK, IndexedTables, PackedPair};
+use super::tables::IndexedTables;
 use crate::direction_sampler::DirectionSample;
 use crate::geometry::half_vector_chart::{ChartEdge, HalfVectorChart, MERL_PARTS};
 use crate::geometry::merl_axes::AxisBins;

@@ -8,7 +8,8 @@ use glam::{Vec2, Vec3};
 use super::lookup::{
     AzimuthSegment, InterpolatedRow, InterpolatedTable, invert_segment, invert_slope, slope_cdf,
 };
-use super::tables::{IndexedTables, TablePair};
+use super::pair::TablePair;
+use super::tables::IndexedTables;
 use crate::direction_sampler::DirectionSample;
 use crate::geometry::half_vector_chart::{ChartPoint, HalfVectorChart};
 

@@ -5,6 +5,8 @@ use crate::Error;
 use crate::brdf::Importance;
 
 /// Settings of half-vector tables.
+///
+/// See [`SamplerSpec`](crate::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HalfVectorSettings {
     /// Tables over the polar angle of `wo`, dense towards the horizon, 1 to 1024.

@@ -5,9 +5,10 @@ use glam::{Vec2, Vec3};
 
 use super::batch;
 use super::build::build_tables;
+use super::pair::TablePair;
 use super::sample::TableView;
 use super::settings::{HalfVectorSettings, azimuths_of_isotropic};
-use super::tables::{IndexedTables, Stored, TablePair};
+use super::tables::{IndexedTables, Stored};
 use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
@@ -17,6 +18,8 @@ use crate::sampler::Settings;
 use crate::{Error, Result};
 
 /// A density over the chart of half vectors at each of a few angles of `wo`.
+///
+/// See [`SamplerSpec`](crate::SamplerSpec) for an example that builds a sampler.
 #[derive(Clone, Debug)]
 pub struct HalfVectorTable {
     settings: HalfVectorSettings,
