@@ -36,7 +36,7 @@ mod torrance;
 mod ward;
 mod words;
 
-pub use constant::Lambert;
+pub(crate) use constant::Lambert;
 pub use facts::ModelFacts;
 pub use parameters::ParameterFacts;
 

@@ -31,6 +31,9 @@ struct Schlick {
     printed: bool,
 }
 
+/// sin²δ below which h is the normal: its azimuth is rounding alone.
+const POLE: f64 = 1e-24;
+
 /// The declarations of a layer's C, r and p.
 const FIRST: [Declaration; 3] = [
     declare("SC", "reflectance of the first layer along the normal"),
@@ -108,7 +111,7 @@ impl Layer {
     /// A = √(p/(p² − p²w² + w²)), w the cosine of h's azimuth, 1 where it has none; as printed the angle itself.
     fn azimuth(self, pair: &UpperPair, sine2: f64, printed: bool) -> f64 {
         let p = self.p;
-        let w = match (sine2 > 0.0, printed) {
+        let w = match (sine2 > POLE, printed) {
             (false, false) => 1.0,
             (true, false) => (pair.h.x * pair.h.x / sine2).sqrt(),
             (_, true) => pair.h.y.atan2(pair.h.x),

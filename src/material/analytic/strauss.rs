@@ -62,14 +62,10 @@ impl Strauss {
         }
     }
 
-    /// The cosine that F is taken of: that of u·h keeps the formula reciprocal, where the thesis takes cosθi.
-    fn fresnel(&self, cos_i: f64, cos_d: f64) -> f64 {
-        let cosine = if self.printed { cos_i } else { cos_d };
-        fresnel_fit(self.abscissa(cosine))
-    }
-
     /// rj·Cs: rj = min(1, rn + (rn + 0.1)j), rn = 1 − rd, j = F·G·G, Cs = 1 + m(1−F)(C−1).
-    fn highlight(&self, fresnel: f64, [cos_o, cos_i]: [f64; 2], rgb: DVec3) -> DVec3 {
+    /// Strauss takes F of the light's angle, which is why the formula is not reciprocal.
+    fn highlight(&self, [cos_o, cos_i]: [f64; 2], rgb: DVec3) -> DVec3 {
+        let fresnel = fresnel_fit(self.abscissa(cos_i));
         let [g, h] = [cos_o, cos_i].map(|c| shadowing_fit(self.abscissa(c)));
         let rn = self.s.powi(3);
         let rj = (rn + (rn + 0.1) * fresnel * g * h).min(1.0);
@@ -94,15 +90,13 @@ impl Formula for Strauss {
         if self.s == 1.0 {
             return diffuse;
         }
-        let fresnel = self.fresnel(pair.cos_i, pair.cos_d);
-        let highlight = self.highlight(fresnel, [pair.cos_o, pair.cos_i], rgb);
+        let highlight = self.highlight([pair.cos_o, pair.cos_i], rgb);
         diffuse + self.ks * pair.cos_mirror_power(self.exponent()) * highlight
     }
 
     /// At smoothness 1 the lobe is the mirror direction alone.
     fn mirror(&self, cos_o: f64, rgb: DVec3) -> Option<DVec3> {
-        let fresnel = self.fresnel(cos_o, cos_o);
-        let highlight = self.highlight(fresnel, [cos_o; 2], rgb);
+        let highlight = self.highlight([cos_o; 2], rgb);
         (self.s == 1.0).then_some(self.ks * highlight)
     }
 
@@ -115,7 +109,7 @@ impl Formula for Strauss {
         };
         let diffuse = if self.printed { PI } else { 1.0 };
         Properties {
-            reciprocal: !self.printed,
+            reciprocal: self.ks == 0.0 && !self.printed || self.s == 1.0,
             albedo_bound: Some(self.diffuse() * diffuse + lobe),
             ..Properties::PLAIN
         }

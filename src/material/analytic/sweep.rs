@@ -65,7 +65,7 @@ fn texts() -> Vec<&'static str> {
 }
 
 /// Random directions, grazing ones, the normal and its surroundings, and the axes.
-fn directions() -> Vec<Vec3> {
+fn difficult_directions() -> Vec<Vec3> {
     let mut directions = vec![Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.8)];
     for z in [1e-38, 1e-20, 1e-6, 1e-3] {
         directions.push(Vec3::new(1.0, 0.0, z));
@@ -85,7 +85,7 @@ fn directions() -> Vec<Vec3> {
 
 #[test]
 fn values_are_finite_and_not_negative() {
-    let directions = directions();
+    let directions = difficult_directions();
     let mut odd = directions.clone();
     odd.extend([Vec3::X, -Vec3::Z, Vec3::NAN, Vec3::ZERO, Vec3::INFINITY]);
     for text in texts() {
@@ -108,14 +108,17 @@ fn values_are_finite_and_not_negative() {
     }
 }
 
-/// Relative difference of two values.
+/// Relative difference of two values, which counts as absolute below 10⁻⁶.
 fn difference(a: Vec3, b: Vec3) -> f32 {
-    (a - b).abs().max_element() / a.max(b).max_element().max(1e-30)
+    (a - b).abs().max_element() / a.max(b).max_element().max(1e-6)
 }
 
 #[test]
 fn what_is_stated_of_symmetries_holds() {
-    let directions: Vec<Vec3> = directions().into_iter().filter(|w| w.z > 1e-4).collect();
+    let directions: Vec<Vec3> = difficult_directions()
+        .into_iter()
+        .filter(|w| w.z > 1e-4)
+        .collect();
     for text in texts() {
         let parsed = parse(text).unwrap();
         let (properties, brdf) = (parsed.formula.properties(), parsed.brdf());
