@@ -6,7 +6,6 @@ use glam::DVec3;
 
 use super::pair::UpperPair;
 use super::parse;
-use crate::brdf::Brdf;
 use crate::geometry::{Quadrature, spherical};
 
 /// The pairs of directions, (theta, phi) of each in degrees.
@@ -30,6 +29,8 @@ const BEARD_MAXWELL: &str =
 /// A model, its values at the pairs, and its albedos; NaN where there is none.
 type Row = (&'static str, [f64; 5], [f64; 4]);
 
+// 0.318310 is a value here, and equal to 1/π by the model alone.
+#[allow(clippy::approx_constant)]
 const ROWS: [Row; 25] = [
     (
         "minnaert:k=0.8,kd=1",

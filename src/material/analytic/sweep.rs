@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use glam::{Quat, Vec3};
 
 use super::{MODELS, parse};
-use crate::brdf::Brdf;
 use crate::geometry::{Quadrature, Symmetry, spherical};
 
 /// Parameters at which formulas tend to break, apart from every model's defaults.
