@@ -70,6 +70,13 @@ pub trait Brdf: Send + Sync {
         }
     }
 
+    /// The fraction of the light from the mirror direction of `wo` about the normal that is reflected towards `wo`, where the
+    /// BRDF has a part that reflects that direction alone: a delta function, which [`Self::eval`] leaves out. `None` for a
+    /// BRDF without one, and for a `wo` that is not finite or not above the horizon.
+    fn mirror(&self, _wo: Vec3) -> Option<Rgb> {
+        None
+    }
+
     /// Whether turning both directions about the normal leaves f_r as it is.
     fn is_isotropic(&self) -> bool;
 

@@ -195,17 +195,18 @@ fn missing_file(path: &Path) -> Error {
     }
 }
 
-/// "did you mean …?", with the three nearest embedded names.
+/// "did you mean …?", with the three nearest names of embedded materials and models.
 fn suggestion(word: &str) -> String {
     let word = word.to_lowercase().replace(['_', ' '], "-");
-    let mut ranked: Vec<_> = embedded::names()
-        .iter()
-        .map(|n| (strsim::jaro_winkler(&word, n), n.as_str()))
-        .collect();
+    let mut ranked = Vec::new();
+    let names = embedded::names().iter().map(String::as_str);
+    for name in names.chain(analytic::model_names()) {
+        ranked.push((strsim::jaro_winkler(&word, name), name));
+    }
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
     let nearest: Vec<_> = ranked.iter().take(3).map(|r| r.1).collect();
     format!(
-        "did you mean {}? `merlkit list` shows all names",
+        "did you mean {}? `merlkit list` and `merlkit models` show all names",
         nearest.join(", ")
     )
 }

@@ -7,6 +7,7 @@
 //! Σ over lights   T · f_r·cos·L / q · w(q, p)      directions that the light chooses, of density q
 //!                 T · f_r·cos·L / p · w(p, q)      the direction that the BRDF's sampler draws, of density p
 //! T ← T · f_r·cos / p                              for the path that goes on along that direction
+//! T ← T · F                                        for the one along the mirror direction, where the BRDF has a delta part
 //! ```
 //!
 //! w is the weight of multiple importance sampling, 1 where only one of the two techniques finds the light.
@@ -91,6 +92,7 @@ impl<'a> Tracer<'a> {
                 first += vertices.len();
                 self.reflect_direct(run, scratch, radiance);
                 self.continue_paths(run, scratch, radiance, ids, paths);
+                self.add_mirrors(run, scratch, radiance, ids, paths);
             }
             if paths.is_empty() {
                 break;
@@ -211,7 +213,7 @@ impl<'a> Tracer<'a> {
 
     /// Ends a path at random in proportion to what it can't carry any more, and makes up for it in the survivors: with the
     /// chance c = min(1, max T), T ← T/c.
-    fn survives(&self, throughput: &mut DVec3, bounce: u32, id: PointId) -> bool {
+    pub(super) fn survives(&self, throughput: &mut DVec3, bounce: u32, id: PointId) -> bool {
         if !self.roulette || bounce + 1 < ROULETTE_FROM {
             return true;
         }

@@ -16,6 +16,7 @@ mod camera;
 mod direct;
 mod film;
 mod follow;
+mod mirror;
 mod path_numbers;
 mod plan;
 mod resample;

@@ -14,6 +14,7 @@ mod hard;
 mod import;
 mod materials;
 mod memory;
+mod models;
 mod notes;
 mod plot;
 mod python;

@@ -12,7 +12,6 @@ use merlkit::Wo;
 use merlkit::brdf::Brdf;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::Symmetry;
-use merlkit::material::analytic::Lambert;
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{BsdfSize, RglBrdf, tabulate};
@@ -217,6 +216,12 @@ fn every_isotropic_sampler_gives_the_bits_of_single_calls() {
     }
 }
 
+/// The BRDF of a formula.
+fn formula(text: &str) -> Arc<dyn Brdf> {
+    let material = merlkit::Material::resolve(text).unwrap();
+    material.load(LookupRule::Floor).unwrap().brdf().clone()
+}
+
 /// Tables that are too large to be mixed beforehand on the stack.
 #[test]
 fn the_largest_tables_give_the_bits_of_single_calls() {
@@ -226,12 +231,10 @@ fn the_largest_tables_give_the_bits_of_single_calls() {
         segments: 256,
         ..HalfVectorSettings::default()
     };
-    let lambert = Lambert {
-        reflectance: Vec3::splat(0.5),
-    };
+    let lambert = formula("lambert:reflectance=0.5");
     assert_same_draws(
         "largest",
-        &HalfVectorTable::build(&lambert, largest).unwrap(),
+        &HalfVectorTable::build(&*lambert, largest).unwrap(),
     );
 }
 
@@ -254,14 +257,13 @@ fn every_brdf_gives_the_bits_of_single_calls() {
     let measured = LookupRule::ALL.map(|rule| MerlBrdf::new(table.clone(), rule));
     let file = anisotropic_file(Symmetry::Quarter);
     let isotropic = isotropic_file(&measured[0]);
-    let lambert = Lambert {
-        reflectance: Vec3::splat(0.5),
-    };
+    let lambert = formula("lambert:reflectance=0.5");
+    let ward = formula("ward:sx=0.2,sy=0.4");
     let (wo, wi) = difficult_pairs();
     let channels = |v: Vec3| v.to_array().map(f32::to_bits);
     let measured = measured.iter().map(|m| m as &dyn Brdf);
     for (i, brdf) in measured
-        .chain([&file as &dyn Brdf, &isotropic, &lambert])
+        .chain([&file as &dyn Brdf, &isotropic, &*lambert, &*ward])
         .enumerate()
     {
         let values = assert_lanes(
@@ -368,9 +370,8 @@ fn batches_allocate_nothing() {
     let table = Arc::new(decode_embedded("nickel").unwrap());
     let merl = Arc::new(MerlBrdf::new(table, LookupRule::Linear));
     let file = anisotropic_file(Symmetry::Quarter);
-    let lambert = Lambert {
-        reflectance: Vec3::splat(0.5),
-    };
+    let lambert = formula("lambert:reflectance=0.5");
+    let ward = formula("ward:sx=0.2,sy=0.4");
     let mut samplers: Vec<(String, Arc<dyn DirectionSampler>)> = Vec::new();
     for (name, spec) in isotropic_samplers() {
         samplers.push((name, spec.build(&loaded(&merl)).unwrap().shared()));
@@ -380,7 +381,7 @@ fn batches_allocate_nothing() {
     samplers.push(("by azimuth".to_owned(), Arc::new(by_azimuth)));
     samplers.push(("file".to_owned(), Arc::new(file)));
     let file = anisotropic_file(Symmetry::Quarter);
-    let brdfs: [&dyn Brdf; 3] = [&*merl, &file, &lambert];
+    let brdfs: [&dyn Brdf; 4] = [&*merl, &file, &*lambert, &*ward];
 
     let ((wo, wi), points) = (difficult_pairs(), points());
     let (wo, wi, points) = (&wo[..1000], &wi[..1000], &points[..1000]);

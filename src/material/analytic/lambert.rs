@@ -1,44 +1,58 @@
-//! Ideal diffuse reflection: `lambert:reflectance=0.5`.
+//! Ideal diffuse reflection: `lambert:reflectance=0.5`, and as the thesis writes it `diffuse:kd=0.54`.
 
-use std::f32::consts::FRAC_1_PI;
+use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::DVec3;
 
-use super::model::Model;
-use super::parameters::Parameters;
+use super::constant::Lambert;
+use super::model::{Formula, Model, Properties};
+use super::pair::UpperPair;
+use super::parameters::{Parameters, declare};
 use crate::Result;
-use crate::brdf::Brdf;
 use crate::color::Rgb;
-use crate::geometry::unit_upper;
 
 pub(super) const MODEL: Model = Model {
     name: "lambert",
-    build,
+    summary: "ideal diffuse reflection, by its reflectance in each channel",
+    source: "Lambert 1760",
+    build: build_lambert,
 };
 
-/// Equal radiance in all directions: f_r = reflectance/π.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lambert {
-    /// Fraction of the light that is reflected, in [0, 1] per channel.
-    pub reflectance: Rgb,
-}
+pub(super) const DIFFUSE: Model = Model {
+    name: "diffuse",
+    summary: "ideal diffuse reflection",
+    source: "Lambert 1760",
+    build: build_diffuse,
+};
 
-fn build(parameters: &mut Parameters) -> Result<Arc<dyn Brdf>> {
-    let reflectance = parameters.colour("reflectance", 0.0..=1.0, 0.5)?;
+fn build_lambert(parameters: &mut Parameters) -> Result<Arc<dyn Formula>> {
+    let reflectance = declare("reflectance", "fraction of the light that is reflected");
+    let reflectance = parameters.colour(reflectance, 0.0..=1.0, 0.5)?;
     Ok(Arc::new(Lambert { reflectance }))
 }
 
-impl Brdf for Lambert {
-    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        if unit_upper(wo).is_some() && unit_upper(wi).is_some() {
-            self.reflectance * FRAC_1_PI
-        } else {
-            Rgb::ZERO
-        }
+fn build_diffuse(parameters: &mut Parameters) -> Result<Arc<dyn Formula>> {
+    let kd = declare("kd", "fraction of the light that is reflected");
+    let kd = parameters.number(kd, 0.0..=1.0, 0.54)?;
+    let reflectance = Rgb::splat(kd as f32);
+    Ok(Arc::new(Lambert { reflectance }))
+}
+
+impl Formula for Lambert {
+    fn value(&self, _: &UpperPair, rgb: DVec3) -> DVec3 {
+        self.reflectance.as_dvec3() * rgb * FRAC_1_PI
     }
 
-    fn is_isotropic(&self) -> bool {
-        true
+    fn lambertian(&self, rgb: DVec3) -> Option<Lambert> {
+        let reflectance = self.reflectance * rgb.as_vec3();
+        Some(Self { reflectance })
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            albedo_bound: Some(self.reflectance.max_element().into()),
+            ..Properties::PLAIN
+        }
     }
 }

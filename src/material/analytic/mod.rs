@@ -1,25 +1,77 @@
-//! BRDFs given by a formula: "lambert:reflectance=0.5".
+//! BRDFs given by a formula: "lambert:reflectance=0.5", "ward:sx=0.2,sy=0.4,ks=0.5,kd=0.5".
 //!
 //! A model is one file here and one line in `MODELS`. Its text is its name and its parameters, `name:key=value,key=value`;
-//! parameters that are left out keep the model's defaults.
+//! parameters that are left out keep the model's defaults. Keys are in any case. Every model has a colour `rgb`, white unless
+//! it is given. Models whose printed formula in Montes's thesis differs from the sound one have `form=printed`.
 
+mod ashikhmin;
+mod beardmaxwell;
+mod blinn;
+mod constant;
+mod coupled;
+mod disney;
+mod facts;
+mod fresnel;
+mod ggx;
+#[cfg(test)]
+mod golden;
+mod he;
+mod lafortune;
 mod lambert;
+mod minnaert;
 mod model;
+mod oren;
+mod pair;
 mod parameters;
+mod parse;
+mod phong;
+mod poulin;
+mod schlick;
+mod special;
+mod specular;
+mod strauss;
+#[cfg(test)]
+mod sweep;
+mod torrance;
+mod ward;
+mod words;
 
-use std::sync::Arc;
-
-pub use lambert::Lambert;
+pub(crate) use constant::Lambert;
+pub use facts::ModelFacts;
+pub use parameters::ParameterFacts;
 
 use super::format::{MaterialFormat, Origin, TableReading};
 use super::{Loaded, MaterialFacts};
-use crate::brdf::Brdf;
 use crate::{Error, Result};
+use facts::excess_note;
 use model::Model;
-use parameters::Parameters;
+use parse::{Parsed, parse_formula};
+use words::nearest_words;
 
 /// All models.
-const MODELS: [Model; 1] = [lambert::MODEL];
+const MODELS: [Model; 21] = [
+    lambert::MODEL,
+    lambert::DIFFUSE,
+    specular::MODEL,
+    minnaert::MODEL,
+    phong::MODEL,
+    blinn::MODEL,
+    blinn::LEWIS,
+    torrance::MODEL,
+    ward::MODEL,
+    schlick::MODEL,
+    oren::MODEL,
+    lafortune::MODEL,
+    coupled::MODEL,
+    ashikhmin::MODEL,
+    strauss::MODEL,
+    beardmaxwell::MODEL,
+    he::MODEL,
+    poulin::MODEL,
+    ggx::MODEL,
+    ggx::COATED,
+    disney::MODEL,
+];
 
 /// Texts that name a model and its parameters.
 pub(super) struct Formulas;
@@ -31,15 +83,34 @@ impl MaterialFormat for Formulas {
 
     fn facts(&self, origin: &Origin) -> Result<MaterialFacts> {
         // Building a formula takes no time.
-        Ok(self.load(origin, TableReading::default())?.facts())
+        Ok(Loaded::from_brdf(parse(&origin.path().to_string_lossy())?.brdf()).facts())
     }
 
     fn load(&self, origin: &Origin, _: TableReading) -> Result<Loaded> {
-        let text = origin.path().to_string_lossy();
-        match parse(&text)? {
-            Some((brdf, _)) => Ok(Loaded::from_brdf(brdf).with_reading("values of a formula")),
-            None => Err(unknown_model(&text)),
+        let parsed = parse(&origin.path().to_string_lossy())?;
+        let notes = excess_note(&parsed).into_iter().collect();
+        let loaded = Loaded::from_brdf(parsed.brdf());
+        Ok(loaded.with_reading("values of a formula").with_notes(notes))
+    }
+}
+
+impl ModelFacts {
+    /// All models with their default parameters.
+    pub fn all() -> Vec<Self> {
+        let mut all = Vec::with_capacity(MODELS.len());
+        for model in &MODELS {
+            all.extend(Self::parse(model.name));
         }
+        all
+    }
+
+    /// The model that a text such as "ward" or "ward:sx=0.1" names, with its parameters.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a name that is no model, with the nearest names, and for a parameter that is unknown, given
+    /// twice or outside its domain.
+    pub fn parse(text: &str) -> Result<Self> {
+        Ok(Self::describe(parse(text)?))
     }
 }
 
@@ -49,34 +120,50 @@ impl MaterialFormat for Formulas {
 /// [`Error::Argument`] for `name:key=value` of a name that is no model, and for a parameter that is unknown, given twice or
 /// outside its domain.
 pub(super) fn canonical_text(argument: &str) -> Result<Option<String>> {
-    Ok(parse(argument)?.map(|(_, text)| text))
+    let is_formula = argument
+        .split_once(':')
+        .is_some_and(|(_, s)| s.contains('='));
+    if !is_formula && find_model(argument).is_none() {
+        return Ok(None);
+    }
+    Ok(Some(parse(argument)?.text))
 }
 
-/// The BRDF of a formula and its canonical text.
-fn parse(argument: &str) -> Result<Option<(Arc<dyn Brdf>, String)>> {
-    let (name, settings) = argument.split_once(':').unwrap_or((argument, ""));
-    let Some(model) = MODELS.iter().find(|model| model.name == name) else {
-        return match settings.contains('=') {
-            true => Err(unknown_model(name)),
-            false => Ok(None),
-        };
-    };
-    let mut parameters = Parameters::parse(model.name, settings)?;
-    let brdf = (model.build)(&mut parameters)?;
-    Ok(Some((brdf, parameters.finish()?)))
+/// The names of all models.
+pub(super) fn model_names() -> impl Iterator<Item = &'static str> {
+    MODELS.iter().map(|model| model.name)
 }
 
-fn unknown_model(name: &str) -> Error {
-    let names: Vec<&str> = MODELS.iter().map(|model| model.name).collect();
+/// The model whose name is in front of the colon of `argument`.
+fn find_model(argument: &str) -> Option<&'static Model> {
+    let name = argument.split(':').next()?;
+    MODELS.iter().find(|model| model.name == name)
+}
+
+/// The formula that `argument` names.
+fn parse(argument: &str) -> Result<Parsed> {
+    match find_model(argument) {
+        Some(model) => parse_formula(model, argument),
+        None => Err(unknown_model(argument)),
+    }
+}
+
+fn unknown_model(argument: &str) -> Error {
+    let name = argument.split(':').next().unwrap_or(argument);
+    let names: Vec<&str> = model_names().collect();
     Error::argument(
-        format!("no formula is called \"{name}\""),
-        format!("choose {}", names.join(", ")),
+        format!("no model is called \"{name}\""),
+        format!(
+            "did you mean {}? `merlkit models` shows all of them",
+            nearest_words(name, &names, 3).join(", ")
+        ),
     )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brdf::Brdf;
     use glam::Vec3;
 
     fn refusal(text: &str) -> String {
@@ -95,6 +182,16 @@ mod tests {
             ("lambert:reflectance=0.1/0.2", "0.1/0.2", "three"),
             ("lambert:reflectance=0.1,reflectance=0.2", "twice", "once"),
             ("lambert:0.5", "\"0.5\"", "key=value"),
+            ("wrad:sx=0.2", "\"wrad\"", "ward"),
+            ("ward:sz=0.2", "no parameter sz", "sx, sy, ks, kd"),
+            ("ward:sx=0", "sx=0", "0.001 to 10"),
+            ("ward:sx=nan", "sx=nan", "0.001 to 10"),
+            ("ward:sx=1e999", "sx=1e999", "0.001 to 10"),
+            ("ward:rgb=2", "rgb=2", "0 to 1"),
+            ("ashikhmin:nu=20,EX=20", "ex|nu", "once"),
+            ("phong:form=right", "form=right", "sound or printed"),
+            ("ward:form=printed", "no parameter form", "sx"),
+            ("schlick:ly=2", "Ly=2", "T or F"),
         ] {
             let message = refusal(text);
             assert!(
@@ -112,8 +209,19 @@ mod tests {
     }
 
     #[test]
+    fn keys_are_in_any_case_and_have_aliases() {
+        let text = canonical_text("ashikhmin:NU=25,ks=0.39").unwrap();
+        let spelt = "ashikhmin:ex=25,ey=10,Rs=0.39,Rd=0.5";
+        assert_eq!(text.as_deref(), Some(spelt));
+        let text = canonical_text("phong:Form=printed,colour=0.5/0.25/1").unwrap();
+        let spelt = "phong:n=50,ks=0.4,kd=0.6,form=printed,rgb=0.5/0.25/1";
+        assert_eq!(text.as_deref(), Some(spelt));
+        assert_eq!(canonical_text(spelt).unwrap(), text);
+    }
+
+    #[test]
     fn channels_are_set_one_by_one_or_together() {
-        let value = |text: &str| parse(text).unwrap().unwrap().0.eval(Vec3::Z, Vec3::Z);
+        let value = |text: &str| parse(text).unwrap().brdf().eval(Vec3::Z, Vec3::Z);
         let lambert = |r: f32, g: f32, b: f32| {
             let reflectance = Vec3::new(r, g, b);
             Lambert { reflectance }.eval(Vec3::Z, Vec3::Z)

@@ -12,6 +12,7 @@ mod import;
 mod info;
 mod list;
 mod man;
+mod models;
 mod plot;
 mod render;
 mod report;
@@ -26,6 +27,7 @@ use crate::failure::Outcome;
 pub enum Command {
     Demo(demo::Args),
     List(list::Args),
+    Models(models::Args),
     Samplers(samplers::Args),
     Info(info::Args),
     Eval(eval::Args),
@@ -50,6 +52,7 @@ impl Command {
         match self {
             Self::Demo(args) => demo::run(&args),
             Self::List(args) => list::run(&args),
+            Self::Models(args) => models::run(&args),
             Self::Samplers(args) => samplers::run(&args),
             Self::Info(args) => info::run(&args),
             Self::Eval(args) => eval::run(&args),

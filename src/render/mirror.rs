@@ -1,0 +1,119 @@
+//! Mirror directions: what a surface whose BRDF has a delta part reflects as a mirror.
+
+use glam::{DVec3, Vec3};
+
+use super::bundle::{ActivePath, Run, Scratch, Vertex};
+use super::shape::Ray;
+use super::tracer::Tracer;
+use crate::points::PointId;
+
+impl Tracer<'_> {
+    /// Adds the light that vertices of a surface reflect as mirrors, and keeps the paths that go on from there.
+    ///
+    /// Neither a light nor the BRDF's sampler chooses the mirror direction, so everything it finds counts in full: T·F·L, with F
+    /// for [`crate::Brdf::mirror`]. A path that meets such a surface goes on twice; roulette keeps their number in bounds.
+    pub(super) fn add_mirrors(
+        &self,
+        run: Run<'_, '_>,
+        scratch: &mut Scratch,
+        radiance: &mut [DVec3],
+        ids: &[PointId],
+        paths: &mut Vec<ActivePath>,
+    ) {
+        scratch.emitted.clear();
+        scratch.next.clear();
+        for vertex in run.vertices {
+            if let Some(path) = self.mirror_path(vertex) {
+                scratch.emitted.push(&path.ray, path.hit);
+                scratch.next.push(path);
+            }
+        }
+        if scratch.next.is_empty() {
+            return;
+        }
+        // Add what lights with an extent emit along the mirror directions.
+        self.sum_emitted(&mut scratch.emitted, |_, _| 1.0);
+        for (path, found) in scratch.next.iter().zip(&scratch.emitted.sums) {
+            radiance[path.lane] += path.throughput * *found;
+        }
+        // Let roulette decide which paths go on.
+        if self.interreflection && run.bounce + 1 < self.scene.depth {
+            for mut path in scratch.next.drain(..) {
+                if self.survives(&mut path.throughput, run.bounce, ids[path.lane]) {
+                    paths.push(path);
+                }
+            }
+        }
+    }
+
+    /// The path along the mirror direction of a vertex, T ← T·F; `None` where nothing is reflected there.
+    fn mirror_path(&self, vertex: &Vertex<'_>) -> Option<ActivePath> {
+        let mirror = vertex.surface.brdf.mirror(vertex.wo)?.as_dvec3();
+        let throughput = vertex.throughput * mirror;
+        if throughput == DVec3::ZERO || !throughput.is_finite() {
+            return None;
+        }
+        let wi = Vec3::new(-vertex.wo.x, -vertex.wo.y, vertex.wo.z);
+        let ray = Ray {
+            origin: vertex.hit.position,
+            direction: vertex.frame.to_world(wi).as_dvec3().try_normalize()?,
+        };
+        Some(ActivePath {
+            lane: vertex.lane,
+            hit: self.next_hit(&ray, vertex.hit.object),
+            ray,
+            throughput,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use crate::material::{LookupRule, Material};
+    use crate::points::PointSet;
+    use crate::render::{
+        Budget, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render,
+    };
+    use crate::sampler::Cosine;
+
+    /// One sphere of a formula under a light.
+    fn picture(formula: &str, light: &str) -> Film {
+        let row = SceneSpec::row(&[formula.to_owned()], 1.5);
+        let spec = SceneSpec {
+            lights: vec![row.light(light).unwrap()],
+            floor: None,
+            ..row
+        };
+        let loaded = Material::resolve(formula).unwrap();
+        let loaded = loaded.load(LookupRule::Floor).unwrap();
+        let scene = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| {
+            Ok(Surface {
+                brdf: loaded.brdf().clone(),
+                sampler: Some(std::sync::Arc::new(Cosine)),
+            })
+        });
+        let settings = RenderSettings {
+            width: 24,
+            height: 16,
+            seed: 3,
+            points: PointSet::Sobol,
+            budget: Budget::Even(4),
+        };
+        render(&scene.unwrap(), &settings, &|_| {}).unwrap().film
+    }
+
+    /// A mirror of reflectance 0.54 before a sky of radiance 1 shows 0.54, and a coat over a white base nearly all of it.
+    #[test]
+    fn mirrors_show_a_uniform_sky() {
+        for (formula, radiance, tolerance) in [
+            ("specular:ks=0.54", 0.54, 1e-5),
+            ("coupled:Rm=1,Ro=0.05", 0.998, 0.02),
+        ] {
+            let centre = picture(formula, "uniform:1").mean(12, 8);
+            let error = (centre - DVec3::splat(radiance)).abs().max_element();
+            assert!(error < tolerance, "{formula}: {centre}");
+        }
+    }
+}
