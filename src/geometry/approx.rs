@@ -19,7 +19,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 /// let (sin, cos) = approx::sin_cos_turns(0.125);
 /// assert!((sin - cos).abs() < 1e-7);
 /// ```
-#[inline]
+#[inline(always)]
 pub fn acos(x: f64) -> f64 {
     const C: [f64; 8] = [
         1.570_796_305_0,
@@ -39,7 +39,7 @@ pub fn acos(x: f64) -> f64 {
 /// Angle of (x, y) in [−π, π] to 4·10⁻⁸ rad, and to 4·10⁻⁸ of itself near 0; 0 for (0, 0).
 ///
 /// See [`acos`] for an example.
-#[inline]
+#[inline(always)]
 pub fn atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 9] = [
         1.0,
@@ -74,7 +74,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
 /// Sine and cosine of `turns` full turns, 0 to 1, to 10⁻⁸; the sine to 10⁻⁸ of itself near 0.
 ///
 /// See [`acos`] for an example.
-#[inline]
+#[inline(always)]
 pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
     // Step 1: the nearest multiple k of a quarter turn, and x = 2π(turns − k/4) in [−π/4, π/4].
     // Truncation is an instruction everywhere; rounding is a call on the oldest x86-64.
@@ -101,7 +101,7 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
 /// `f64::MIN_POSITIVE` it only stays in bounds; infinite ones give NaN.
 ///
 /// See [`acos`] for an example.
-#[inline]
+#[inline(always)]
 pub fn fine_atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 8] = [
         1.0,
@@ -134,7 +134,7 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
 /// Sine and cosine of `turns` full turns, in [−1, 1], to 10⁻¹²; their squares sum to 1 within 10⁻¹².
 ///
 /// See [`acos`] for an example.
-#[inline]
+#[inline(always)]
 pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
     // To this, numbers are added as integers: rounding without a call, and vector code on the oldest x86-64.
     const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
@@ -160,7 +160,7 @@ pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
 }
 
 /// Estrin's scheme: shorter chains of operations than Horner's.
-#[inline]
+#[inline(always)]
 fn polynomial(c: &[f64; 8], x: f64) -> f64 {
     let x2 = x * x;
     let low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2;

@@ -1,5 +1,6 @@
 //! The reflectance that a `.bsdf` file holds (Dupuy & Jakob 2018), evaluated as Mitsuba 3 evaluates it.
 
+use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 
 use super::coordinates::{
@@ -138,7 +139,10 @@ impl RglBrdf {
         };
         // f_r·cosθᵢ = colour(s)·scale; interpolation of measured spectra may fall below 0.
         let colour = self.colour.interpolate(s, &tables.blend);
-        let rgb = Rgb::from_array(colour.map(|value| (value * scale).max(0.0) as f32));
+        let mut rgb = Rgb::ZERO;
+        for channel in 0..3 {
+            rgb[channel] = (colour[channel] * scale).max(0.0) as f32;
+        }
         if rgb.is_finite() { rgb } else { Rgb::ZERO }
     }
 
@@ -161,7 +165,25 @@ impl RglBrdf {
         }
     }
 
+    /// Any number of lanes about one `wo`.
+    #[inline(always)]
+    fn blocks_about(&self, view: &GivenView, wi: &[Vec3], out: &mut [Rgb]) {
+        for (wi, out) in wi.chunks(LANES).zip(out.chunks_mut(LANES)) {
+            self.block_about(view, wi, out);
+        }
+    }
+
+    /// Any number of lanes, each with a `wo` of its own.
+    #[inline(always)]
+    fn blocks_of_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
+        let blocks = wi.chunks(LANES).zip(out.chunks_mut(LANES));
+        for (wo, (wi, out)) in wo.chunks(LANES).zip(blocks) {
+            self.block_of_pairs(wo, wi, out);
+        }
+    }
+
     /// A block of at most [`LANES`] lanes about one `wo`.
+    #[inline(always)]
     fn block_about(&self, view: &GivenView, wi: &[Vec3], out: &mut [Rgb]) {
         let units = UnitDirections::<LANES>::load(wi);
         let mut halves = Columns::splat([0.0; 3]);
@@ -181,6 +203,7 @@ impl RglBrdf {
     }
 
     /// A block of at most [`LANES`] lanes, each with a `wo` of its own.
+    #[inline(always)]
     fn block_of_pairs(&self, wo: &[Vec3], wi: &[Vec3], out: &mut [Rgb]) {
         let (views, units) = (
             UnitDirections::<LANES>::load(wo),
@@ -257,21 +280,12 @@ impl Brdf for RglBrdf {
     #[track_caller]
     fn eval_cos_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
         wo.assert_lanes(wi.len(), out.len());
-        let blocks = wi.chunks(LANES).zip(out.chunks_mut(LANES));
         match wo {
             Wo::One(wo) => match self.view(wo) {
-                Some(view) => {
-                    for (wi, out) in blocks {
-                        self.block_about(&view, wi, out);
-                    }
-                }
+                Some(view) => dispatch!(Level::new(), _ => self.blocks_about(&view, wi, out)),
                 None => out.fill(Rgb::ZERO),
             },
-            Wo::Each(wo) => {
-                for (wo, (wi, out)) in wo.chunks(LANES).zip(blocks) {
-                    self.block_of_pairs(wo, wi, out);
-                }
-            }
+            Wo::Each(wo) => dispatch!(Level::new(), _ => self.blocks_of_pairs(wo, wi, out)),
         }
     }
 

@@ -67,6 +67,15 @@ fn sample_view<M: InterpolatedTable + Copy>(
     u: &[Vec2],
     out: &mut [Option<DirectionSample>],
 ) {
+    dispatch!(Level::new(), _ => sample_view_blocks(view, u, out));
+}
+
+#[inline(always)]
+fn sample_view_blocks<M: InterpolatedTable + Copy>(
+    view: TableView<M>,
+    u: &[Vec2],
+    out: &mut [Option<DirectionSample>],
+) {
     for (u, out) in u.chunks(LANES).zip(out.chunks_mut(LANES)) {
         let draws = DrawLanes::new(|_| view, u);
         for (lane, out) in out.iter_mut().enumerate() {
@@ -116,6 +125,11 @@ pub(super) fn pdf_batch(tables: &IndexedTables, wo: Wo<'_>, wi: &[Vec3], out: &m
 }
 
 fn pdf_one_wo(view: &TableView<TablePair>, wi: &[Vec3], out: &mut [f32]) {
+    dispatch!(Level::new(), _ => pdf_view_blocks(view, wi, out));
+}
+
+#[inline(always)]
+fn pdf_view_blocks(view: &TableView<TablePair>, wi: &[Vec3], out: &mut [f32]) {
     for (wi, out) in wi.chunks(LANES).zip(out.chunks_mut(LANES)) {
         let wi = UnitDirections::load(wi);
         let pdfs = densities(|_| *view, wi.columns(), out.len());
