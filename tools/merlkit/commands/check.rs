@@ -26,13 +26,14 @@ use crate::{args, table};
 /// Each check runs at 13 polar angles of wo: tabulated angles, angles between them, and grazing angles. For an anisotropic
 /// .bsdf file, each polar angle is checked at five azimuths. The checks:
 ///
-/// - Every draw is valid, and its density equals pdf.
+/// - validity, agreement: every draw is a unit vector above the horizon, and its density equals pdf.
 ///
-/// - pdf is positive wherever the material reflects, and integrates to 1 minus the fraction of failed draws.
+/// - positivity, pdf integral: pdf is positive wherever the material reflects, and integrates to 1 minus the fraction of lost
+///   draws.
 ///
-/// - Draws are distributed according to pdf (chi-square test).
+/// - chi-square: draws are distributed according to pdf.
 ///
-/// - The albedo estimate is unbiased, also under uniform light (furnace test).
+/// - bias, furnace: the albedo estimate is unbiased, also in each channel.
 ///
 /// The exit status is 1 if a check fails. At the default significance, one run in a hundred fails by chance even if all
 /// samplers are correct. Ctrl-C writes the JSON of the checks that are finished.
@@ -44,11 +45,13 @@ pub struct Args {
     #[command(flatten, next_help_heading = "Materials")]
     materials: args::Materials,
     /// Check hard cases instead of materials: difficult tables, extreme directions and extreme numbers, with every sampler,
-    /// lookup rule and light. Takes less than a minute on two cores; with --all, every combination in about ten minutes
+    /// lookup rule and light. Takes less than a minute on two cores; with --all, every combination in about ten minutes. Can't be
+    /// combined with materials, --sampler, --draws, --significance or --lookup
     #[arg(help_heading = "Checks", long, conflicts_with_all = ["materials", "samplers", "draws", "significance", "lookup"])]
     hard: bool,
-    /// Sampler to check, with settings (`merlkit samplers` lists them); repeatable [default: those the material supports of
-    /// half-vector at 2KB, 64KB and 1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and file]
+    /// Sampler to check, with settings (`merlkit samplers` lists them); repeatable [default: half-vector:2KB,
+    /// half-vector:64KB, half-vector:1MB, cosine, adaptive-disc, cascade-cdf:uniform, cascade-cdf and `file`, as far as the
+    /// material supports them]
     #[arg(help_heading = "Checks", long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
     /// How values between the samples of a table are interpolated

@@ -30,7 +30,7 @@ use crate::{args, table};
 
 /// Compare the samplers: error against samples, seconds and bytes
 ///
-/// Errors are measured at a lit point, in pictures of spheres in the studio, and for different settings of each sampler.
+/// Errors are measured at a lit point, in pictures of spheres in the studio, and for each sampler at different settings.
 /// They are relative to a reference that states its own error: quadrature for the point, many samples for the pictures.
 ///
 /// Results go to compare.json (everything), compare.csv (one line per number) and compare.html (a page that needs no
@@ -39,7 +39,7 @@ use crate::{args, table};
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit compare nickel teflon --quick -o comparison")]
 pub struct Args {
-    /// MERL binaries, .bsdf files, names of embedded materials, or formulas [default: eight embedded materials; with --quick
+    /// MERL binaries, .bsdf files or folders of either, names of embedded materials, or formulas [default: eight embedded materials; with --quick
     /// nickel, red-plastic and teflon]
     #[arg(value_name = "MATERIAL")]
     materials: Vec<String>,

@@ -133,9 +133,10 @@ pub fn run(args: &Args) -> Outcome {
     let files = Files::named(&args.output);
     let overwrite = output::overwrite(args.force);
     resumable::check_files(&files, overwrite, args.resume)?;
-    let settings = settings(args)?;
+    let names = batch::expand_folders(&args.materials)?;
+    let settings = settings(args, names.len())?;
     settings.check()?;
-    let (scene, materials) = describe(args, &settings)?;
+    let (scene, materials) = describe(args, &names, &settings)?;
     let effects = if args.all_effects {
         PlanRequest::Everything
     } else {
@@ -230,8 +231,9 @@ fn stops(argument: &str) -> Result<f32, String> {
 /// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
 const SOBOL_FROM: u64 = 512;
 
-fn settings(args: &Args) -> Result<RenderSettings, Error> {
-    let default_size = ((320 * args.materials.len()).max(480), 360);
+/// Settings of a picture of so many spheres.
+fn settings(args: &Args, spheres: usize) -> Result<RenderSettings, Error> {
+    let default_size = ((320 * spheres).max(480), 360);
     let (width, height) = args.size.unwrap_or(default_size);
     let budget = match args.target_error {
         Some(error) => Budget::ToError {
@@ -263,11 +265,12 @@ fn settings(args: &Args) -> Result<RenderSettings, Error> {
 }
 
 /// The scene, and its materials in the order of [`SceneSpec::materials`]; nothing is loaded.
-fn describe(args: &Args, settings: &RenderSettings) -> Result<(SceneSpec, Vec<Material>), Error> {
-    let mut spec = SceneSpec::row(
-        &args.materials,
-        settings.width as f64 / settings.height as f64,
-    );
+fn describe(
+    args: &Args,
+    names: &[String],
+    settings: &RenderSettings,
+) -> Result<(SceneSpec, Vec<Material>), Error> {
+    let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
     let materials = args::resolve(&spec.materials, &args.invalid)?;
     spec.lights = args
         .lights
