@@ -99,7 +99,7 @@ mod tests {
             height: 16,
             seed: 3,
             points: PointSet::Sobol,
-            budget: Budget::Even(4),
+            budget: Budget::Even(256),
         };
         render(&scene.unwrap(), &settings, &|_| {}).unwrap().film
     }
@@ -109,7 +109,7 @@ mod tests {
     fn mirrors_show_a_uniform_sky() {
         for (formula, radiance, tolerance) in [
             ("specular:ks=0.54", 0.54, 1e-5),
-            ("coupled:Rm=1,Ro=0.05", 0.998, 0.02),
+            ("coupled:Rm=1,Ro=0.05", 0.998, 0.04),
         ] {
             let centre = picture(formula, "uniform:1").mean(12, 8);
             let error = (centre - DVec3::splat(radiance)).abs().max_element();
