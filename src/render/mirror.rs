@@ -20,6 +20,9 @@ impl Tracer<'_> {
         ids: &[PointId],
         paths: &mut Vec<ActivePath>,
     ) {
+        if !self.mirrors {
+            return;
+        }
         scratch.emitted.clear();
         scratch.next.clear();
         for vertex in run.vertices {

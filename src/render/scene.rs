@@ -121,6 +121,16 @@ impl Scene {
         &self.plan
     }
 
+    /// Whether a surface reflects a mirror direction. A BRDF that has such a part has it at the normal, too.
+    pub(super) fn has_mirrors(&self) -> bool {
+        for surface in self.surfaces.iter().flatten() {
+            if surface.brdf.mirror(Vec3::Z).is_some() {
+                return true;
+            }
+        }
+        false
+    }
+
     /// What was found and changed in the files of its lights.
     pub fn light_notes(&self) -> Vec<&MapNotes> {
         self.lights

@@ -29,6 +29,8 @@ pub(super) struct Tracer<'a> {
     pub(super) shadows: bool,
     pub(super) interreflection: bool,
     pub(super) roulette: bool,
+    /// Whether a surface has a part that reflects the mirror direction alone.
+    pub(super) mirrors: bool,
 }
 
 impl<'a> Tracer<'a> {
@@ -55,6 +57,7 @@ impl<'a> Tracer<'a> {
             heuristic: scene.strategy.heuristic(),
             shadows: plan.is_on(Effect::Shadows),
             interreflection: plan.is_on(Effect::Interreflection),
+            mirrors: scene.has_mirrors(),
             roulette: plan.is_on(Effect::Roulette),
         }
     }

@@ -142,7 +142,7 @@ fn read_radiance(text: &str) -> Result<Rgb> {
 
 impl LightSource for EnvironmentSource {
     const WORDS: &'static [&'static str] = &[
-        "studio (or environment)",
+        "studio",
         "lamps",
         "uniform[:RADIANCE]",
         "FILE[:clamp[=MAX]]",
@@ -240,9 +240,6 @@ mod tests {
             assert!(error.contains(expected), "{word}: {error}");
         }
         let error = EnvironmentSource::from_name("x").unwrap_err().to_string();
-        assert!(
-            error
-                .contains("give studio (or environment), lamps, uniform[:RADIANCE] or FILE[:clamp")
-        );
+        assert!(error.contains("give studio, lamps, uniform[:RADIANCE] or FILE[:clamp"));
     }
 }

@@ -21,7 +21,7 @@ use crate::failure::Outcome;
 use crate::picture::{Files, Picture};
 use crate::resumable::{self, Resumable};
 use crate::sampler_args;
-use crate::{args, output, table};
+use crate::{args, batch, output, table};
 
 /// Path-trace a row of spheres, one per material, to NAME.exr (linear RGB) and NAME.png (sRGB)
 ///
@@ -67,7 +67,9 @@ pub struct Args {
     /// 512 paths per pixel, and with --target-error, where the path count isn't known in advance]
     #[arg(help_heading = "Sampling", long, value_name = "SET", value_parser = args::named(&POINTS))]
     points: Option<PointSet>,
-    /// Sample each tile of 16 × 16 pixels until its relative RMS error, estimated from replicates, is at most E: 0.05 or 5%
+    /// Sample each tile of 16 × 16 pixels that shows an object until its relative RMS error, estimated from replicates, is about
+    /// E: 0.05 or 5%. Each half of a tile stops by the other half's error, which keeps the means unbiased, so the
+    /// error of a finished tile can exceed E somewhat
     #[arg(help_heading = "Sampling", long, value_name = "E", conflicts_with = "spp", value_parser = args::target_error)]
     target_error: Option<f64>,
     /// Maximum paths per pixel with --target-error, at least 16 [default: 4096]
@@ -82,7 +84,8 @@ pub struct Args {
         hide_default_value = true
     )]
     seed: u64,
-    /// How extended lights are sampled: light and BRDF sampling (mis), one of the two, or resampling (ris) [default: mis]
+    /// How extended lights are sampled: mis combines light and BRDF samples, light and brdf draw only that one, ris draws
+    /// --candidates from the BRDF and traces one chosen by resampling [default: mis]
     #[arg(help_heading = "Sampling", long, value_name = "HOW", default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
     strategy: String,
     /// MIS heuristic of --strategy mis [default: power]
@@ -91,7 +94,7 @@ pub struct Args {
     /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
     #[arg(help_heading = "Sampling", long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     candidates: Option<u32>,
-    /// Size in pixels [default: 320 per sphere, at least 480, by 360]
+    /// Size in pixels [default: 320 × the number of spheres, but at least 480, wide; 360 high]
     #[arg(help_heading = "Picture", long, value_name = "WxH", value_parser = args::size)]
     size: Option<(usize, usize)>,
     /// Exposure of the PNG in stops [default: 0]
@@ -213,7 +216,7 @@ fn error_reached(refinement: &Refinement, most: u64) -> String {
         100.0 * worst
     );
     match short {
-        0 => format!("{errors}; all {tiles} tiles reached the target"),
+        0 => format!("{errors}; all {tiles} tiles with objects have stopped"),
         _ => format!(
             "{errors}; {short} of {tiles} tiles did not reach the target: raise --max-spp {most}"
         ),
@@ -306,7 +309,7 @@ fn no_effect(strategy: &str, option: &str, wanted: &str) -> Error {
 
 fn light_help() -> String {
     format!(
-        "{}: a map (EXR, HDR, PFM, PNG; top +y, middle −z, right +x); repeatable [default: environment]",
+        "{}: a map (EXR, HDR, PFM, PNG; its top is +y, its centre −z, its right half +x); repeatable [default: studio]",
         LightSpec::words()
     )
 }

@@ -18,7 +18,7 @@ use crate::progress::Progress;
 use crate::sampler_args;
 use crate::{args, table};
 
-/// Measure the memory, time and accuracy of samplers, and list the thesis's results for comparison
+/// Measure the memory, time and accuracy of samplers, and list the results of R. Montes's thesis (2008) for comparison
 ///
 /// For each material and sampler, prints the size of its tables and file, the build time, and the time per draw and per
 /// density. At seven angles that lie between the tabulated ones, prints the spread of the sample weights (by quadrature) and

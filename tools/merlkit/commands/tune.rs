@@ -19,8 +19,9 @@ use crate::{args, table};
 
 /// Choose the sampler and settings that reach a target error in the least time
 ///
-/// Measures every size of the half-vector table, the cascade CDF, the adaptive disc, fitted lobes and the cosine at a lit
-/// point: the relative RMSE over three angles with Owen-scrambled Sobol points. The best three, and all samplers named in the
+/// Measures, where the material supports them, all sizes of the half-vector table, two settings each of the cascade CDF and
+/// the adaptive disc, three fitted lobes (cosine, ward, ggx) and the cosine at a lit
+/// point: the relative RMSE over three angles with Owen-scrambled Sobol points. The three fastest, and all other samplers named in the
 /// result, are then re-measured with new seeds, adding samples if needed. A sampler passes if the upper end of the error's
 /// confidence interval is at most E. The fastest that passes and meets the limits is chosen.
 ///
