@@ -1,6 +1,6 @@
 //! `render`: strategies and target errors.
 
-use crate::run::{fails, run_in, succeeds};
+use crate::run::{fails, run, run_in, succeeds};
 
 const RENDER: [&str; 5] = ["render", "nickel", "--size", "24x24", "--force"];
 
