@@ -48,10 +48,10 @@ impl PackedPair {
 /// What the rows of probabilities are found in.
 #[derive(Clone, Copy)]
 pub(super) struct RowSearch<'a> {
-    pub(super) pivots: &'a [[[PackedPair; GROUP]; 2]],
+    pub(super) pivots: &'a [[PackedPair; GROUP]],
+    pub(super) late_pivots: &'a [[PackedPair; GROUP]],
     pub(super) rows: &'a [PackedPair],
     pub(super) stride: usize,
-    pub(super) row_count: usize,
 }
 
 /// A row in which a probability passes a target, and the probabilities below it and up to its end.
@@ -70,10 +70,9 @@ impl RowSearch<'_> {
     /// last group is above every target.
     #[inline(always)]
     pub(super) fn find(&self, pair: u32, weight: u32, target: u32) -> FoundRow {
-        let pivots = &self.pivots[pair as usize];
-        let mut group = count_passed(&pivots[0], weight, target);
-        if self.row_count > GROUP * GROUP {
-            group += count_passed(&pivots[1], weight, target);
+        let mut group = count_passed(&self.pivots[pair as usize], weight, target);
+        if let Some(late) = self.late_pivots.get(pair as usize) {
+            group += count_passed(late, weight, target);
         }
         // Place `start` holds the probability below the group.
         let start = GROUP * group;
@@ -129,8 +128,8 @@ impl<'a> Records<'a> {
     pub(super) fn pair(&self, row: u32, [first, second]: [u32; 2]) -> RecordPair<'a> {
         let row = row as usize * self.table_count;
         RecordPair {
-            first: &self.values[(row + first as usize) * self.record..][..self.record],
-            second: &self.values[(row + second as usize) * self.record..][..self.record],
+            first: &self.values[(row + first as usize) * self.record..][..self.record + BLOCK],
+            second: &self.values[(row + second as usize) * self.record..][..self.record + BLOCK],
             block_count: self.block_count,
         }
     }

@@ -43,13 +43,14 @@ pub struct IndexedTables {
     /// `[pair][row_stride]`: of every two neighbouring tables 0, the probability up to and with each row, and 1 from there on.
     rows: Vec<PackedPair>,
     row_stride: usize,
-    /// The probability of every pair up to and with each group of [`GROUP`] rows, and 1 from there on: the first eight groups,
-    /// and the others, which few tables have.
-    pivots: Vec<[[PackedPair; GROUP]; 2]>,
+    /// The probability of every pair up to and with each of the first eight groups of [`GROUP`] rows, and 1 from there on.
+    pivots: Vec<[PackedPair; GROUP]>,
+    /// The same of the other groups; empty for tables that have no more than eight.
+    late_pivots: Vec<[PackedPair; GROUP]>,
     /// `[row, table]`: slopes.
     slopes: Vec<i8>,
     /// `[row, table][record]`: the sums of the nodes at both ends of the segments up to and with each block but the last, then
-    /// the nodes, then 0 as far as the last block could have some. Two tables about a polar angle are neighbours.
+    /// the nodes. Two tables about a polar angle are neighbours. A block is read whole, also where it passes the record's end.
     records: Vec<u16>,
     /// Numbers in a record.
     record: usize,
@@ -64,7 +65,7 @@ const fn blocks_of(segments: usize) -> usize {
 
 /// Numbers in the record of a row of so many segments.
 const fn record_of(segments: usize) -> usize {
-    blocks_of(segments) + (blocks_of(segments) + 1) * BLOCK + 1
+    blocks_of(segments) + segments + 1
 }
 
 /// Probabilities kept for a table of so many rows: whole groups, and 0 before them.
@@ -80,11 +81,17 @@ const fn pairs_of(tables: usize) -> usize {
 /// Bytes of all arrays of so many tables, rows and segments.
 pub const fn bytes(tables: usize, rows: usize, segments: usize) -> usize {
     let row = size_of::<u16>() * record_of(segments) + size_of::<i8>();
-    let search = size_of::<PackedPair>() * (row_stride_of(rows) + 2 * GROUP);
+    let pivots = if rows > GROUP * GROUP {
+        2 * GROUP
+    } else {
+        GROUP
+    };
+    let search = size_of::<PackedPair>() * (row_stride_of(rows) + pivots);
     tables * (size_of::<f32>() + rows * row)
         + pairs_of(tables) * search
         + (rows + 1) * size_of::<ChartEdge>()
         + PARTS
+        + BLOCK * size_of::<u16>()
 }
 
 impl IndexedTables {
@@ -111,8 +118,9 @@ impl IndexedTables {
             rows: Vec::new(),
             row_stride: row_stride_of(row_count),
             pivots: Vec::with_capacity(pairs_of(table_count)),
+            late_pivots: Vec::new(),
             slopes: Vec::with_capacity(table_count * row_count),
-            records: Vec::with_capacity(table_count * row_count * record_of(segments)),
+            records: Vec::with_capacity(table_count * row_count * record_of(segments) + BLOCK),
             record: record_of(segments),
             block_count: blocks_of(segments),
         };
@@ -129,6 +137,8 @@ impl IndexedTables {
                 tables.push_record(&stored.nodes[k * stored.width..][..stored.width]);
             }
         }
+        // The last block may pass the end of the last record.
+        tables.records.extend_from_slice(&[0; BLOCK]);
         tables
     }
 
@@ -146,12 +156,14 @@ impl IndexedTables {
         for (pivot, group) in pivots.as_flattened_mut().iter_mut().zip(groups) {
             *pivot = group[GROUP - 1];
         }
-        self.pivots.push(pivots);
+        self.pivots.push(pivots[0]);
+        if first.len() > GROUP * GROUP {
+            self.late_pivots.push(pivots[1]);
+        }
     }
 
     /// Adds the record of a row of nodes.
     fn push_record(&mut self, nodes: &[u16]) {
-        let start = self.records.len();
         let mut sum = 0;
         for block in 0..self.block_count {
             for k in block * BLOCK..(block + 1) * BLOCK {
@@ -160,7 +172,6 @@ impl IndexedTables {
             self.records.push(sum);
         }
         self.records.extend_from_slice(nodes);
-        self.records.resize(start + self.record, 0);
     }
 
     /// What a file holds of them.
@@ -218,9 +229,9 @@ impl IndexedTables {
     pub(super) fn row_search(&self) -> RowSearch<'_> {
         RowSearch {
             pivots: &self.pivots,
+            late_pivots: &self.late_pivots,
             rows: &self.rows,
             stride: self.row_stride,
-            row_count: self.row_count(),
         }
     }
 
@@ -321,6 +332,7 @@ pub(super) mod tests {
             + size_of_val(&t.part_rows)
             + size_of_val(&t.rows[..])
             + size_of_val(&t.pivots[..])
+            + size_of_val(&t.late_pivots[..])
             + size_of_val(&t.slopes[..])
             + size_of_val(&t.records[..]);
         assert_eq!(t.bytes(), arrays);
