@@ -5,6 +5,7 @@
 //!
 //! Closures, and functions that take them, are avoided: inside code for a newer processor they may stay functions for the
 //! oldest one, and each use of them a call.
+#![allow(clippy::needless_range_loop)] // Several columns are read at the same lane.
 
 use glam::Vec3;
 

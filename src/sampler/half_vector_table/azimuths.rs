@@ -7,9 +7,9 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::azimuth_shift::AzimuthShift;
-use super::batch::{LANES, PointLanes};
 use super::lookup::InterpolatedTable;
 use super::pair::TablePair;
+use super::point_lanes::{LANES, PointLanes};
 use super::sample::{DrawTerms, TableView, raise_above_horizon};
 use super::settings::{HalfVectorSettings, azimuths_of_isotropic};
 use super::table::HalfVectorTable;
@@ -286,7 +286,7 @@ fn sample_each(sampler: &ByAzimuth, wo: &[Vec3], u: &[Vec2], out: &mut [Option<D
         .zip(out.chunks_mut(LANES))
     {
         let wo = UnitDirections::load(wo);
-        let pairs = PairLanes::new(sampler, &wo, u.len());
+        let pairs = AzimuthLanes::new(sampler, &wo, u.len());
         let draws = AzimuthDraws::new(|lane| pairs.get(lane), u);
         for (lane, out) in out.iter_mut().enumerate().take(LANES) {
             let upper = wo.is_upper(lane);
@@ -313,7 +313,7 @@ fn pdf_each(sampler: &ByAzimuth, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
     {
         let wo = UnitDirections::load(wo);
         let wi = UnitDirections::<LANES>::load(wi);
-        let pairs = PairLanes::new(sampler, &wo, out.len());
+        let pairs = AzimuthLanes::new(sampler, &wo, out.len());
         let folded = |lane: usize| wi.get(lane) * pairs.get(lane).signs;
         let pdfs = densities(|lane| pairs.get(lane), folded, out.len());
         for (lane, out) in out.iter_mut().enumerate().take(LANES) {
@@ -324,14 +324,14 @@ fn pdf_each(sampler: &ByAzimuth, wo: &[Vec3], wi: &[Vec3], out: &mut [f32]) {
 }
 
 /// What serves the `wo` of each lane.
-struct PairLanes<'a> {
+struct AzimuthLanes<'a> {
     charts: Columns<f32, 8, LANES>,
     signs: Columns<f32, 3, LANES>,
     tables: [[ShiftedTable<'a>; LANES]; 2],
     weight: [f64; LANES],
 }
 
-impl<'a> PairLanes<'a> {
+impl<'a> AzimuthLanes<'a> {
     /// For the first `count` lanes, at least one.
     fn new(sampler: &'a ByAzimuth, wo: &UnitDirections<LANES>, count: usize) -> Self {
         let first = sampler.pair(wo.get(0));

@@ -9,16 +9,14 @@ use glam::{Vec2, Vec3};
 use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable};
 use super::pair::TablePair;
 use super::pair_lanes::PairLanes;
+use super::point_lanes::{LANES, PointLanes};
 use super::sample::{DensityTerms, DrawTerms, TableView};
 use super::tables::IndexedTables;
 use crate::batch::Wo;
 use crate::direction_sampler::DirectionSample;
-use crate::geometry::half_vector_chart::{ChartPoint, HalfVectorChart, PARTS};
+use crate::geometry::half_vector_chart::{HalfVectorChart, PARTS};
 use crate::geometry::unit_upper;
 use crate::lanes::{Columns, UnitDirections};
-
-/// Lanes that go through the stages of a batch together: their columns fit the fastest cache.
-pub(in crate::sampler) const LANES: usize = 64;
 
 /// Draws about one `wo` that pay for mixing the two tables beforehand.
 const PREMIX_FROM: usize = 256;
@@ -203,45 +201,6 @@ impl DrawLanes {
             wi: self.wi.get(lane).into(),
             pdf: self.pdf[lane],
         }
-    }
-}
-
-/// Points of charts, in columns.
-pub(in crate::sampler) struct PointLanes {
-    numbers: Columns<f32, 3, LANES>,
-    tan2_theta_h: [f64; LANES],
-}
-
-impl PointLanes {
-    #[inline(always)]
-    pub(in crate::sampler) fn new() -> Self {
-        Self {
-            numbers: Columns::splat([0.0; 3]),
-            tan2_theta_h: [0.0; LANES],
-        }
-    }
-
-    #[inline(always)]
-    pub(in crate::sampler) fn get(&self, lane: usize) -> ChartPoint {
-        let [cap, azimuth_fraction, jacobian] = self.numbers.get(lane);
-        ChartPoint {
-            cap,
-            tan2_theta_h: self.tan2_theta_h[lane],
-            azimuth_fraction,
-            jacobian,
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn tan2_theta_h(&self, lane: usize) -> f64 {
-        self.tan2_theta_h[lane]
-    }
-
-    #[inline(always)]
-    pub(in crate::sampler) fn set(&mut self, lane: usize, point: ChartPoint) {
-        let numbers = [point.cap, point.azimuth_fraction, point.jacobian];
-        self.numbers.set(lane, numbers);
-        self.tan2_theta_h[lane] = point.tan2_theta_h;
     }
 }
 

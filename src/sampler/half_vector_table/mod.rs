@@ -22,6 +22,7 @@ mod lookup;
 mod packed;
 mod pair;
 mod pair_lanes;
+mod point_lanes;
 mod sample;
 mod settings;
 mod table;

@@ -1,4 +1,5 @@
 //! 16-bit numbers of two neighbouring tables side by side, mixed to 32 bits, and the arrays that hold them.
+#![allow(clippy::needless_range_loop)] // Several columns are read at the same lane.
 
 use super::lookup::WEIGHT_ONE;
 

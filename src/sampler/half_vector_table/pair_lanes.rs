@@ -3,12 +3,13 @@
 //! Loops are of two kinds. Some look things up, lane after lane, and leave integers in columns; their reads overlap, as no lane
 //! waits for another. The others mix, compare and compute over whole columns, and become vector code. Every number is that
 //! of the single call, to the bit.
+#![allow(clippy::needless_range_loop)] // Several columns are read at the same lane.
 
 use glam::Vec2;
 
-use super::batch::{LANES, PointLanes};
 use super::lookup::{AzimuthSegment, ROW_UNIT, row_target, segment_target};
 use super::packed::{BLOCK, PackedPair};
+use super::point_lanes::{LANES, PointLanes};
 use super::sample::{DensityTerms, DrawTerms, density, unfold, unit_azimuth};
 use super::tables::IndexedTables;
 use crate::direction_sampler::DirectionSample;
