@@ -3,7 +3,7 @@
 //!
 //! Mitsuba renders them with `measured` and the file that `merlkit export` writes, and with a BSDF in Python that looks the table
 //! up and draws by the cosine. Wants a `python3` that has mitsuba and numpy; says so and does nothing without. Vectorised
-//! variants need LLVM (`DRJIT_LIBLLVM_PATH`; 14 aborts on `measured`, 19 works) and are left out where it is missing.
+//! variants need LLVM (`DRJIT_LIBLLVM_PATH`; 14 and 15 abort, 19 works) and are left out where it is missing.
 //! `cargo bench --bench beside_mitsuba -- [SCENE…]`, where a scene is a part of a name: `nickel`, `rough`, `diffuse`, `three`.
 
 mod subject;

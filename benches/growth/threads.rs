@@ -1,9 +1,8 @@
 //! A picture on one thread and on two, and a model of more.
 
 use std::sync::Mutex;
-use std::time::Instant;
 
-use merlkit_evaluate::measure::cost::{CallCost, time};
+use merlkit_evaluate::measure::cost::{CallCost, thread_seconds, time};
 use rayon::ThreadPoolBuilder;
 
 use crate::fit::Exponent;
@@ -34,21 +33,19 @@ fn measure(picture: &Picture) -> [[f64; 2]; 2] {
     rounds.map(|columns| columns.map(|column| CallCost::from_rounds(column).ns))
 }
 
-/// Seconds of each row on one thread, and of all that is done apart from rows: the least of several pictures, which other
+/// CPU seconds of each row on one thread, and of all that is done apart from rows: the least of several pictures, which other
 /// programs disturb least. The time of a row is that between two calls for progress.
 fn row_seconds(picture: &Picture) -> (Vec<f64>, f64) {
     let (mut rows, mut apart) = (vec![f64::INFINITY; SIDE], f64::INFINITY);
     for _ in 0..ROUNDS {
-        let start = Instant::now();
+        let start = thread_seconds();
         let ends = Mutex::new(Vec::new());
         picture.render(SIDE, PATHS, &|pixels| {
             if pixels > 0 {
-                ends.lock()
-                    .expect("times")
-                    .push(start.elapsed().as_secs_f64());
+                ends.lock().expect("times").push(thread_seconds() - start);
             }
         });
-        let total = start.elapsed().as_secs_f64();
+        let total = thread_seconds() - start;
         let ends = ends.into_inner().expect("times");
         assert_eq!(ends.len(), SIDE, "one call for progress a row");
         // The first row begins when the picture has been set up, which takes less than a row: it counts as the second does.

@@ -1,7 +1,7 @@
 //! The one way in which benches time calls, so that results hold on a machine that does other work.
 //!
 //! A group has contenders, which are timed in turn, round after round, by the CPU time of this thread. Work that would be spread
-//! over threads runs on this thread too. A line shows the lower quartile of the rounds with its 95 % confidence interval, and the
+//! over threads runs on this thread too. Short work is done once, uncounted, before each timing. A line shows the lower quartile of the rounds with its 95 % confidence interval, and the
 //! ratio to the group's first contender: the median over rounds of the ratio within a round, with its interval. A slow minute
 //! meets both sides of such a ratio, which is why it is steadier than the nanoseconds.
 //!
@@ -25,6 +25,8 @@ use result::{BenchResult, GroupResult, LineResult, Ratio};
 
 /// CPU seconds of a batch, about: longer than the clock's step, shorter than a turn of the scheduler.
 const BATCH_SECONDS: f64 = 0.5e-3;
+/// Work of fewer seconds is done once before each timing.
+const SHORT_SECONDS: f64 = 5e-3;
 /// CPU seconds of a group's rounds, about.
 const GROUP_SECONDS: f64 = 6.0;
 /// Fewer rounds than this leave the quartile's interval wide; more narrow it little.
@@ -73,14 +75,10 @@ impl Harness {
             return;
         }
         let seconds: f64 = group.contenders.iter_mut().map(Contender::calibrate).sum();
-        let batches: Vec<&dyn TimedBatch> = group
-            .contenders
-            .iter()
-            .map(|c| c as &dyn TimedBatch)
-            .collect();
-        let names: Vec<&str> = group.contenders.iter().map(|c| c.name.as_str()).collect();
+        let contenders = &group.contenders;
+        let names: Vec<&str> = contenders.iter().map(|c| c.name.as_str()).collect();
         if self.options.follows {
-            answer_rounds(&group.name, &names, &batches);
+            answer_rounds(&group.name, &names, |round| time_warm(contenders, round));
             return;
         }
         if let Some(other) = &mut self.other {
@@ -92,8 +90,7 @@ impl Harness {
             .unwrap_or_else(|| (GROUP_SECONDS / seconds).clamp(ROUNDS[0], ROUNDS[1]) as u64);
         let (mut ours, mut others) = (Vec::new(), Vec::new());
         for round in 0..rounds {
-            let found = time_round(&batches, round);
-            ours.push(found.into_iter().map(Option::unwrap_or_default).collect());
+            ours.push(time_warm(contenders, round));
             if let Some(other) = &mut self.other {
                 others.push(other.time_round());
             }
@@ -112,6 +109,20 @@ impl Harness {
             self.result.write(&path);
         }
     }
+}
+
+/// Nanoseconds a call of each contender in one round, whose order begins with another contender each time. Each does its work
+/// once uncounted, so that the caches hold its own data and not those of the contender before.
+fn time_warm(contenders: &[Contender<'_>], round: u64) -> Vec<f64> {
+    let mut found = vec![0.0; contenders.len()];
+    for turn in 0..contenders.len() {
+        let who = (turn + round as usize) % contenders.len();
+        let contender = &contenders[who];
+        contender.warm_up();
+        let ns = time_round(&[contender as &dyn TimedBatch], round);
+        found[who] = ns[0].unwrap_or_default();
+    }
+    found
 }
 
 /// Lines of a group, from nanoseconds a call by round and contender.
@@ -170,6 +181,7 @@ impl<'a> Group<'a> {
             name: name.into(),
             calls,
             repeats: 1,
+            is_short: true,
             work: RefCell::new(Box::new(move || {
                 black_box(work());
             })),
@@ -182,6 +194,7 @@ struct Contender<'a> {
     name: String,
     calls: usize,
     repeats: usize,
+    is_short: bool,
     work: RefCell<Box<dyn FnMut() + 'a>>,
 }
 
@@ -192,7 +205,15 @@ impl Contender<'_> {
         self.run(0);
         let seconds = time(|| self.run(0)).1.cpu.max(1e-7);
         self.repeats = (BATCH_SECONDS / seconds).ceil() as usize;
+        self.is_short = seconds < SHORT_SECONDS;
         seconds * self.repeats as f64
+    }
+
+    /// Does the work once, unless it is so long that it hardly matters what the caches held before.
+    fn warm_up(&self) {
+        if self.is_short {
+            self.work.borrow_mut()();
+        }
     }
 }
 

@@ -148,7 +148,7 @@ impl GroupResult {
             ""
         };
         println!(
-            "\n{}: a {}, {} rounds\n{:width$}  {:>8}  {:^19}   {:21}{other}",
+            "\n{}: a {}, {} rounds\n{:width$}  {:>8}  {:^19}   {:23}{other}",
             self.name, self.call, self.rounds, "", "time", "interval", "to the first"
         );
         for line in &self.lines {
@@ -156,7 +156,7 @@ impl GroupResult {
             let interval = format!("{} – {}", duration(low), duration(high));
             let other = line.to_other.as_ref().map_or(String::new(), Ratio::text);
             println!(
-                "{:width$}  {:>8}  {interval:^19}   {:21}   {other}",
+                "{:width$}  {:>8}  {interval:^19}   {:23}   {other}",
                 line.name,
                 duration(ns),
                 line.to_first.text()

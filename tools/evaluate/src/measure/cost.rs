@@ -32,6 +32,11 @@ pub fn time<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
     (result, seconds)
 }
 
+/// CPU seconds of this thread since it began.
+pub fn thread_seconds() -> f64 {
+    ThreadTime::now().as_duration().as_secs_f64()
+}
+
 /// What one call costs on one thread, from short batches in turn with the other contenders' ([`costs`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CallCost {
