@@ -44,5 +44,4 @@ fn main() {
         });
     }
     harness.run(group);
-    harness.finish();
 }

@@ -29,6 +29,5 @@ fn main() {
         decode_embedded(black_box("nickel")).unwrap()
     });
     harness.run(group);
-    harness.finish();
     drop(writer);
 }

@@ -252,5 +252,4 @@ fn main() {
     let mut harness = Harness::new("lookup");
     lookups(&mut harness);
     measured(&mut harness);
-    harness.finish();
 }

@@ -166,7 +166,6 @@ fn time_paths(pictures: &[Picture]) {
         }
         harness.run(group);
     }
-    harness.finish();
 }
 
 fn print_errors(material: &str, picture: &Picture, spreads: &[Spread], side: usize, samples: u64) {

@@ -181,5 +181,4 @@ fn main() {
     effects(&mut harness);
     preparation(&mut harness);
     directions(&mut harness);
-    harness.finish();
 }

@@ -247,5 +247,4 @@ fn main() {
     let material = nickel();
     angles(&mut harness, &material);
     pairs(&mut harness, &material);
-    harness.finish();
 }

@@ -111,7 +111,7 @@ fn materials() {
         Column {
             name: "loading and building",
             unit: Unit::Seconds,
-            values: works.seconds(3),
+            values: works.seconds(1),
         },
         Column {
             name: "heap",

@@ -28,11 +28,10 @@ impl<'a> Works<'a> {
         }))));
     }
 
-    /// CPU seconds of each by this thread: the lower quartile of the rounds. One round before these is not counted.
+    /// CPU seconds of each by this thread: the lower quartile of the rounds. A first round with cold caches is above it.
     pub fn seconds(&self, rounds: u64) -> Vec<f64> {
         let works: Vec<&dyn TimedBatch> = self.0.iter().map(|w| w as &dyn TimedBatch).collect();
         let mut columns = vec![Vec::new(); works.len()];
-        time_round(&works, 0);
         for round in 0..rounds {
             for (column, ns) in columns.iter_mut().zip(time_round(&works, round)) {
                 column.extend(ns);

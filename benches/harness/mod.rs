@@ -101,10 +101,7 @@ impl Harness {
         let result = group_result(&group.name, group.call, &names, &ours, &others);
         result.print();
         self.result.groups.push(result);
-    }
-
-    /// Writes what was measured, if that was asked for.
-    pub fn finish(self) {
+        // After each group, so that a run that is stopped leaves what it has.
         if let Some(path) = self.options.json_path(&self.result.bench) {
             self.result.write(&path);
         }
