@@ -138,7 +138,6 @@ fn views() -> (Vec<Vec3>, Vec<Vec2>) {
 fn tables() {
     let material = Material::resolve("nickel").expect("an embedded material");
     let material = material.load(LookupRule::Floor).expect("its table");
-    let (wo, u) = &views();
     let (mut labels, mut sizes, mut heap) = (Vec::new(), Vec::new(), Vec::new());
     let mut samplers = Vec::new();
     let mut builds = Works::default();
@@ -152,21 +151,7 @@ fn tables() {
         let material = &material;
         builds.add(move || spec.build(material));
     }
-    let (mut batches, mut singles) = (Works::default(), Works::default());
-    for sampler in &samplers {
-        let sampler = sampler.as_dyn();
-        let mut drawn = vec![None; LANES];
-        batches.add(move || {
-            for (wo, u) in wo.chunks(LANES).zip(u.chunks(LANES)) {
-                sampler.sample_batch(Wo::Each(black_box(wo)), u, &mut drawn);
-            }
-        });
-        singles.add(move || {
-            for (&wo, &u) in wo.iter().zip(u) {
-                black_box(sampler.sample(black_box(wo), u));
-            }
-        });
-    }
+    let [batches, singles] = draw_seconds(&samplers);
     println!(
         "\n## Tables\n\nHalf-vector tables of nickel; the exponents are against the bytes of the tables."
     );
@@ -189,15 +174,36 @@ fn tables() {
         Column {
             name: "a draw, batches of 64",
             unit: Unit::Nanoseconds,
-            values: a_call(batches.seconds(48)),
+            values: batches,
         },
         Column {
             name: "a single draw",
             unit: Unit::Nanoseconds,
-            values: a_call(singles.seconds(48)),
+            values: singles,
         },
     ];
     print_table("size", &labels, &sizes, &columns);
+}
+
+/// Seconds a draw of each sampler, in batches and singly.
+fn draw_seconds(samplers: &[Sampler]) -> [Vec<f64>; 2] {
+    let (wo, u) = &views();
+    let (mut batches, mut singles) = (Works::default(), Works::default());
+    for sampler in samplers {
+        let sampler = sampler.as_dyn();
+        let mut drawn = vec![None; LANES];
+        batches.add(move || {
+            for (wo, u) in wo.chunks(LANES).zip(u.chunks(LANES)) {
+                sampler.sample_batch(Wo::Each(black_box(wo)), u, &mut drawn);
+            }
+        });
+        singles.add(move || {
+            for (&wo, &u) in wo.iter().zip(u) {
+                black_box(sampler.sample(black_box(wo), u));
+            }
+        });
+    }
+    [batches, singles].map(|works| a_call(works.seconds(48)))
 }
 
 fn a_call(seconds: Vec<f64>) -> Vec<f64> {
@@ -231,10 +237,39 @@ fn environments() {
         skies.push(sky_of(width, pixels.clone()));
         builds.add(move || sky_of(width, pixels.clone()));
     }
+    let [draws, looks] = direction_seconds(&skies);
+    println!("\n## Environments\n\nThe studio as maps of pixels, with its sampling tables.");
+    let columns = [
+        Column {
+            name: "building",
+            unit: Unit::Seconds,
+            values: builds.seconds(16),
+        },
+        Column {
+            name: "heap",
+            unit: Unit::Kilobytes,
+            values: heap,
+        },
+        Column {
+            name: "a draw, batches of 64",
+            unit: Unit::Nanoseconds,
+            values: draws,
+        },
+        Column {
+            name: "radiance and density of a direction, batches of 64",
+            unit: Unit::Nanoseconds,
+            values: looks,
+        },
+    ];
+    print_table("pixels", &labels, &sizes, &columns);
+}
+
+/// Seconds of a draw of a direction towards each sky, and of the radiance and density of one, in batches.
+fn direction_seconds(skies: &[Environment]) -> [Vec<f64>; 2] {
     let u: Vec<DVec2> = views().1.iter().map(|u| u.as_dvec2()).collect();
     let u = &u;
     let (mut draws, mut looks) = (Works::default(), Works::default());
-    for sky in &skies {
+    for sky in skies {
         let from = [DVec3::ZERO; LANES];
         let mut sampled = vec![None; LANES];
         draws.add(move || {
@@ -251,30 +286,7 @@ fn environments() {
             }
         });
     }
-    println!("\n## Environments\n\nThe studio as maps of pixels, with its sampling tables.");
-    let columns = [
-        Column {
-            name: "building",
-            unit: Unit::Seconds,
-            values: builds.seconds(16),
-        },
-        Column {
-            name: "heap",
-            unit: Unit::Kilobytes,
-            values: heap,
-        },
-        Column {
-            name: "a draw, batches of 64",
-            unit: Unit::Nanoseconds,
-            values: a_call(draws.seconds(48)),
-        },
-        Column {
-            name: "radiance and density of a direction, batches of 64",
-            unit: Unit::Nanoseconds,
-            values: a_call(looks.seconds(48)),
-        },
-    ];
-    print_table("pixels", &labels, &sizes, &columns);
+    [draws, looks].map(|works| a_call(works.seconds(48)))
 }
 
 fn sky_of(width: usize, pixels: Vec<Vec3>) -> Environment {
