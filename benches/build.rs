@@ -1,72 +1,47 @@
-//! Building each sampler for nickel, on all cores; RAYON_NUM_THREADS=1 gives the time on one.
+//! Building each sampler for nickel, in CPU time of one thread. `cargo bench --bench build`.
+
+mod harness;
 
 use std::hint::black_box;
-use std::time::Duration;
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use harness::{Group, Harness};
 use merlkit::geometry::spherical;
 use merlkit::points::PointSet;
-use merlkit::sampler::{AdaptiveDiscSettings, CascadeCdfSettings, HalfVectorSettings, LeafChoice};
 use merlkit::{LookupRule, Material, SamplerSpec};
 
-fn benches(c: &mut Criterion) {
+/// The samplers that are built: the name of the measurement, and the sampler as the command line names it.
+const SAMPLERS: [(&str, &str); 8] = [
+    ("half-vector 64KB", "half-vector:64KB"),
+    ("half-vector 2KB", "half-vector:2KB"),
+    ("half-vector 1MB", "half-vector:1MB"),
+    ("adaptive disc", "adaptive-disc"),
+    (
+        "adaptive disc, rejection-free",
+        "adaptive-disc:rejection-free",
+    ),
+    ("adaptive disc as published", "adaptive-disc:published"),
+    ("cascade CDF 1024x512 compressed", "cascade-cdf"),
+    ("cascade CDF 256x32 whole", "cascade-cdf:uniform"),
+];
+
+fn main() {
+    let mut harness = Harness::new("build");
     let material = Material::resolve("nickel").unwrap();
     let material = material.load(LookupRule::Floor).unwrap();
     let wo = spherical(0.7, 0.3).as_vec3();
-    let mut group = c.benchmark_group("build");
-    group
-        .sample_size(10)
-        .warm_up_time(Duration::from_millis(300))
-        .measurement_time(Duration::from_secs(2));
-    for (name, spec) in [
-        (
-            "half-vector 2KB",
-            SamplerSpec::new(HalfVectorSettings::PRESETS[0].1),
-        ),
-        (
-            "half-vector 64KB",
-            SamplerSpec::new(HalfVectorSettings::default()),
-        ),
-        (
-            "half-vector 1MB",
-            SamplerSpec::new(HalfVectorSettings::PRESETS[7].1),
-        ),
-        (
-            "adaptive disc",
-            SamplerSpec::new(AdaptiveDiscSettings::default()),
-        ),
-        (
-            "adaptive disc, rejection-free",
-            SamplerSpec::new(AdaptiveDiscSettings {
-                leaves: LeafChoice::Warp,
-                ..Default::default()
-            }),
-        ),
-        (
-            "adaptive disc as published",
-            SamplerSpec::new(AdaptiveDiscSettings::as_published()),
-        ),
-        (
-            "cascade CDF 1024x512 compressed",
-            SamplerSpec::new(CascadeCdfSettings::default()),
-        ),
-        (
-            "cascade CDF 256x32 whole",
-            SamplerSpec::new(CascadeCdfSettings::uniform()),
-        ),
-    ] {
+    let mut group = Group::new("build", "sampler");
+    for (name, text) in SAMPLERS {
+        let spec: SamplerSpec = text.parse().unwrap();
         let sampler = spec.build(&material).unwrap();
         let draw = sampler
             .as_dyn()
             .sample(wo, PointSet::Sobol.point(1, 0, 0))
             .unwrap();
         assert_eq!(draw.pdf, sampler.as_dyn().pdf(wo, draw.wi), "{name}");
-        group.bench_function(name, |b| {
-            b.iter(|| black_box(&spec).build(black_box(&material)).unwrap())
+        let material = &material;
+        group.add(name, 1, move || {
+            black_box(&spec).build(black_box(material)).unwrap()
         });
     }
-    group.finish();
+    harness.run(group);
 }
-
-criterion_group!(build_benches, benches);
-criterion_main!(build_benches);

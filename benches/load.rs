@@ -1,33 +1,33 @@
-//! A warm MERL file to a table, and an embedded material to a table.
+//! A warm MERL file to a table, and an embedded material to a table. `cargo bench --bench load`.
+
+mod harness;
 
 use std::hint::black_box;
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use harness::{Group, Harness};
 use merlkit::files::Overwrite;
 use merlkit::material::merl::{decode_embedded, load, write};
 
-fn benches(c: &mut Criterion) {
+fn main() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("nickel.binary");
+    let mapped = folder.path().join("mapped.binary");
+    let read = folder.path().join("read.binary");
     let table = decode_embedded("nickel").unwrap();
-    write(&table, &path, Overwrite::Refuse).unwrap();
-    assert!(load(&path).unwrap().cells() == table.cells());
-    let mut group = c.benchmark_group("load");
-    group.sample_size(40);
-    group.bench_function("warm file, mapped", |b| {
-        b.iter(|| load(black_box(&path)).unwrap())
-    });
+    for path in [&mapped, &read] {
+        write(&table, path, Overwrite::Refuse).unwrap();
+    }
     // A file that is open for writing is read.
-    let writer = std::fs::OpenOptions::new().append(true).open(&path);
-    group.bench_function("warm file, read", |b| {
-        b.iter(|| load(black_box(&path)).unwrap())
+    let writer = std::fs::OpenOptions::new().append(true).open(&read);
+    for path in [&mapped, &read] {
+        assert!(load(path).unwrap().cells() == table.cells());
+    }
+    let mut harness = Harness::new("load");
+    let mut group = Group::new("load", "table");
+    group.add("warm file, mapped", 1, || load(black_box(&mapped)).unwrap());
+    group.add("warm file, read", 1, || load(black_box(&read)).unwrap());
+    group.add("embedded", 1, || {
+        decode_embedded(black_box("nickel")).unwrap()
     });
+    harness.run(group);
     drop(writer);
-    group.bench_function("embedded", |b| {
-        b.iter(|| decode_embedded(black_box("nickel")).unwrap())
-    });
-    group.finish();
 }
-
-criterion_group!(load_benches, benches);
-criterion_main!(load_benches);

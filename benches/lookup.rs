@@ -1,16 +1,15 @@
 //! Evaluation by each lookup rule, for pairs anywhere, pairs near the mirror direction and pairs drawn for the material: one at
 //! a time, each waiting for the one before, many at once, and the bins alone. Then evaluation of a `.bsdf` file that is made of
-//! the same material, and draws and densities by the sampler that it holds.
+//! the same material, and draws and densities by the sampler that it holds. `cargo bench --bench lookup`.
+
+mod harness;
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::sync::Arc;
 
-use criterion::measurement::WallTime;
-use criterion::{
-    BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
-};
 use glam::{Vec2, Vec3};
+use harness::{Group, Harness};
 use merlkit::Wo;
 use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
@@ -107,81 +106,90 @@ fn bins(table: &MerlTable, pairs: &Pairs) -> usize {
         .sum()
 }
 
-fn rule(group: &mut BenchmarkGroup<WallTime>, brdf: &MerlBrdf, pairs: &Pairs) {
-    let id = |how: &str| BenchmarkId::new(format!("{} {how}", brdf.rule().name()), pairs.place);
-    let mut out = vec![Rgb::ZERO; pairs.wi.len()];
-    group.bench_function(id("one"), |b| b.iter(|| sum(brdf, black_box(pairs))));
-
-    let next =
-        |z: f32, (wo, wi)| brdf.eval(wo + Vec3::splat(z), wi).x.min(1.0) * f32::MIN_POSITIVE * 0.0;
-    group.bench_function(id("chain"), |b| {
-        b.iter(|| black_box(pairs).iter().fold(0.0, next))
-    });
-
-    brdf.eval_batch(Wo::Each(&pairs.wo), &pairs.wi, &mut out);
-    assert!(
-        pairs
-            .iter()
-            .zip(&out)
-            .all(|((wo, wi), &f)| f == brdf.eval(wo, wi))
-    );
-    group.bench_function(id("pairs"), |b| {
-        b.iter(|| brdf.eval_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut out))
-    });
-    for count in [16, 32, 64] {
-        group.bench_function(id(&format!("pairs of {count}")), |b| {
-            b.iter(|| {
-                let batches = pairs
-                    .wo
-                    .chunks(count)
-                    .zip(pairs.wi.chunks(count))
-                    .zip(out.chunks_mut(count));
-                batches
-                    .for_each(|((wo, wi), out)| brdf.eval_batch(Wo::Each(black_box(wo)), wi, out));
-            })
-        });
+/// Values of all pairs in batches of `count`.
+fn eval_in_batches(brdf: &dyn Brdf, pairs: &Pairs, count: usize, out: &mut [Rgb]) {
+    let lanes = pairs.wo.chunks(count).zip(pairs.wi.chunks(count));
+    for ((wo, wi), out) in lanes.zip(out.chunks_mut(count)) {
+        brdf.eval_batch(Wo::Each(black_box(wo)), wi, out);
     }
+}
 
+/// Values of all pairs, each waiting for the one before.
+fn eval_in_a_chain(brdf: &MerlBrdf, pairs: &Pairs) -> f32 {
+    let mut nothing = 0.0;
+    for (wo, wi) in black_box(pairs).iter() {
+        let value = brdf.eval(wo + Vec3::splat(nothing), wi).x;
+        nothing = value.min(1.0) * f32::MIN_POSITIVE * 0.0;
+    }
+    nothing
+}
+
+/// Batches give the values of single calls.
+fn assert_batches(brdf: &dyn Brdf, pairs: &Pairs) {
+    let mut out = vec![Rgb::ZERO; pairs.wi.len()];
+    brdf.eval_batch(Wo::Each(&pairs.wo), &pairs.wi, &mut out);
+    for ((wo, wi), &f) in pairs.iter().zip(&out) {
+        assert_eq!(f, brdf.eval(wo, wi));
+    }
     let wo = pairs.wo[7];
     brdf.eval_batch(Wo::One(wo), &pairs.wi, &mut out);
-    assert!(
-        pairs
-            .wi
-            .iter()
-            .zip(&out)
-            .all(|(&wi, &f)| f == brdf.eval(wo, wi))
-    );
-    group.bench_function(id("many wi"), |b| {
-        b.iter(|| brdf.eval_batch(Wo::One(black_box(wo)), &pairs.wi, &mut out))
+    for (&wi, &f) in pairs.wi.iter().zip(&out) {
+        assert_eq!(f, brdf.eval(wo, wi));
+    }
+}
+
+/// One rule: many pairs at once first, since renderers ask so.
+fn add_rule<'a>(group: &mut Group<'a>, brdf: &'a MerlBrdf, pairs: &'a Pairs) {
+    assert_batches(brdf, pairs);
+    let rule = brdf.rule().name();
+    let calls = pairs.wi.len();
+    let (wo, mut out) = (pairs.wo[7], vec![Rgb::ZERO; calls]);
+    group.add(format!("{rule} pairs"), calls, move || {
+        brdf.eval_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut out);
+    });
+    for count in [16, 32, 64] {
+        let mut out = vec![Rgb::ZERO; calls];
+        group.add(format!("{rule} pairs of {count}"), calls, move || {
+            eval_in_batches(brdf, pairs, count, &mut out);
+        });
+    }
+    let mut out = vec![Rgb::ZERO; calls];
+    group.add(format!("{rule} many wi"), calls, move || {
+        brdf.eval_batch(Wo::One(black_box(wo)), &pairs.wi, &mut out);
+    });
+    group.add(format!("{rule} one"), calls, move || {
+        sum(brdf, black_box(pairs))
+    });
+    group.add(format!("{rule} chain"), calls, move || {
+        eval_in_a_chain(brdf, pairs)
     });
 }
 
-fn benches(c: &mut Criterion) {
+fn lookups(harness: &mut Harness) {
     let table = Arc::new(decode_embedded("nickel").unwrap());
-    let mut group = c.benchmark_group("lookup");
-    group.throughput(Throughput::Elements(PAIRS));
+    let rules = LookupRule::ALL.map(|rule| MerlBrdf::new(table.clone(), rule));
     let floor = MerlBrdf::new(table.clone(), LookupRule::Floor);
     for pairs in [
         Pairs::anywhere(),
         Pairs::near_the_mirror(),
         Pairs::drawn(&floor),
     ] {
-        let floor = sum(&floor, &pairs);
-        group.bench_function(BenchmarkId::new("bins alone", pairs.place), |b| {
-            b.iter(|| bins(&table, black_box(&pairs)))
-        });
-        for by in LookupRule::ALL {
-            let brdf = MerlBrdf::new(table.clone(), by);
-            let ratio = sum(&brdf, &pairs) / floor;
+        let mut group = Group::new(format!("lookup, {}", pairs.place), "pair");
+        for brdf in &rules {
+            let ratio = sum(brdf, &pairs) / sum(&floor, &pairs);
             assert!(
                 ratio.min_element() > 0.5 && ratio.max_element() < 2.0,
-                "{by:?} {}: {ratio}",
+                "{:?} {}: {ratio}",
+                brdf.rule(),
                 pairs.place
             );
-            rule(&mut group, &brdf, &pairs);
+            add_rule(&mut group, brdf, &pairs);
         }
+        group.add("bins alone", pairs.wi.len(), || {
+            bins(&table, black_box(&pairs))
+        });
+        harness.run(group);
     }
-    group.finish();
 }
 
 /// A file of 3 MB made of nickel: many more polar angles than the eight of the RGL database, and tables of like size for each.
@@ -196,44 +204,34 @@ fn measured_file() -> RglBrdf {
     ))
 }
 
-fn measured(c: &mut Criterion) {
+fn measured(harness: &mut Harness) {
     let rgl = measured_file();
-    let mut group = c.benchmark_group("measured");
-    group.throughput(Throughput::Elements(PAIRS));
     for pairs in [Pairs::anywhere(), Pairs::near_the_mirror()] {
-        evaluation(&mut group, &rgl, &pairs);
-        own_sampler(&mut group, &rgl, &pairs);
+        assert_batches(&rgl, &pairs);
+        let mut group = Group::new(format!("measured file, {}", pairs.place), "pair");
+        add_evaluation(&mut group, &rgl, &pairs);
+        add_own_sampler(&mut group, &rgl, &pairs);
+        harness.run(group);
     }
-    group.finish();
 }
 
-fn evaluation(group: &mut BenchmarkGroup<WallTime>, rgl: &RglBrdf, pairs: &Pairs) {
-    let mut out = vec![Rgb::ZERO; pairs.wi.len()];
-    rgl.eval_batch(Wo::Each(&pairs.wo), &pairs.wi, &mut out);
-    assert!(
-        pairs
-            .iter()
-            .zip(&out)
-            .all(|((wo, wi), &f)| f == rgl.eval(wo, wi))
-    );
-    let id = |how: &str| BenchmarkId::new(how, pairs.place);
-    group.bench_function(id("eval one"), |b| {
-        b.iter(|| {
-            let pairs = black_box(pairs);
-            pairs.iter().map(|(wo, wi)| rgl.eval(wo, wi)).sum::<Rgb>()
-        })
+fn add_evaluation<'a>(group: &mut Group<'a>, rgl: &'a RglBrdf, pairs: &'a Pairs) {
+    let calls = pairs.wi.len();
+    let (wo, mut out) = (pairs.wo[7], vec![Rgb::ZERO; calls]);
+    group.add("eval pairs", calls, move || {
+        rgl.eval_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut out);
     });
-    group.bench_function(id("eval pairs"), |b| {
-        b.iter(|| rgl.eval_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut out))
+    let mut out = vec![Rgb::ZERO; calls];
+    group.add("eval many wi", calls, move || {
+        rgl.eval_batch(Wo::One(black_box(wo)), &pairs.wi, &mut out);
     });
-    let wo = pairs.wo[7];
-    group.bench_function(id("eval many wi"), |b| {
-        b.iter(|| rgl.eval_batch(Wo::One(black_box(wo)), &pairs.wi, &mut out))
+    group.add("eval one", calls, move || {
+        let pairs = black_box(pairs);
+        pairs.iter().map(|(wo, wi)| rgl.eval(wo, wi)).sum::<Rgb>()
     });
 }
 
-fn own_sampler(group: &mut BenchmarkGroup<WallTime>, rgl: &RglBrdf, pairs: &Pairs) {
-    let id = |how: &str| BenchmarkId::new(how, pairs.place);
+fn add_own_sampler<'a>(group: &mut Group<'a>, rgl: &'a RglBrdf, pairs: &'a Pairs) {
     let points: Vec<Vec2> = (0..PAIRS)
         .map(|i| PointSet::Random.point(3, i, 0))
         .collect();
@@ -242,13 +240,16 @@ fn own_sampler(group: &mut BenchmarkGroup<WallTime>, rgl: &RglBrdf, pairs: &Pair
     rgl.sample_batch(Wo::One(wo), &points, &mut drawn);
     // Some draws end below the horizon.
     assert!(drawn.iter().flatten().count() > points.len() / 2);
-    group.bench_function(id("sample many"), |b| {
-        b.iter(|| rgl.sample_batch(Wo::One(black_box(wo)), &points, &mut drawn))
+    group.add("sample many", points.len(), move || {
+        rgl.sample_batch(Wo::One(black_box(wo)), &points, &mut drawn);
     });
-    group.bench_function(id("pdf pairs"), |b| {
-        b.iter(|| rgl.pdf_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut pdfs))
+    group.add("pdf pairs", pairs.wi.len(), move || {
+        rgl.pdf_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut pdfs);
     });
 }
 
-criterion_group!(lookup_benches, benches, measured);
-criterion_main!(lookup_benches);
+fn main() {
+    let mut harness = Harness::new("lookup");
+    lookups(&mut harness);
+    measured(&mut harness);
+}

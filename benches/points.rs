@@ -1,9 +1,11 @@
-//! Errors of pictures by how their numbers are spread, and by where their paths go: a sphere under the studio.
-//! `cargo bench --bench points`.
+//! Errors of pictures by how their numbers are spread, and by where their paths go: a sphere under the studio. Then CPU time of
+//! a path. `cargo bench --bench points`.
+
+mod harness;
 
 use std::sync::Arc;
-use std::time::Instant;
 
+use harness::{Group, Harness};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::merl::decode_embedded;
@@ -29,6 +31,8 @@ const SMALL_SIDE: usize = 32;
 const MANY_SAMPLES: [u64; 6] = [64, 128, 256, 512, 1024, 4096];
 /// Pictures of each, of which the error is the spread.
 const SEEDS: u64 = 8;
+/// Pixels a side and paths of pictures that are timed.
+const TIMED: (usize, u64) = (64, 64);
 
 /// How paths are spread, over the unit square and over the picture.
 #[derive(Clone, Copy)]
@@ -102,13 +106,11 @@ impl Picture {
         rendered.expect("a picture").film
     }
 
-    /// relMSE over all pixels from the spread of seeds, and seconds a picture.
-    fn measure(&self, spread: Spread, side: usize, samples: u64) -> (f64, f64) {
-        let start = Instant::now();
+    /// relMSE over all pixels from the spread of seeds.
+    fn error(&self, spread: Spread, side: usize, samples: u64) -> f64 {
         let films: Vec<Film> = (0..SEEDS)
             .map(|seed| self.film(spread, side, samples, seed))
             .collect();
-        let seconds = start.elapsed().as_secs_f64() / SEEDS as f64;
         let n = SEEDS as f64;
         let moments: Vec<(f64, f64)> = (0..side * side)
             .map(|i| {
@@ -127,13 +129,13 @@ impl Picture {
         let level = moments.iter().map(|m| m.0).sum::<f64>() / pixels;
         let error =
             |&(mean, variance): &(f64, f64)| variance / (mean * mean + 0.01 * level * level);
-        (moments.iter().map(error).sum::<f64>() / pixels, seconds)
+        moments.iter().map(error).sum::<f64>() / pixels
     }
 }
 
 fn main() {
     println!(
-        "{SIDE} × {SIDE} pixels, linear lookup, relMSE over all pixels from the spread of {SEEDS} seeds, seconds a picture"
+        "{SIDE} × {SIDE} pixels, linear lookup, relMSE over all pixels from the spread of {SEEDS} seeds"
     );
     let pictures = MATERIALS.map(Picture::new);
     for (material, picture) in MATERIALS.iter().zip(&pictures) {
@@ -148,13 +150,29 @@ fn main() {
             print_errors(material, picture, &SPREADS[1..3], SMALL_SIDE, samples);
         }
     }
+    time_paths(&pictures);
+}
+
+/// CPU time of a path, by how paths are spread.
+fn time_paths(pictures: &[Picture]) {
+    let mut harness = Harness::new("points");
+    let (side, samples) = TIMED;
+    for (material, picture) in MATERIALS.iter().zip(pictures) {
+        let mut group = Group::new(*material, "path");
+        for spread in SPREADS {
+            group.add(spread.name, side * side * samples as usize, move || {
+                picture.film(spread, side, samples, 1)
+            });
+        }
+        harness.run(group);
+    }
 }
 
 fn print_errors(material: &str, picture: &Picture, spreads: &[Spread], side: usize, samples: u64) {
     let mut columns = Vec::new();
     for spread in spreads {
-        let (error, seconds) = picture.measure(*spread, side, samples);
-        columns.push(format!("{} {error:.2e} ({seconds:.3} s)", spread.name));
+        let error = picture.error(*spread, side, samples);
+        columns.push(format!("{} {error:.2e}", spread.name));
     }
     println!("{material}, {samples} paths: {}", columns.join(", "));
 }

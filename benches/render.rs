@@ -3,12 +3,13 @@
 //! Also what an environment costs: to prepare, and for each direction.
 //! Each variant is checked against the plan's picture before it is timed. `cargo bench --bench render`.
 
+mod harness;
+
 use std::hint::black_box;
 use std::sync::Arc;
-use std::time::Duration;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3};
+use harness::{Group, Harness};
 use merlkit::light::{EnvironmentSource, Light, LightSpec, SkySampling, studio};
 use merlkit::material::merl::decode_embedded;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
@@ -83,66 +84,62 @@ fn mean(film: &Film) -> f64 {
         / (width * height) as f64
 }
 
-fn effects(c: &mut Criterion) {
+fn picture(scene: &Scene) -> Film {
+    let rendered = render(scene, &SETTINGS, &|_| {});
+    rendered.expect("a picture").film
+}
+
+fn effects(harness: &mut Harness) {
     let table = Arc::new(decode_embedded("blue-metallic-paint").expect("an embedded material"));
-    let surface = |_, _| {
-        let brdf = Arc::new(MerlBrdf::new(table.clone(), LookupRule::Floor));
-        Ok(Surface {
-            brdf,
-            sampler: Some(Arc::new(Cosine)),
-        })
-    };
+    let brdf = Arc::new(MerlBrdf::new(table, LookupRule::Floor));
+    let paths = (SETTINGS.width * SETTINGS.height) * PATHS as usize;
     for (name, spec) in scenes() {
-        let mut group = c.benchmark_group(name);
-        let paths = (SETTINGS.width * SETTINGS.height) as u64 * PATHS;
-        group
-            .sample_size(10)
-            .measurement_time(Duration::from_secs(2))
-            .throughput(Throughput::Elements(paths));
+        let mut group = Group::new(name, "path");
         let mut expected = None;
         for (variant, request) in variants(&spec) {
-            let scene = Scene::build(&spec, request, surface).expect("a scene");
-            let picture = || {
-                let rendered = render(&scene, &SETTINGS, &|_| {});
-                rendered.expect("a picture").film
-            };
-            let value = mean(&picture());
+            let scene = Scene::build(&spec, request, |_, _| {
+                Ok(Surface {
+                    brdf: brdf.clone(),
+                    sampler: Some(Arc::new(Cosine)),
+                })
+            });
+            let scene = scene.expect("a scene");
+            let value = mean(&picture(&scene));
             let planned = *expected.get_or_insert(value);
             assert!(
                 (value / planned - 1.0).abs() < 0.02,
                 "{name}, {variant}: {value}, planned {planned}"
             );
-            group.bench_function(variant, |b| b.iter(|| black_box(picture())));
+            group.add(variant, paths, move || picture(&scene));
         }
-        group.finish();
+        harness.run(group);
     }
 }
 
 /// What is prepared before the first path: the sampling tables of an environment.
-fn preparation(c: &mut Criterion) {
-    let mut group = c.benchmark_group("built-in environment");
-    group.sample_size(10);
-    for (name, sampling) in [
-        ("without tables", SkySampling::Uniform),
-        ("with tables", SkySampling::Importance),
-    ] {
-        let build = || studio(sampling);
-        assert_eq!(build().table_bytes() > 0, name == "with tables");
-        group.bench_function(name, |b| b.iter(|| black_box(build())));
-    }
-    group.finish();
+fn preparation(harness: &mut Harness) {
+    assert_eq!(studio(SkySampling::Uniform).table_bytes(), 0);
+    assert!(studio(SkySampling::Importance).table_bytes() > 0);
+    let mut group = Group::new("built-in environment", "map");
+    group.add("without tables", 1, || studio(SkySampling::Uniform));
+    group.add("with tables", 1, || studio(SkySampling::Importance));
+    harness.run(group);
 }
 
+/// Directions of a batch.
+const COUNT: usize = 4096;
+/// Directions that a renderer asks for at once.
+const LANES: usize = 64;
+
 /// Directions towards an environment and what rays see of it, one by one and many at once.
-fn directions(c: &mut Criterion) {
-    const COUNT: usize = 4096;
+fn directions(harness: &mut Harness) {
     let sky: &dyn Light = &studio(SkySampling::Importance);
     let from = [DVec3::ZERO; COUNT];
     let reach = [f64::INFINITY; COUNT];
-    let point = |i: usize| PointSet::Random.point(1, i as u64, 0).as_dvec2();
-    let u: [DVec2; COUNT] = std::array::from_fn(point);
+    let u: [DVec2; COUNT] =
+        std::array::from_fn(|i| PointSet::Random.point(1, i as u64, 0).as_dvec2());
     let wi = u.map(|u| sky.sample(DVec3::ZERO, u).expect("a direction").wi);
-    let (mut sampled, mut emitted) = ([None; COUNT], [None; COUNT]);
+    let (mut sampled, mut emitted) = (vec![None; COUNT], vec![None; COUNT]);
     sky.sample_batch(&from, &u, &mut sampled);
     sky.emitted_batch(&from, &wi, &reach, &mut emitted);
     for (sampled, emitted) in sampled.iter().zip(&emitted) {
@@ -151,49 +148,37 @@ fn directions(c: &mut Criterion) {
             emitted.map(|s| (s.radiance, s.pdf))
         );
     }
-    let mut group = c.benchmark_group("a direction to the built-in environment");
-    group
-        .throughput(Throughput::Elements(COUNT as u64))
-        .measurement_time(Duration::from_secs(1));
-    group.bench_function("sample", |b| {
-        b.iter(|| {
-            for (s, &u) in sampled.iter_mut().zip(&u) {
-                *s = black_box(sky).sample(DVec3::ZERO, u);
-            }
-            black_box(sampled[COUNT - 1])
-        })
+    let (mut sampled_singly, mut emitted_singly) = (sampled.clone(), emitted.clone());
+    let mut group = Group::new("a direction to the built-in environment", "direction");
+    group.add("sample_batch", COUNT, || {
+        let lanes = u.chunks(LANES).zip(from.chunks(LANES));
+        for (out, (u, from)) in sampled.chunks_mut(LANES).zip(lanes) {
+            black_box(sky).sample_batch(from, u, out);
+        }
     });
-    group.bench_function("sample_batch", |b| {
-        b.iter(|| {
-            for ((s, u), from) in sampled
-                .chunks_mut(64)
-                .zip(u.chunks(64))
-                .zip(from.chunks(64))
-            {
-                black_box(sky).sample_batch(from, u, s);
-            }
-            black_box(sampled[COUNT - 1])
-        })
+    group.add("sample", COUNT, || {
+        for (out, &u) in sampled_singly.iter_mut().zip(&u) {
+            *out = black_box(sky).sample(DVec3::ZERO, u);
+        }
     });
-    group.bench_function("emitted_along", |b| {
-        b.iter(|| {
-            for (s, &wi) in emitted.iter_mut().zip(&wi) {
-                *s = black_box(sky).emitted_along(DVec3::ZERO, wi, f64::INFINITY);
-            }
-            black_box(emitted[COUNT - 1])
-        })
+    group.add("emitted_batch", COUNT, || {
+        let rays = wi.chunks(LANES).zip(from.chunks(LANES));
+        let rays = rays.zip(reach.chunks(LANES));
+        for (out, ((wi, from), reach)) in emitted.chunks_mut(LANES).zip(rays) {
+            black_box(sky).emitted_batch(from, wi, reach, out);
+        }
     });
-    group.bench_function("emitted_batch", |b| {
-        b.iter(|| {
-            let rays = wi.chunks(64).zip(from.chunks(64)).zip(reach.chunks(64));
-            for (s, ((wi, from), reach)) in emitted.chunks_mut(64).zip(rays) {
-                black_box(sky).emitted_batch(from, wi, reach, s);
-            }
-            black_box(emitted[COUNT - 1])
-        })
+    group.add("emitted_along", COUNT, || {
+        for (out, &wi) in emitted_singly.iter_mut().zip(&wi) {
+            *out = black_box(sky).emitted_along(DVec3::ZERO, wi, f64::INFINITY);
+        }
     });
-    group.finish();
+    harness.run(group);
 }
 
-criterion_group!(benches, effects, preparation, directions);
-criterion_main!(benches);
+fn main() {
+    let mut harness = Harness::new("render");
+    effects(&mut harness);
+    preparation(&mut harness);
+    directions(&mut harness);
+}

@@ -1,17 +1,21 @@
 //! One draw, draws in batches and one density of each sampler for nickel, at angles of `wo` from normal to grazing; and draws
 //! and densities for pairs, each of another `wo`: alone, each waiting for the one before, and 16 to 64 at once.
+//! `cargo bench --bench sample`.
+
+mod harness;
 
 use std::f32::consts::TAU;
 use std::hint::black_box;
-use std::time::Duration;
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
+use harness::{Group, Harness};
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::color;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
 use merlkit::points::PointSet;
-use merlkit::{Loaded, LookupRule, Material, Sampler, SamplerSpec, Wo};
+use merlkit::{
+    DirectionSample, DirectionSampler, Loaded, LookupRule, Material, Sampler, SamplerSpec, Wo,
+};
 use merlkit_evaluate::measure::accuracy::weight_spread;
 
 const DRAWS: u64 = 2048;
@@ -64,59 +68,55 @@ fn assert_albedo(built: &Sampler, brdf: &dyn Brdf, wo: Vec3, points: &[Vec2]) {
     );
 }
 
-fn benches(c: &mut Criterion) {
-    let material = nickel();
+/// Draws, draws in batches and densities of one sampler at one angle; `call` is which of them.
+fn add_call<'a>(
+    group: &mut Group<'a>,
+    call: &str,
+    (name, built): &'a (&str, Sampler),
+    wo: Vec3,
+    points: &'a [Vec2],
+) {
+    let sampler = built.as_dyn();
+    if call == "sample" {
+        group.add(*name, points.len(), move || {
+            let drawn = points
+                .iter()
+                .filter_map(|&u| sampler.sample(black_box(wo), u));
+            drawn.count()
+        });
+    } else if call == "batch" {
+        let mut drawn = vec![None; points.len()];
+        group.add(*name, points.len(), move || {
+            sampler.sample_batch(Wo::One(black_box(wo)), points, &mut drawn);
+        });
+    } else {
+        let drawn = points.iter().filter_map(|&u| sampler.sample(wo, u));
+        let drawn: Vec<Vec3> = drawn.map(|s| s.wi).collect();
+        group.add(*name, drawn.len(), move || {
+            let pdfs = drawn.iter().map(|&wi| sampler.pdf(black_box(wo), wi));
+            pdfs.sum::<f32>()
+        });
+    }
+}
+
+fn angles(harness: &mut Harness, material: &Loaded) {
     let points: Vec<Vec2> = (0..DRAWS)
         .map(|i| PointSet::Random.point(1, i, 0))
         .collect();
-    let samplers = SAMPLERS.map(|(name, text)| (name, build(text, &material)));
-    for call in ["sample", "batch", "pdf"] {
-        let mut group = c.benchmark_group(call);
-        group
-            .throughput(Throughput::Elements(DRAWS))
-            .sample_size(15);
-        group
-            .warm_up_time(Duration::from_millis(200))
-            .measurement_time(Duration::from_secs(1));
-        for (name, built) in &samplers {
-            let sampler = built.as_dyn();
-            for degrees in ANGLES {
-                let wo = spherical(degrees.to_radians(), 0.4).as_vec3();
-                assert_albedo(built, &**material.brdf(), wo, &points);
-                let id = BenchmarkId::new(*name, degrees);
-                if call == "sample" {
-                    group.bench_with_input(id, &wo, |b, &wo| {
-                        b.iter(|| {
-                            points
-                                .iter()
-                                .filter_map(|&u| sampler.sample(black_box(wo), u))
-                                .count()
-                        })
-                    });
-                } else if call == "batch" {
-                    group.bench_with_input(id, &wo, |b, &wo| {
-                        let mut drawn = vec![None; points.len()];
-                        b.iter(|| sampler.sample_batch(Wo::One(black_box(wo)), &points, &mut drawn))
-                    });
-                } else {
-                    let drawn: Vec<Vec3> = points
-                        .iter()
-                        .filter_map(|&u| sampler.sample(wo, u))
-                        .map(|s| s.wi)
-                        .collect();
-                    group.throughput(Throughput::Elements(drawn.len() as u64));
-                    group.bench_with_input(id, &wo, |b, &wo| {
-                        b.iter(|| {
-                            drawn
-                                .iter()
-                                .map(|&wi| sampler.pdf(black_box(wo), wi))
-                                .sum::<f32>()
-                        })
-                    });
-                }
-            }
+    let samplers = SAMPLERS.map(|(name, text)| (name, build(text, material)));
+    for degrees in ANGLES {
+        let wo = spherical(degrees.to_radians(), 0.4).as_vec3();
+        for (_, built) in &samplers {
+            assert_albedo(built, &**material.brdf(), wo, &points);
         }
-        group.finish();
+        for call in ["sample", "batch", "pdf"] {
+            let noun = if call == "pdf" { "density" } else { "draw" };
+            let mut group = Group::new(format!("{call} at {degrees}°"), noun);
+            for sampler in &samplers {
+                add_call(&mut group, call, sampler, wo, &points);
+            }
+            harness.run(group);
+        }
     }
 }
 
@@ -142,95 +142,109 @@ fn nothing_after(value: f32) -> Vec3 {
     Vec3::splat(value.min(1.0) * f32::MIN_POSITIVE * 0.0)
 }
 
-fn pairs(c: &mut Criterion) {
-    let material = nickel();
-    let points: Vec<Vec2> = (0..DRAWS)
-        .map(|i| PointSet::Random.point(1, i, 0))
-        .collect();
-    let wo = views();
-    for (name, text) in SAMPLERS.into_iter().take(3) {
-        let built = build(text, &material);
-        let sampler = built.as_dyn();
-        let single: Vec<_> = wo
-            .iter()
-            .zip(&points)
-            .map(|(&wo, &u)| sampler.sample(wo, u))
-            .collect();
+/// Viewers, each with a point of the unit square and the direction that it gives.
+struct ViewPairs {
+    wo: Vec<Vec3>,
+    u: Vec<Vec2>,
+    wi: Vec<Vec3>,
+}
+
+impl ViewPairs {
+    /// With the directions of a sampler, whose batches give the bits of single calls.
+    fn new(sampler: &dyn DirectionSampler) -> Self {
+        let wo = views();
+        let points = (0..DRAWS).map(|i| PointSet::Random.point(1, i, 0));
+        let u: Vec<Vec2> = points.collect();
+        let single = wo.iter().zip(&u).map(|(&wo, &u)| sampler.sample(wo, u));
+        let single: Vec<_> = single.collect();
         let wi: Vec<Vec3> = single.iter().map(|s| s.unwrap().wi).collect();
         let (mut drawn, mut pdfs) = (vec![None; wi.len()], vec![0.0; wi.len()]);
-        sampler.sample_batch(Wo::Each(&wo), &points, &mut drawn);
+        sampler.sample_batch(Wo::Each(&wo), &u, &mut drawn);
         sampler.pdf_batch(Wo::Each(&wo), &wi, &mut pdfs);
-        assert!(
-            drawn == single
-                && single
-                    .iter()
-                    .zip(&pdfs)
-                    .all(|(s, &pdf)| s.is_some_and(|s| s.pdf == pdf))
-        );
-        let mut group = c.benchmark_group("pairs");
-        group
-            .throughput(Throughput::Elements(DRAWS))
-            .sample_size(15);
-        group
-            .warm_up_time(Duration::from_millis(200))
-            .measurement_time(Duration::from_secs(1));
-        let id = |call: &str| BenchmarkId::new(call, name);
-        group.bench_function(id("sample"), |b| {
-            b.iter(|| {
-                black_box(&wo)
-                    .iter()
-                    .zip(&points)
-                    .filter_map(|(&wo, &u)| sampler.sample(wo, u))
-                    .count()
-            })
-        });
-        group.bench_function(id("sample in a chain"), |b| {
-            b.iter(|| {
-                let next =
-                    |z, (&wo, &u)| nothing_after(sampler.sample(wo + z, u).map_or(0.0, |s| s.pdf));
-                black_box(&wo).iter().zip(&points).fold(Vec3::ZERO, next)
-            })
-        });
-        group.bench_function(id("pdf"), |b| {
-            b.iter(|| {
-                black_box(&wo)
-                    .iter()
-                    .zip(&wi)
-                    .map(|(&wo, &wi)| sampler.pdf(wo, wi))
-                    .sum::<f32>()
-            })
-        });
-        group.bench_function(id("pdf in a chain"), |b| {
-            let next = |z, (&wo, &wi): (&Vec3, &Vec3)| nothing_after(sampler.pdf(wo + z, wi));
-            b.iter(|| black_box(&wo).iter().zip(&wi).fold(Vec3::ZERO, next))
-        });
-        for count in [16, 32, 64] {
-            group.bench_function(id(&format!("sample_batch of {count}")), |b| {
-                b.iter(|| {
-                    let batches = wo
-                        .chunks(count)
-                        .zip(points.chunks(count))
-                        .zip(drawn.chunks_mut(count));
-                    batches.for_each(|((wo, u), out)| {
-                        sampler.sample_batch(Wo::Each(black_box(wo)), u, out)
-                    });
-                })
-            });
-            group.bench_function(id(&format!("pdf_batch of {count}")), |b| {
-                b.iter(|| {
-                    let batches = wo
-                        .chunks(count)
-                        .zip(wi.chunks(count))
-                        .zip(pdfs.chunks_mut(count));
-                    batches.for_each(|((wo, wi), out)| {
-                        sampler.pdf_batch(Wo::Each(black_box(wo)), wi, out)
-                    });
-                })
-            });
+        assert_eq!(drawn, single);
+        for (sample, pdf) in single.iter().flatten().zip(&pdfs) {
+            assert_eq!(sample.pdf, *pdf);
         }
-        group.finish();
+        Self { wo, u, wi }
+    }
+
+    fn sample_singly(&self, sampler: &dyn DirectionSampler) -> usize {
+        let pairs = black_box(&self.wo).iter().zip(&self.u);
+        pairs.filter_map(|(&wo, &u)| sampler.sample(wo, u)).count()
+    }
+
+    fn sample_in_a_chain(&self, sampler: &dyn DirectionSampler) -> Vec3 {
+        let mut nothing = Vec3::ZERO;
+        for (&wo, &u) in black_box(&self.wo).iter().zip(&self.u) {
+            nothing = nothing_after(sampler.sample(wo + nothing, u).map_or(0.0, |s| s.pdf));
+        }
+        nothing
+    }
+
+    fn pdf_singly(&self, sampler: &dyn DirectionSampler) -> f32 {
+        let pairs = black_box(&self.wo).iter().zip(&self.wi);
+        pairs.map(|(&wo, &wi)| sampler.pdf(wo, wi)).sum()
+    }
+
+    fn pdf_in_a_chain(&self, sampler: &dyn DirectionSampler) -> Vec3 {
+        let mut nothing = Vec3::ZERO;
+        for (&wo, &wi) in black_box(&self.wo).iter().zip(&self.wi) {
+            nothing = nothing_after(sampler.pdf(wo + nothing, wi));
+        }
+        nothing
+    }
+
+    fn sample_in_batches(
+        &self,
+        sampler: &dyn DirectionSampler,
+        count: usize,
+        drawn: &mut [Option<DirectionSample>],
+    ) {
+        let lanes = self.wo.chunks(count).zip(self.u.chunks(count));
+        for ((wo, u), out) in lanes.zip(drawn.chunks_mut(count)) {
+            sampler.sample_batch(Wo::Each(black_box(wo)), u, out);
+        }
+    }
+
+    fn pdf_in_batches(&self, sampler: &dyn DirectionSampler, count: usize, pdfs: &mut [f32]) {
+        let lanes = self.wo.chunks(count).zip(self.wi.chunks(count));
+        for ((wo, wi), out) in lanes.zip(pdfs.chunks_mut(count)) {
+            sampler.pdf_batch(Wo::Each(black_box(wo)), wi, out);
+        }
     }
 }
 
-criterion_group!(sample_benches, benches, pairs);
-criterion_main!(sample_benches);
+fn pairs(harness: &mut Harness, material: &Loaded) {
+    for (name, text) in SAMPLERS.into_iter().take(3) {
+        let built = build(text, material);
+        let sampler = built.as_dyn();
+        let pairs = &ViewPairs::new(sampler);
+        let calls = pairs.wo.len();
+        let mut draws = Group::new(format!("pairs, {name}"), "draw");
+        let mut densities = Group::new(format!("pairs, {name}"), "density");
+        for count in [64, 32, 16] {
+            let (mut drawn, mut pdfs) = (vec![None; calls], vec![0.0; calls]);
+            draws.add(format!("sample_batch of {count}"), calls, move || {
+                pairs.sample_in_batches(sampler, count, &mut drawn);
+            });
+            densities.add(format!("pdf_batch of {count}"), calls, move || {
+                pairs.pdf_in_batches(sampler, count, &mut pdfs);
+            });
+        }
+        draws.add("sample", calls, || pairs.sample_singly(sampler));
+        draws.add("sample in a chain", calls, || {
+            pairs.sample_in_a_chain(sampler)
+        });
+        densities.add("pdf", calls, || pairs.pdf_singly(sampler));
+        densities.add("pdf in a chain", calls, || pairs.pdf_in_a_chain(sampler));
+        harness.run(draws);
+        harness.run(densities);
+    }
+}
+
+fn main() {
+    let mut harness = Harness::new("sample");
+    let material = nickel();
+    angles(&mut harness, &material);
+    pairs(&mut harness, &material);
+}

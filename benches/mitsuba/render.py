@@ -15,11 +15,12 @@ given = json.load(open(sys.argv[1]))
 scenes = {}
 
 
-def merl_plugin():
-    """Registered for the current variant, whose types it uses."""
+def merl_plugin(ball):
+    """Registered for the current variant, whose types it uses, under a name of its own for each table."""
     import drjit as dr
 
-    table = np.fromfile(given["table"], "<f4")
+    table = np.fromfile(ball["table"], "<f4")
+    name = "merl_plugin_" + str(given["balls"].index(ball))
 
     class Merl(mi.BSDF):
         def __init__(self, props):
@@ -64,15 +65,26 @@ def merl_plugin():
         def to_string(self):
             return "Merl[]"
 
-    mi.register_bsdf("merl_plugin", Merl)
-    return {"type": "merl_plugin"}
+    mi.register_bsdf(name, Merl)
+    return {"type": name}
 
 
-def scene(variant, material):
-    ball, camera = given["ball"], given["camera"]
-    bsdf = {"type": "measured", "filename": given["bsdf"]} if material == "measured" else merl_plugin()
+def sphere(ball, material):
+    bsdf = {"type": "measured", "filename": ball["bsdf"]} if material == "measured" else merl_plugin(ball)
+    return {"type": "sphere", "center": ball["centre"], "radius": ball["radius"], "bsdf": bsdf}
+
+
+def ground():
+    """A diffuse rectangle at y = 0 that ends beyond what pixels tell apart."""
+    to_world = mi.ScalarTransform4f().rotate([1, 0, 0], -90).scale(10000)
+    reflectance = {"type": "rgb", "value": given["ground"]}
+    return {"type": "rectangle", "to_world": to_world, "bsdf": {"type": "diffuse", "reflectance": reflectance}}
+
+
+def scene(material):
+    camera = given["camera"]
     film = {"type": "hdrfilm", "width": given["side"], "height": given["side"], "rfilter": {"type": "box"}, "pixel_format": "rgb"}
-    return {
+    described = {
         "type": "scene",
         "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1},
         "sensor": {
@@ -89,8 +101,12 @@ def scene(variant, material):
             # The middle of the map is -z here and the edge there.
             "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], 180),
         },
-        "ball": {"type": "sphere", "center": ball["centre"], "radius": ball["radius"], "bsdf": bsdf},
     }
+    for i, ball in enumerate(given["balls"]):
+        described["ball" + str(i)] = sphere(ball, material)
+    if given["ground"] is not None:
+        described["ground"] = ground()
+    return described
 
 
 def answer(request):
@@ -98,7 +114,7 @@ def answer(request):
     mi.set_variant(variant)
     start, load = time.perf_counter(), 0.0
     if (variant, material) not in scenes:
-        scenes[variant, material] = mi.load_dict(scene(variant, material))
+        scenes[variant, material] = mi.load_dict(scene(material))
         load = time.perf_counter() - start
     start = time.perf_counter()
     picture = np.array(mi.render(scenes[variant, material], spp=request["samples"], seed=request["seed"]))

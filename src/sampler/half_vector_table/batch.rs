@@ -348,3 +348,43 @@ impl<const NODES: usize> InterpolatedTable for &PremixedTable<NODES> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{HalfVectorSettings, HalfVectorTable};
+    use super::*;
+    use crate::geometry::spherical;
+    use crate::material::merl::{LookupRule, MerlBrdf, decode_embedded};
+    use crate::points::Stream;
+
+    /// What is compiled for the oldest processor and what is compiled for this one give the same bits.
+    #[test]
+    fn every_level_of_instructions_gives_the_same_bits() {
+        let table = std::sync::Arc::new(decode_embedded("nickel").unwrap());
+        let brdf = MerlBrdf::new(table, LookupRule::Floor);
+        for (_, settings) in &HalfVectorSettings::PRESETS[..6] {
+            let table = HalfVectorTable::build(&brdf, *settings).unwrap();
+            let tables = table.indexed();
+            let mut stream = Stream::new(5);
+            let (mut wo, mut u) = (Vec::new(), Vec::new());
+            for _ in 0..1000 {
+                let (theta, phi) = (stream.next_f64() * 1.57, stream.next_f64() * 6.28);
+                wo.push(spherical(theta, phi).as_vec3());
+                u.push(Vec2::new(stream.next_f32(), stream.next_f32()));
+            }
+            let (mut oldest, mut newest) = (vec![None; 1000], vec![None; 1000]);
+            sample_blocks(tables, &wo, &u, &mut oldest);
+            sample_each_wo(tables, &wo, &u, &mut newest);
+            assert_eq!(oldest, newest);
+            let mut wi = Vec::new();
+            for draw in &oldest {
+                wi.push(draw.unwrap().wi);
+            }
+            wi.rotate_left(1);
+            let (mut oldest, mut newest) = (vec![0.0; 1000], vec![0.0; 1000]);
+            pdf_blocks(tables, &wo, &wi, &mut oldest);
+            pdf_each_wo(tables, &wo, &wi, &mut newest);
+            assert_eq!(oldest, newest);
+        }
+    }
+}

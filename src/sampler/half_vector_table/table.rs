@@ -55,6 +55,12 @@ impl HalfVectorTable {
         }
     }
 
+    /// The tables as draws read them.
+    #[cfg(test)]
+    pub(super) fn indexed(&self) -> &IndexedTables {
+        &self.tables
+    }
+
     /// The settings it was built with.
     pub fn settings(&self) -> &HalfVectorSettings {
         &self.settings

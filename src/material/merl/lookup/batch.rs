@@ -134,3 +134,31 @@ impl Block {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::spherical;
+    use crate::material::merl::decode_embedded;
+    use crate::points::Stream;
+
+    /// What is compiled for the oldest processor and what is compiled for this one give the same bits.
+    #[test]
+    fn every_level_of_instructions_gives_the_same_bits() {
+        let table = decode_embedded("nickel").unwrap();
+        let mut stream = Stream::new(6);
+        let (mut wo, mut wi) = (Vec::new(), Vec::new());
+        for _ in 0..2000 {
+            for directions in [&mut wo, &mut wi] {
+                let (theta, phi) = (stream.next_f64() * 1.57, stream.next_f64() * 6.28);
+                directions.push(spherical(theta, phi).as_vec3());
+            }
+        }
+        for rule in [LookupRule::Floor, LookupRule::Linear, LookupRule::Centred] {
+            let (mut oldest, mut newest) = (vec![Rgb::ZERO; 2000], vec![Rgb::ZERO; 2000]);
+            evaluate_blocks(&table, rule, Wo::Each(&wo), &wi, &mut oldest);
+            evaluate(&table, rule, Wo::Each(&wo), &wi, &mut newest);
+            assert_eq!(oldest, newest, "{rule:?}");
+        }
+    }
+}

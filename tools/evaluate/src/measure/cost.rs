@@ -32,6 +32,11 @@ pub fn time<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
     (result, seconds)
 }
 
+/// CPU seconds of this thread since it began.
+pub fn thread_seconds() -> f64 {
+    ThreadTime::now().as_duration().as_secs_f64()
+}
+
 /// What one call costs on one thread, from short batches in turn with the other contenders' ([`costs`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CallCost {
@@ -120,26 +125,37 @@ pub const ROUNDS: u64 = 24;
 
 /// What a call of each contender costs, by the CPU time of this thread.
 ///
-/// All contenders are timed once in each of [`ROUNDS`] rounds, in an order that begins with another contender each time, so
-/// that a slow minute of the machine meets all of them alike. One round before these fills the caches and is not counted. A
-/// batch should take some tenths of a millisecond: longer than the clock's step, shorter than a turn of the scheduler.
+/// All contenders are timed once in each of [`ROUNDS`] rounds ([`time_round`]). One round before these fills the caches and is
+/// not counted.
 pub fn costs(contenders: &[&dyn TimedBatch]) -> Vec<CallCost> {
     let mut rounds = vec![Vec::new(); contenders.len()];
     for contender in contenders {
         contender.run(0);
     }
     for round in 0..ROUNDS {
-        for turn in 0..contenders.len() {
-            let who = (turn + round as usize) % contenders.len();
-            let before = ThreadTime::now();
-            let calls = contenders[who].run(round + 1);
-            let nanoseconds = before.elapsed().as_secs_f64() * 1e9;
-            if calls > 0 {
-                rounds[who].push(nanoseconds / calls as f64);
-            }
+        for (found, ns) in rounds.iter_mut().zip(time_round(contenders, round)) {
+            found.extend(ns);
         }
     }
     rounds.into_iter().map(CallCost::from_rounds).collect()
+}
+
+/// Nanoseconds a call of each contender in one round, by the CPU time of this thread; `None` for a contender without calls.
+///
+/// The order begins with another contender in each round, so that a slow minute of the machine meets all of them alike. A batch
+/// should take some tenths of a millisecond: longer than the clock's step, shorter than a turn of the scheduler.
+pub fn time_round(contenders: &[&dyn TimedBatch], round: u64) -> Vec<Option<f64>> {
+    let mut found = vec![None; contenders.len()];
+    for turn in 0..contenders.len() {
+        let who = (turn + round as usize) % contenders.len();
+        let before = ThreadTime::now();
+        let calls = contenders[who].run(round + 1);
+        let nanoseconds = before.elapsed().as_secs_f64() * 1e9;
+        if calls > 0 {
+            found[who] = Some(nanoseconds / calls as f64);
+        }
+    }
+    found
 }
 
 /// Time of single calls on one thread.

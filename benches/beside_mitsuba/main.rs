@@ -1,9 +1,12 @@
-//! A sphere of nickel under the studio, here and in Mitsuba 3: seconds to equal error.
+//! Spheres under the studio, here and in Mitsuba 3: seconds to equal error. A sphere of nickel, one of a rough metal, one of a
+//! diffuse material, and three spheres on a ground.
 //!
-//! Mitsuba renders it with `measured` and the file that `merlkit export` writes, and with a BSDF in Python that looks the table
+//! Mitsuba renders them with `measured` and the file that `merlkit export` writes, and with a BSDF in Python that looks the table
 //! up and draws by the cosine. Wants a `python3` that has mitsuba and numpy; says so and does nothing without. Vectorised
-//! variants need LLVM (`DRJIT_LIBLLVM_PATH`; 14 aborts on `measured`, 19 works) and are left out where it is missing.
-//! `cargo bench --bench beside_mitsuba`.
+//! variants need LLVM (`DRJIT_LIBLLVM_PATH`; 14 and 15 abort, 19 works) and are left out where it is missing.
+//! `cargo bench --bench beside_mitsuba -- [SCENE…]`, where a scene is a part of a name: `nickel`, `rough`, `diffuse`, `three`.
+
+mod subject;
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -11,29 +14,15 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{DVec2, DVec3};
-use merlkit::brdf::Brdf;
 use merlkit::color::{Rgb, luminance};
 use merlkit::direction_sampler::DirectionSampler;
-use merlkit::files::Overwrite;
-use merlkit::image::{Image, write_exr};
-use merlkit::light::{EnvironmentSource, LightSpec, SkySampling, studio};
-use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
-use merlkit::material::rgl::{BsdfSize, tabulate};
 use merlkit::points::PointSet;
-use merlkit::render::{
-    Budget, Camera, PlanRequest, RenderSettings, Scene, SceneSpec, Sphere, Surface, render,
-};
+use merlkit::render::{Budget, PlanRequest, RenderSettings, Scene, Surface, render};
 use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
 use serde_json::{Value, json};
 
-const MATERIAL: &str = "nickel";
-/// Of the table, and of what the `.bsdf` file is made of.
-const LOOKUP: LookupRule = LookupRule::Linear;
-/// Pixels a side.
-const SIDE: usize = 512;
-const SKY: [usize; 2] = [512, 256];
+use subject::{Files, SIDE, SKY, SUBJECTS, Subject};
+
 const SAMPLES: [u64; 3] = [4, 16, 64];
 /// On average, where they are shared out by noise, which takes 16.
 const SHARED_SAMPLES: [u64; 3] = [16, 32, 64];
@@ -41,7 +30,6 @@ const SHARED_SAMPLES: [u64; 3] = [16, 32, 64];
 const SEEDS: u64 = 4;
 /// relMSE that is to be reached.
 const TARGETS: [f64; 2] = [1e-3, 1e-4];
-const BSDF_SIZE: &str = "6MB";
 
 /// One of the renderers, set up in one way.
 struct Contender {
@@ -98,133 +86,26 @@ const CONTENDERS: [Contender; 5] = [
 
 type Picture = Vec<Rgb>;
 
-/// Files of the scene, and what Mitsuba needs to know of it.
-struct Files {
-    folder: tempfile::TempDir,
-    sky: PathBuf,
-    scene: PathBuf,
-}
-
-impl Files {
-    fn new() -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
-        let at = |name: &str| folder.path().join(name);
-        let (sky, bsdf, table, scene) =
-            (at("sky.exr"), at("m.bsdf"), at("table"), at("scene.json"));
-        write_exr(&sky, &sky_map(), Overwrite::Refuse).expect("a sky");
-        let brdf = brdf();
-        let size = BsdfSize::ALL
-            .into_iter()
-            .find(|s| s.name == BSDF_SIZE)
-            .expect("a size");
-        let file = tabulate(|wo, wi| brdf.eval(wo, wi), size, MATERIAL.into());
-        file.write(&bsdf, Overwrite::Refuse).expect("a .bsdf file");
-        std::fs::write(&table, cells(&brdf)).expect("a table");
-        let (
-            Camera {
-                eye,
-                target,
-                vertical_angle,
-            },
-            ball,
-        ) = (spec(&sky).camera, ball(&sky));
-        let described = json!({
-            "side": SIDE, "sky": sky, "bsdf": bsdf, "table": table,
-            "camera": {"eye": eye.to_array(), "target": target.to_array(), "degrees": vertical_angle.to_degrees()},
-            "ball": {"centre": ball.centre.to_array(), "radius": ball.radius},
-        });
-        std::fs::write(&scene, described.to_string()).expect("a scene");
-        Self { folder, sky, scene }
-    }
-}
-
-fn brdf() -> MerlBrdf {
-    MerlBrdf::new(
-        Arc::new(decode_embedded(MATERIAL).expect("an embedded material")),
-        LOOKUP,
-    )
-}
-
-/// f32 by θh, θd, φd and channel.
-fn cells(brdf: &MerlBrdf) -> Vec<u8> {
-    let table = brdf.table();
-    let mut bytes = Vec::new();
-    for (h, d, p) in (0..90 * 90 * 180).map(|i| (i / (90 * 180), i / 180 % 90, i % 180)) {
-        let cell = table.cells()[table.index(h, d, p)].truncate();
-        cell.to_array()
-            .iter()
-            .for_each(|v| bytes.extend(v.to_le_bytes()));
-    }
-    bytes
-}
-
-/// The studio by pixels: the middle of the map is −z, its right half +x.
-fn sky_map() -> Image {
-    let sky = studio(SkySampling::Uniform);
-    let [width, height] = SKY;
-    let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
-    Image::from_fn(width, height, |x, y| {
-        let (theta, phi) = (
-            share(y, height) * std::f64::consts::PI,
-            (share(x, width) - 0.5) * std::f64::consts::TAU,
-        );
-        sky.radiance(DVec3::new(
-            theta.sin() * phi.sin(),
-            theta.cos(),
-            -theta.sin() * phi.cos(),
-        ))
-    })
-    .expect("a map")
-}
-
-fn spec(sky: &Path) -> SceneSpec {
-    let light = LightSpec::Environment(EnvironmentSource::File {
-        path: sky.to_owned(),
-        clamp: None,
-    });
-    SceneSpec {
-        lights: vec![light],
-        depth: 1,
-        ..SceneSpec::row(&[MATERIAL.to_owned()], 1.0)
-    }
-}
-
-fn ball(sky: &Path) -> Sphere {
-    spec(sky).spheres[0].shape
-}
-
-/// Pixels whose every corner shows the sphere.
-fn mask(sky: &Path) -> Vec<bool> {
-    let (camera, ball) = (spec(sky).camera, ball(sky));
-    let shows = |x: usize, y: usize| {
-        let p = DVec2::new(x as f64, y as f64) / SIDE as f64;
-        ball.enter(&camera.ray(p, 1.0)).is_some()
-    };
-    let whole = |(x, y)| shows(x, y) && shows(x + 1, y) && shows(x, y + 1) && shows(x + 1, y + 1);
-    (0..SIDE * SIDE)
-        .map(|i| whole((i % SIDE, i / SIDE)))
-        .collect()
-}
-
 /// This library, with what it has loaded.
 struct Ours {
     scene: Scene,
 }
 
 impl Ours {
-    /// From the embedded network to a scene, the sampler included.
-    fn load(sky: &Path) -> Self {
-        let spec = spec(sky);
-        let surface = |_, _| {
-            let brdf = Arc::new(brdf());
+    /// From the embedded networks to a scene, the samplers included.
+    fn load(subject: &Subject, sky: &Path) -> Self {
+        let spec = subject.spec(sky);
+        let scene = Scene::build(&spec, PlanRequest::AsNeeded, |material, _| {
+            let brdf = Arc::new(subject.brdf(material));
             let sampler = HalfVectorTable::build(&*brdf, HalfVectorSettings::default())?;
             Ok(Surface {
                 brdf,
                 sampler: Some(Arc::new(sampler) as Arc<dyn DirectionSampler>),
             })
-        };
-        let scene = Scene::build(&spec, PlanRequest::AsNeeded, surface).expect("a scene");
-        Self { scene }
+        });
+        Self {
+            scene: scene.expect("a scene"),
+        }
     }
 
     /// The picture and seconds.
@@ -385,7 +266,7 @@ fn seconds_to(target: f64, points: &[(f64, f64)]) -> (f64, bool) {
     )
 }
 
-/// Brightness of all of the sphere against ours, and the median over its pixels of the relative difference.
+/// Brightness of all objects against ours, and the median over its pixels of the relative difference.
 fn beside(mean: &[f64], ours: &[f64], mask: &[bool]) -> (f64, f64) {
     let seen = || (0..mask.len()).filter(|&i| mask[i]);
     let sum = |picture: &[f64]| seen().map(|i| picture[i]).sum::<f64>();
@@ -398,9 +279,13 @@ fn beside(mean: &[f64], ours: &[f64], mask: &[bool]) -> (f64, f64) {
 }
 
 /// All contenders in turn, seed after seed, so that a machine that changes speed does so for all. Those that fail are left out.
-fn measure(files: &Files, mitsuba: &mut Mitsuba) -> Vec<(&'static Contender, Record)> {
+fn measure(
+    subject: &Subject,
+    files: &Files,
+    mitsuba: &mut Mitsuba,
+) -> Vec<(&'static Contender, Record)> {
     let start = Instant::now();
-    let library = Ours::load(&files.sky);
+    let library = Ours::load(subject, &files.sky);
     let loaded = start.elapsed().as_secs_f64();
     // Mitsuba tells with its first picture.
     let load = |c: &Contender| if c.is_ours() { loaded } else { 0.0 };
@@ -453,13 +338,15 @@ fn measure(files: &Files, mitsuba: &mut Mitsuba) -> Vec<(&'static Contender, Rec
         .collect()
 }
 
-fn report(records: &[(&'static Contender, Record)], mask: &[bool]) {
+fn report(subject: &Subject, records: &[(&'static Contender, Record)], mask: &[bool]) {
     println!(
-        "{MATERIAL}, {SIDE} × {SIDE} pixels, studio of {} × {}, direct light by MIS, {} seeds",
-        SKY[0], SKY[1], SEEDS
+        "\n{}: {SIDE} × {SIDE} pixels, studio of {} × {}, direct light by MIS, {SEEDS} seeds",
+        subject.description(),
+        SKY[0],
+        SKY[1]
     );
     println!(
-        "relMSE over pixels of the sphere, from the spread of seeds; seconds of rendering alone, the median"
+        "relMSE over pixels of the objects, from the spread of seeds; seconds of rendering alone, the median"
     );
     let ours: Vec<&Record> = records
         .iter()
@@ -492,11 +379,19 @@ fn report(records: &[(&'static Contender, Record)], mask: &[bool]) {
 }
 
 fn main() {
-    let files = Files::new();
-    let Some(mut mitsuba) = Mitsuba::start(&files) else {
-        println!("nothing to compare with: no python3 with mitsuba and numpy");
-        return;
-    };
-    let records = measure(&files, &mut mitsuba);
-    report(&records, &mask(&files.sky));
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&String> = words.iter().filter(|word| *word != "--bench").collect();
+    for subject in &SUBJECTS {
+        let is_asked = words.is_empty() || words.iter().any(|w| subject.name.contains(w.as_str()));
+        if !is_asked {
+            continue;
+        }
+        let files = Files::new(subject);
+        let Some(mut mitsuba) = Mitsuba::start(&files) else {
+            println!("nothing to compare with: no python3 with mitsuba and numpy");
+            return;
+        };
+        let records = measure(subject, &files, &mut mitsuba);
+        report(subject, &records, &subject.mask(&files.sky));
+    }
 }
