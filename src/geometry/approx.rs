@@ -101,7 +101,7 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
 /// `f64::MIN_POSITIVE` it only stays in bounds; infinite ones give NaN.
 ///
 /// See [`acos`] for an example.
-#[inline]
+#[inline(always)]
 pub fn fine_atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 8] = [
         1.0,
@@ -134,7 +134,7 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
 /// Sine and cosine of `turns` full turns, in [−1, 1], to 10⁻¹²; their squares sum to 1 within 10⁻¹².
 ///
 /// See [`acos`] for an example.
-#[inline]
+#[inline(always)]
 pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
     // To this, numbers are added as integers: rounding without a call, and vector code on the oldest x86-64.
     const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
@@ -160,7 +160,7 @@ pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
 }
 
 /// Estrin's scheme: shorter chains of operations than Horner's.
-#[inline]
+#[inline(always)]
 fn polynomial(c: &[f64; 8], x: f64) -> f64 {
     let x2 = x * x;
     let low = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2;

@@ -1,9 +1,13 @@
 //! An environment as a light: one direction, or many in stages.
 
+use fearless_simd::{Level, dispatch};
 use glam::{DVec2, DVec3};
 
-use super::equirectangular::{direction_of, square_of};
+use super::equirectangular::{MapPoint, direction_of, latitude_of, square_of};
+use super::sky_table::{ChosenPlace, SkyTable};
 use super::{Environment, MapNotes};
+use crate::distribution::{CellPlace, LeafSearch};
+use crate::lanes::Columns;
 use crate::light::{Emission, Light, LightSample, assert_equal_lengths};
 
 /// Directions that go through the stages of a batch together: arithmetic is vector code, and reads of the map overlap.
@@ -15,42 +19,27 @@ impl Light for Environment {
     }
 
     fn sample(&self, _from: DVec3, u: DVec2) -> Option<LightSample> {
-        let (longitude, cos) = self.choose(u);
-        let wi = direction_of(longitude, cos);
-        light_sample(wi, self.emission_at(square_of(wi)))
+        let chosen = match self.table() {
+            Some(table) => {
+                let (row, column) = table.find(u);
+                self.place(row, column)
+            }
+            None => self.place_uniformly(u),
+        };
+        let (wi, point) = locate(self.extent(), chosen.column, chosen.cos);
+        light_sample(wi, self.emission_of_cell(point, chosen.cell))
     }
 
     fn emitted_along(&self, _from: DVec3, direction: DVec3, reach: f64) -> Option<Emission> {
         if reach < f64::INFINITY {
             return None;
         }
-        Some(self.emission_at(square_of(direction)))
+        Some(self.emission_at(self.point(square_of(direction))))
     }
 
     fn sample_batch(&self, from: &[DVec3], u: &[DVec2], out: &mut [Option<LightSample>]) {
         assert_equal_lengths(out.len(), &[from.len(), u.len()]);
-        let mut places = [(0.0, 0.0); LANES];
-        let mut squares = [DVec2::ZERO; LANES];
-        let mut directions = [DVec3::Y; LANES];
-        for (u, out) in u.chunks(LANES).zip(out.chunks_mut(LANES)) {
-            // Choose a longitude and the cosine of a polar angle: searches in tables, whose reads overlap.
-            for (place, &u) in places.iter_mut().zip(u) {
-                *place = self.choose(u);
-            }
-            // Turn them into directions, and these into points of the map: arithmetic only, which becomes vector code.
-            let chosen_places = places[..u.len()]
-                .iter()
-                .zip(&mut directions)
-                .zip(&mut squares);
-            for ((&(longitude, cos), direction), square) in chosen_places {
-                *direction = direction_of(longitude, cos);
-                *square = square_of(*direction);
-            }
-            // Read radiance and density at the points.
-            for ((out, &wi), &p) in out.iter_mut().zip(&directions).zip(&squares) {
-                *out = light_sample(wi, self.emission_at(p));
-            }
-        }
+        dispatch!(Level::new(), _ => self.sample_blocks(u, out));
     }
 
     fn emitted_batch(
@@ -61,25 +50,135 @@ impl Light for Environment {
         out: &mut [Option<Emission>],
     ) {
         assert_equal_lengths(out.len(), &[from.len(), directions.len(), reach.len()]);
-        let chunks = directions.chunks(LANES).zip(reach.chunks(LANES));
-        let mut squares = [DVec2::ZERO; LANES];
-        for ((directions, reach), out) in chunks.zip(out.chunks_mut(LANES)) {
-            // Find the points of the map: arithmetic only. Then read radiance and density at them.
-            for (square, &direction) in squares.iter_mut().zip(directions) {
-                *square = square_of(direction);
+        dispatch!(Level::new(), _ => self.emitted_blocks(directions, reach, out));
+    }
+}
+
+impl Environment {
+    #[inline(always)]
+    fn sample_blocks(&self, u: &[DVec2], out: &mut [Option<LightSample>]) {
+        let mut chosen = [ChosenPlace::default(); LANES];
+        for (u, out) in u.chunks(LANES).zip(out.chunks_mut(LANES)) {
+            match self.table() {
+                Some(table) => self.choose_block(table, u, &mut chosen),
+                None => {
+                    for (chosen, &u) in chosen.iter_mut().zip(u) {
+                        *chosen = self.place_uniformly(u);
+                    }
+                }
             }
-            for ((out, &p), &reach) in out.iter_mut().zip(&squares).zip(reach) {
-                *out = if reach < f64::INFINITY {
+            self.look_up_block(&chosen, out);
+        }
+    }
+
+    /// A place for each of up to [`LANES`] points of the unit square.
+    #[inline(always)]
+    fn choose_block(&self, table: &SkyTable, u: &[DVec2], chosen: &mut [ChosenPlace; LANES]) {
+        let count = u.len().min(LANES);
+        // Step 1: rows, and columns to 16 of them. The tables for this are small.
+        let mut searches = [(CellPlace::default(), LeafSearch::default()); LANES];
+        for lane in 0..count {
+            searches[lane] = table.find_row(u[lane]);
+        }
+        // Step 2: columns, from the large table. Reads of many lanes overlap.
+        for lane in 0..count {
+            let (row, search) = searches[lane];
+            chosen[lane] = self.place(row, table.find_column(row, search));
+        }
+    }
+
+    /// The directions of places and the light that arrives from them.
+    #[inline(always)]
+    fn look_up_block(&self, chosen: &[ChosenPlace; LANES], out: &mut [Option<LightSample>]) {
+        let count = out.len().min(LANES);
+        // Step 3: directions and points of the map, arithmetic that becomes vector code.
+        let extent = self.extent();
+        let mut numbers = Columns::<f64, 2, LANES>::splat([0.0; 2]);
+        for lane in 0..count {
+            numbers.set(lane, [chosen[lane].column, chosen[lane].cos]);
+        }
+        let mut directions = Columns::<f64, 3, LANES>::splat([0.0; 3]);
+        let mut points = PointColumns::new();
+        for lane in 0..count {
+            let [column, cos] = numbers.get(lane);
+            let (wi, point) = locate(extent, column, cos);
+            directions.set(lane, wi.to_array());
+            points.set(lane, point);
+        }
+        // Step 4: radiance and density, whose reads overlap.
+        for lane in 0..count {
+            let emission = self.emission_of_cell(points.get(lane), chosen[lane].cell);
+            out[lane] = light_sample(directions.get(lane).into(), emission);
+        }
+    }
+
+    #[inline(always)]
+    fn emitted_blocks(&self, directions: &[DVec3], reach: &[f64], out: &mut [Option<Emission>]) {
+        let chunks = directions.chunks(LANES).zip(reach.chunks(LANES));
+        let mut columns = Columns::<f64, 3, LANES>::splat([0.0; 3]);
+        let mut points = PointColumns::new();
+        for ((directions, reach), out) in chunks.zip(out.chunks_mut(LANES)) {
+            let count = out.len().min(LANES);
+            // Step 1: points of the map, arithmetic that becomes vector code.
+            for lane in 0..count {
+                columns.set(lane, directions[lane].to_array());
+            }
+            for lane in 0..count {
+                points.set(lane, self.point(square_of(columns.get(lane).into())));
+            }
+            // Step 2: radiance and density, whose reads overlap.
+            for lane in 0..count {
+                out[lane] = if reach[lane] < f64::INFINITY {
                     None
                 } else {
-                    Some(self.emission_at(p))
+                    Some(self.emission_at(points.get(lane)))
                 };
             }
         }
     }
 }
 
+/// Points of the map, in columns.
+struct PointColumns {
+    pixels: Columns<u32, 2, LANES>,
+    fractions: Columns<f32, 2, LANES>,
+}
+
+impl PointColumns {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            pixels: Columns::splat([0; 2]),
+            fractions: Columns::splat([0.0; 2]),
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, point: MapPoint) {
+        self.pixels.set(lane, [point.column, point.row]);
+        self.fractions.set(lane, [point.s, point.t]);
+    }
+
+    #[inline(always)]
+    fn get(&self, lane: usize) -> MapPoint {
+        let [column, row] = self.pixels.get(lane);
+        let [s, t] = self.fractions.get(lane);
+        MapPoint { column, row, s, t }
+    }
+}
+
+/// The direction of a longitude in columns and the cosine of a polar angle, and its point of the map.
+///
+/// The map's point is computed from the same numbers instead of from the direction: an arctangent less.
+#[inline(always)]
+fn locate(extent: DVec2, column: f64, cos: f64) -> (DVec3, MapPoint) {
+    let wi = direction_of(column / extent.x, cos);
+    let p = DVec2::new(column, latitude_of(cos) * extent.y);
+    (wi, MapPoint::new(p, extent))
+}
+
 /// The light of a chosen direction; `None` where the density that chose it is 0.
+#[inline(always)]
 fn light_sample(wi: DVec3, emission: Emission) -> Option<LightSample> {
     let Emission { radiance, pdf } = emission;
     (pdf > 0.0).then_some(LightSample {
