@@ -52,16 +52,21 @@ impl MapPoint {
     /// The point `p` of a map, in pixels from its upper left corner; `extent` is the map's.
     #[inline(always)]
     pub(super) fn new(p: DVec2, extent: DVec2) -> Self {
-        // Centres are half a pixel from the edges, and there is a pixel to the left of the map.
-        let x = p.x + 0.5;
+        // Centres are half a pixel from the edges, and there is a pixel to the left of the map. What is not a number becomes 0.
+        let x = p.x.max(0.0).min(extent.x) + 0.5;
         // Radiance is constant beyond the first and the last row of centres.
         let y = (p.y - 0.5).max(0.0).min(extent.y - 1.0);
-        let (column, row) = (x as i32, y as i32);
-        Self {
-            column: column as u32,
-            row: row as u32,
-            s: (x - f64::from(column)) as f32,
-            t: (y - f64::from(row)) as f32,
-        }
+        let (column, s) = split(x);
+        let (row, t) = split(y);
+        Self { column, row, s, t }
     }
+}
+
+/// A whole number below v ≥ 0, and what v has beyond it, [0, 1]; either neighbour of a v that is whole itself.
+#[inline(always)]
+fn split(v: f64) -> (u32, f32) {
+    // To this, numbers are added as integers, whose low bits can be taken. Conversions would stay out of vector code.
+    const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
+    let rounded = (v - 0.5) + ROUND;
+    (rounded.to_bits() as u32, (v - (rounded - ROUND)) as f32)
 }

@@ -199,37 +199,35 @@ impl Environment {
     /// What arrives from a point: radiance between the centres of pixels, and the density of the pixel that holds it.
     #[inline(always)]
     pub(super) fn emission_at(&self, p: MapPoint) -> Emission {
-        let (radiance, pixels) = self.interpolate(p);
-        // The pixel that holds a point is the nearest.
-        let pair = if p.t >= 0.5 { pixels[1] } else { pixels[0] };
-        let nearest = if p.s >= 0.5 { pair[1] } else { pair[0] };
-        Emission {
-            radiance,
-            pdf: f64::from(nearest.w),
-        }
+        // The pixel that holds a point is the nearest. Which it is comes at random, so it is counted without branches.
+        let column = p.column as usize + usize::from(p.s >= 0.5);
+        let row = p.row as usize + usize::from(p.t >= 0.5);
+        self.emission_of_cell(p, row * self.stride() + column)
     }
 
-    /// What arrives from a point that was chosen in the pixel `cell`, an index of [`Self::cell_index`].
+    /// What arrives from a point that was chosen in the pixel `cell`, an index of `pixels`.
     #[inline(always)]
     pub(super) fn emission_of_cell(&self, p: MapPoint, cell: usize) -> Emission {
         Emission {
-            radiance: self.interpolate(p).0,
+            radiance: self.interpolate(p),
             pdf: f64::from(self.pixels[cell].w),
         }
     }
 
-    /// Radiance, and the four pixels that it lies between, `[row][column]`.
     #[inline(always)]
-    fn interpolate(&self, p: MapPoint) -> (Rgb, [[Vec4; 2]; 2]) {
-        let stride = self.width + 2;
-        let i = p.row as usize * stride + p.column as usize;
-        let upper = [self.pixels[i], self.pixels[i + 1]];
-        let lower = [self.pixels[i + stride], self.pixels[i + stride + 1]];
+    fn interpolate(&self, p: MapPoint) -> Rgb {
+        let i = p.row as usize * self.stride() + p.column as usize;
+        let below = i + self.stride();
         // Linear along the two rows, then between them.
-        let radiance = upper[0]
-            .lerp(upper[1], p.s)
-            .lerp(lower[0].lerp(lower[1], p.s), p.t);
-        (radiance.truncate(), [upper, lower])
+        let upper = self.pixels[i].lerp(self.pixels[i + 1], p.s);
+        let lower = self.pixels[below].lerp(self.pixels[below + 1], p.s);
+        upper.lerp(lower, p.t).truncate()
+    }
+
+    /// Pixels of a row, with those around the map.
+    #[inline(always)]
+    fn stride(&self) -> usize {
+        self.width + 2
     }
 
     /// The direction that is chosen in a cell of the map.
@@ -241,7 +239,7 @@ impl Environment {
         ChosenPlace {
             column: f64::from(column.cell) + column.fraction,
             cos: top + row.fraction * (bottom - top),
-            cell: y * (self.width + 2) + x + 1,
+            cell: y * self.stride() + x + 1,
         }
     }
 
