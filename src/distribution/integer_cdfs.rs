@@ -130,6 +130,12 @@ impl IntegerCdfs {
         LeafSearch { target, line }
     }
 
+    /// Reads a word of the line that [`Self::find_cell`] will read; it has no meaning.
+    #[inline(always)]
+    pub(crate) fn touch(&self, distribution: usize, search: LeafSearch) -> u32 {
+        self.leaves.lines[distribution * self.leaves.stride + search.line as usize].0[0]
+    }
+
     /// The last step of [`Self::find`].
     #[inline(always)]
     pub(crate) fn find_cell(&self, distribution: usize, search: LeafSearch) -> CellPlace {

@@ -35,13 +35,13 @@ fn sine(cos: f64) -> f64 {
     ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt()
 }
 
-/// A point of a map between the centres of four pixels.
+/// A point of a map between the centres of four pixels, whose rows are padded by a pixel at either end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MapPoint {
-    /// Column of the left two, where 0 is the one before the map.
-    pub(super) column: u32,
-    /// Row of the upper two.
-    pub(super) row: u32,
+    /// Index of the upper left pixel.
+    pub(super) corner: u32,
+    /// Index of the nearest pixel, which is the one that holds the point.
+    pub(super) nearest: u32,
     /// How far it is from the left ones to the right ones, [0, 1].
     pub(super) s: f32,
     /// How far it is from the upper ones to the lower ones, [0, 1].
@@ -58,15 +58,25 @@ impl MapPoint {
         let y = (p.y - 0.5).max(0.0).min(extent.y - 1.0);
         let (column, s) = split(x);
         let (row, t) = split(y);
-        Self { column, row, s, t }
+        let stride = extent.x + 2.0;
+        let corner = row * stride + column;
+        let right = if s >= 0.5 { 1.0 } else { 0.0 };
+        let down = if t >= 0.5 { stride } else { 0.0 };
+        Self {
+            corner: (corner + ROUND).to_bits() as u32,
+            nearest: (corner + (right + down) + ROUND).to_bits() as u32,
+            s: s as f32,
+            t: t as f32,
+        }
     }
 }
 
+/// To this, numbers are added as integers, whose low bits can be taken. Conversions would stay out of vector code.
+const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
+
 /// A whole number below v ≥ 0, and what v has beyond it, [0, 1]; either neighbour of a v that is whole itself.
 #[inline(always)]
-fn split(v: f64) -> (u32, f32) {
-    // To this, numbers are added as integers, whose low bits can be taken. Conversions would stay out of vector code.
-    const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
-    let rounded = (v - 0.5) + ROUND;
-    (rounded.to_bits() as u32, (v - (rounded - ROUND)) as f32)
+fn split(v: f64) -> (f64, f64) {
+    let whole = ((v - 0.5) + ROUND) - ROUND;
+    (whole, v - whole)
 }

@@ -23,6 +23,9 @@ pub enum SkySampling {
     Uniform,
 }
 
+/// With the pixels around them, at most four times as many, they have indices of 32 bits.
+const MOST_PIXELS: usize = 1_000_000_000;
+
 /// Radiance from infinitely far away, by direction: a map `[row][column]` of latitude and longitude.
 ///
 /// Rows run from the zenith (+y) to the nadir, columns clockwise as seen from above. The middle of the map is −z and its
@@ -53,8 +56,8 @@ impl Environment {
     /// A black map has nothing to be in proportion to and is sampled uniformly.
     ///
     /// # Errors
-    /// [`Error::Argument`] if a side is 0, the number of pixels is not `width · height`, or a channel is negative or not
-    /// finite.
+    /// [`Error::Argument`] if a side is 0, the number of pixels is not `width · height` or is above 10⁹, or a channel is
+    /// negative or not finite.
     pub fn new(
         width: usize,
         height: usize,
@@ -67,6 +70,10 @@ impl Environment {
                 pixels.len()
             );
             return Err(Error::argument(what, "give one value per pixel"));
+        }
+        if pixels.len() > MOST_PIXELS {
+            let what = format!("an environment of {width} × {height} pixels");
+            return Err(Error::argument(what, "give at most 10⁹ pixels"));
         }
         if let Some(i) = pixels
             .iter()
@@ -199,35 +206,31 @@ impl Environment {
     /// What arrives from a point: radiance between the centres of pixels, and the density of the pixel that holds it.
     #[inline(always)]
     pub(super) fn emission_at(&self, p: MapPoint) -> Emission {
-        // The pixel that holds a point is the nearest. Which it is comes at random, so it is counted without branches.
-        let column = p.column as usize + usize::from(p.s >= 0.5);
-        let row = p.row as usize + usize::from(p.t >= 0.5);
-        self.emission_of_cell(p, row * self.stride() + column)
+        self.emission_of_cell(p, p.nearest)
     }
 
     /// What arrives from a point that was chosen in the pixel `cell`, an index of `pixels`.
     #[inline(always)]
-    pub(super) fn emission_of_cell(&self, p: MapPoint, cell: usize) -> Emission {
+    pub(super) fn emission_of_cell(&self, p: MapPoint, cell: u32) -> Emission {
+        let upper = &self.pixels[p.corner as usize..][..2];
+        let lower = &self.pixels[p.corner as usize + self.width + 2..][..2];
+        // Linear along the two rows, then between them.
+        let radiance = upper[0]
+            .lerp(upper[1], p.s)
+            .lerp(lower[0].lerp(lower[1], p.s), p.t);
         Emission {
-            radiance: self.interpolate(p),
-            pdf: f64::from(self.pixels[cell].w),
+            radiance: radiance.truncate(),
+            pdf: f64::from(self.pixels[cell as usize].w),
         }
     }
 
+    /// Reads a word of each row that a point lies between, and combines them to something of no meaning.
+    ///
+    /// A loop of nothing but this makes processors wait for the pixels of many points together.
     #[inline(always)]
-    fn interpolate(&self, p: MapPoint) -> Rgb {
-        let i = p.row as usize * self.stride() + p.column as usize;
-        let below = i + self.stride();
-        // Linear along the two rows, then between them.
-        let upper = self.pixels[i].lerp(self.pixels[i + 1], p.s);
-        let lower = self.pixels[below].lerp(self.pixels[below + 1], p.s);
-        upper.lerp(lower, p.t).truncate()
-    }
-
-    /// Pixels of a row, with those around the map.
-    #[inline(always)]
-    fn stride(&self) -> usize {
-        self.width + 2
+    pub(super) fn touch(&self, p: MapPoint) -> u32 {
+        let i = p.corner as usize;
+        self.pixels[i].w.to_bits() ^ self.pixels[i + self.width + 2].w.to_bits()
     }
 
     /// The direction that is chosen in a cell of the map.
@@ -239,7 +242,7 @@ impl Environment {
         ChosenPlace {
             column: f64::from(column.cell) + column.fraction,
             cos: top + row.fraction * (bottom - top),
-            cell: y * self.stride() + x + 1,
+            cell: (y * (self.width + 2) + x + 1) as u32,
         }
     }
 

@@ -1,5 +1,7 @@
 //! An environment as a light: one direction, or many in stages.
 
+use std::hint::black_box;
+
 use fearless_simd::{Level, dispatch};
 use glam::{DVec2, DVec3};
 
@@ -80,6 +82,12 @@ impl Environment {
         for lane in 0..count {
             searches[lane] = table.find_row(u[lane]);
         }
+        let mut touched = 0;
+        for lane in 0..count {
+            let (row, search) = searches[lane];
+            touched ^= table.touch(row, search);
+        }
+        black_box(touched);
         // Step 2: columns, from the large table. Reads of many lanes overlap.
         for lane in 0..count {
             let (row, search) = searches[lane];
@@ -105,6 +113,7 @@ impl Environment {
             directions.set(lane, wi.to_array());
             points.set(lane, point);
         }
+        points.touch(self, count);
         // Step 4: radiance and density, whose reads overlap.
         for lane in 0..count {
             let emission = self.emission_of_cell(points.get(lane), chosen[lane].cell);
@@ -126,6 +135,7 @@ impl Environment {
             for lane in 0..count {
                 points.set(lane, self.point(square_of(columns.get(lane).into())));
             }
+            points.touch(self, count);
             // Step 2: radiance and density, whose reads overlap.
             for lane in 0..count {
                 out[lane] = if reach[lane] < f64::INFINITY {
@@ -155,15 +165,29 @@ impl PointColumns {
 
     #[inline(always)]
     fn set(&mut self, lane: usize, point: MapPoint) {
-        self.pixels.set(lane, [point.column, point.row]);
+        self.pixels.set(lane, [point.corner, point.nearest]);
         self.fractions.set(lane, [point.s, point.t]);
     }
 
     #[inline(always)]
+    fn touch(&self, sky: &Environment, count: usize) {
+        let mut touched = 0;
+        for lane in 0..count {
+            touched ^= sky.touch(self.get(lane));
+        }
+        black_box(touched);
+    }
+
+    #[inline(always)]
     fn get(&self, lane: usize) -> MapPoint {
-        let [column, row] = self.pixels.get(lane);
+        let [corner, nearest] = self.pixels.get(lane);
         let [s, t] = self.fractions.get(lane);
-        MapPoint { column, row, s, t }
+        MapPoint {
+            corner,
+            nearest,
+            s,
+            t,
+        }
     }
 }
 

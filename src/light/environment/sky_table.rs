@@ -20,7 +20,7 @@ pub(super) struct ChosenPlace {
     /// Cosine of the polar angle.
     pub(super) cos: f64,
     /// Index of the pixel, among those of the map and around it.
-    pub(super) cell: usize,
+    pub(super) cell: u32,
 }
 
 impl SkyTable {
@@ -64,6 +64,12 @@ impl SkyTable {
     pub(super) fn find_row(&self, u: DVec2) -> (CellPlace, LeafSearch) {
         let row = self.rows.find(0, u.y);
         (row, self.columns.find_leaf(row.cell as usize, u.x))
+    }
+
+    /// Reads a word that [`Self::find_column`] will read from the large table; it has no meaning.
+    #[inline(always)]
+    pub(super) fn touch(&self, row: CellPlace, search: LeafSearch) -> u32 {
+        self.columns.touch(row.cell as usize, search)
     }
 
     /// The column, in the end.
