@@ -224,13 +224,15 @@ impl Environment {
         }
     }
 
-    /// Reads a word of each row that a point lies between, and combines them to something of no meaning.
+    /// Reads a word of each pixel that a point lies between, and combines them to something of no meaning.
     ///
     /// A loop of nothing but this makes processors wait for the pixels of many points together.
     #[inline(always)]
     pub(super) fn touch(&self, p: MapPoint) -> u32 {
-        let i = p.corner as usize;
-        self.pixels[i].w.to_bits() ^ self.pixels[i + self.width + 2].w.to_bits()
+        let upper = &self.pixels[p.corner as usize..][..2];
+        let lower = &self.pixels[p.corner as usize + self.width + 2..][..2];
+        let words = [upper[0].w, upper[1].w, lower[0].w, lower[1].w];
+        words[0].to_bits() ^ words[1].to_bits() ^ words[2].to_bits() ^ words[3].to_bits()
     }
 
     /// The direction that is chosen in a cell of the map.
@@ -249,7 +251,7 @@ impl Environment {
     /// The direction that `u` in [0, 1)² chooses uniformly over the sphere; coordinates outside are clamped.
     #[inline(always)]
     pub(super) fn place_uniformly(&self, u: DVec2) -> ChosenPlace {
-        let u = DVec2::new(u.x.max(0.0).min(1.0), u.y.max(0.0).min(1.0));
+        let u = u.max(DVec2::ZERO).min(DVec2::ONE);
         // Solid angle is even in the longitude and in cosθ. All densities are the same.
         ChosenPlace {
             column: u.x * self.extent.x,

@@ -59,65 +59,56 @@ impl Light for Environment {
 impl Environment {
     #[inline(always)]
     fn sample_blocks(&self, u: &[DVec2], out: &mut [Option<LightSample>]) {
-        let mut chosen = [ChosenPlace::default(); LANES];
+        let mut places = PlaceColumns::new();
+        let mut directions = Columns::<f64, 3, LANES>::splat([0.0; 3]);
+        let mut points = PointColumns::new();
         for (u, out) in u.chunks(LANES).zip(out.chunks_mut(LANES)) {
+            let count = out.len().min(LANES);
+            // Steps 1 and 2: where in the map.
             match self.table() {
-                Some(table) => self.choose_block(table, u, &mut chosen),
+                Some(table) => self.choose_block(table, u, &mut places),
                 None => {
-                    for (chosen, &u) in chosen.iter_mut().zip(u) {
-                        *chosen = self.place_uniformly(u);
+                    for lane in 0..count {
+                        places.set(lane, self.place_uniformly(u[lane]));
                     }
                 }
             }
-            self.look_up_block(&chosen, out);
+            // Step 3: directions and points of the map, arithmetic that becomes vector code.
+            let extent = self.extent();
+            for lane in 0..count {
+                let [column, cos] = places.numbers.get(lane);
+                let (wi, point) = locate(extent, column, cos);
+                directions.set(lane, wi.to_array());
+                points.set(lane, point);
+            }
+            // Step 4: radiance and density.
+            points.touch(self, count);
+            for lane in 0..count {
+                let emission = self.emission_of_cell(points.get(lane), places.cells[lane]);
+                out[lane] = light_sample(directions.get(lane).into(), emission);
+            }
         }
     }
 
     /// A place for each of up to [`LANES`] points of the unit square.
     #[inline(always)]
-    fn choose_block(&self, table: &SkyTable, u: &[DVec2], chosen: &mut [ChosenPlace; LANES]) {
+    fn choose_block(&self, table: &SkyTable, u: &[DVec2], places: &mut PlaceColumns) {
         let count = u.len().min(LANES);
         // Step 1: rows, and columns to 16 of them. The tables for this are small.
         let mut searches = [(CellPlace::default(), LeafSearch::default()); LANES];
         for lane in 0..count {
             searches[lane] = table.find_row(u[lane]);
         }
+        // Step 2: columns, from the large table, whose lines are asked for together.
         let mut touched = 0;
         for lane in 0..count {
             let (row, search) = searches[lane];
             touched ^= table.touch(row, search);
         }
         black_box(touched);
-        // Step 2: columns, from the large table. Reads of many lanes overlap.
         for lane in 0..count {
             let (row, search) = searches[lane];
-            chosen[lane] = self.place(row, table.find_column(row, search));
-        }
-    }
-
-    /// The directions of places and the light that arrives from them.
-    #[inline(always)]
-    fn look_up_block(&self, chosen: &[ChosenPlace; LANES], out: &mut [Option<LightSample>]) {
-        let count = out.len().min(LANES);
-        // Step 3: directions and points of the map, arithmetic that becomes vector code.
-        let extent = self.extent();
-        let mut numbers = Columns::<f64, 2, LANES>::splat([0.0; 2]);
-        for lane in 0..count {
-            numbers.set(lane, [chosen[lane].column, chosen[lane].cos]);
-        }
-        let mut directions = Columns::<f64, 3, LANES>::splat([0.0; 3]);
-        let mut points = PointColumns::new();
-        for lane in 0..count {
-            let [column, cos] = numbers.get(lane);
-            let (wi, point) = locate(extent, column, cos);
-            directions.set(lane, wi.to_array());
-            points.set(lane, point);
-        }
-        points.touch(self, count);
-        // Step 4: radiance and density, whose reads overlap.
-        for lane in 0..count {
-            let emission = self.emission_of_cell(points.get(lane), chosen[lane].cell);
-            out[lane] = light_sample(directions.get(lane).into(), emission);
+            places.set(lane, self.place(row, table.find_column(row, search)));
         }
     }
 
@@ -135,8 +126,8 @@ impl Environment {
             for lane in 0..count {
                 points.set(lane, self.point(square_of(columns.get(lane).into())));
             }
+            // Step 2: radiance and density.
             points.touch(self, count);
-            // Step 2: radiance and density, whose reads overlap.
             for lane in 0..count {
                 out[lane] = if reach[lane] < f64::INFINITY {
                     None
@@ -145,6 +136,30 @@ impl Environment {
                 };
             }
         }
+    }
+}
+
+/// Chosen places, in columns.
+struct PlaceColumns {
+    /// Longitude in columns of the map, and the cosine of the polar angle.
+    numbers: Columns<f64, 2, LANES>,
+    /// Indices of pixels.
+    cells: [u32; LANES],
+}
+
+impl PlaceColumns {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            numbers: Columns::splat([0.0; 2]),
+            cells: [0; LANES],
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, place: ChosenPlace) {
+        self.numbers.set(lane, [place.column, place.cos]);
+        self.cells[lane] = place.cell;
     }
 }
 
@@ -169,6 +184,7 @@ impl PointColumns {
         self.fractions.set(lane, [point.s, point.t]);
     }
 
+    /// Asks for the pixels of all points at once: the look-ups after it wait for memory together.
     #[inline(always)]
     fn touch(&self, sky: &Environment, count: usize) {
         let mut touched = 0;
