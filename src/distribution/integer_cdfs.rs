@@ -290,7 +290,11 @@ mod tests {
                     assert_eq!(u64::from(below), sum, "{kind}: {cell} of {cells}");
                     sum = u64::from(end);
                     if kind < 6 {
-                        assert_eq!(end > below, weights[cell] > 0.0, "{kind}: {cell} of {cells}");
+                        assert_eq!(
+                            end > below,
+                            weights[cell] > 0.0,
+                            "{kind}: {cell} of {cells}"
+                        );
                     }
                     if end > below {
                         assert_found(&cdfs, kind, cell as u32);
@@ -361,7 +365,9 @@ mod tests {
                 }
                 let (first, last) = (cdfs.find(0, 0.0), cdfs.find(0, 1.0));
                 assert!(first.cell <= last.cell && first.fraction == 0.0);
-                assert!(last.fraction > 0.999_999 || cdfs.probability(0, last.cell as usize) < 1e-6);
+                assert!(
+                    last.fraction > 0.999_999 || cdfs.probability(0, last.cell as usize) < 1e-6
+                );
             }
         }
     }

@@ -261,7 +261,7 @@ impl Environment {
     }
 
     /// Solid angle of a cell of a row.
-    fn solid_angle(&self, row: usize) -> f64 {
+    pub(super) fn solid_angle(&self, row: usize) -> f64 {
         // Ω = Δφ·(cosθ_top − cosθ_bottom)
         TAU / self.width as f64 * (self.cos_edges[row] - self.cos_edges[row + 1])
     }
@@ -486,7 +486,12 @@ mod tests {
             let line =
                 |y: usize| pixel(column(x.floor()), y).lerp(pixel(column(x.floor() + 1.0), y), s);
             let expected = line(y as usize).lerp(line((y as usize + 1).min(height - 1)), t);
-            assert!(sky.emission_at(sky.point(p)).radiance.abs_diff_eq(expected, 1e-5), "{p}");
+            assert!(
+                sky.emission_at(sky.point(p))
+                    .radiance
+                    .abs_diff_eq(expected, 1e-5),
+                "{p}"
+            );
         }
     }
 

@@ -68,8 +68,8 @@ impl Environment {
             match self.table() {
                 Some(table) => self.choose_block(table, u, &mut places),
                 None => {
-                    for lane in 0..count {
-                        places.set(lane, self.place_uniformly(u[lane]));
+                    for (lane, &u) in u[..count].iter().enumerate() {
+                        places.set(lane, self.place_uniformly(u));
                     }
                 }
             }
@@ -83,9 +83,9 @@ impl Environment {
             }
             // Step 4: radiance and density.
             points.touch(self, count);
-            for lane in 0..count {
+            for (lane, out) in out[..count].iter_mut().enumerate() {
                 let emission = self.emission_of_cell(points.get(lane), places.cells[lane]);
-                out[lane] = light_sample(directions.get(lane).into(), emission);
+                *out = light_sample(directions.get(lane).into(), emission);
             }
         }
     }
@@ -101,13 +101,11 @@ impl Environment {
         }
         // Step 2: columns, from the large table, whose lines are asked for together.
         let mut touched = 0;
-        for lane in 0..count {
-            let (row, search) = searches[lane];
+        for &(row, search) in &searches[..count] {
             touched ^= table.touch(row, search);
         }
         black_box(touched);
-        for lane in 0..count {
-            let (row, search) = searches[lane];
+        for (lane, &(row, search)) in searches[..count].iter().enumerate() {
             places.set(lane, self.place(row, table.find_column(row, search)));
         }
     }
@@ -120,8 +118,8 @@ impl Environment {
         for ((directions, reach), out) in chunks.zip(out.chunks_mut(LANES)) {
             let count = out.len().min(LANES);
             // Step 1: points of the map, arithmetic that becomes vector code.
-            for lane in 0..count {
-                columns.set(lane, directions[lane].to_array());
+            for (lane, direction) in directions[..count].iter().enumerate() {
+                columns.set(lane, direction.to_array());
             }
             for lane in 0..count {
                 points.set(lane, self.point(square_of(columns.get(lane).into())));
@@ -227,4 +225,129 @@ fn light_sample(wi: DVec3, emission: Emission) -> Option<LightSample> {
         radiance,
         pdf,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::color::Rgb;
+    use crate::light::{SkySampling, studio};
+    use crate::points::PointSet;
+
+    /// Maps of extreme sizes and contrasts.
+    fn extremes() -> Vec<Environment> {
+        let grey = Rgb::splat(0.5);
+        let mut maps = Vec::new();
+        for (width, height) in [(1, 1), (1, 9), (9, 1), (13, 7), (100, 3), (1100, 2)] {
+            let mut sun = vec![Rgb::splat(1e-4); width * height];
+            sun[width * height / 2] = Rgb::splat(1e4);
+            let mut spot = vec![Rgb::ZERO; width * height];
+            spot[width * height / 3] = grey;
+            // Every other pair of rows is black, so that rows without any light remain.
+            let stripes = (0..width * height).map(|i| grey * ((i / width / 4 % 2) as f32));
+            let stripes = stripes.collect::<Vec<_>>();
+            for pixels in [vec![grey; width * height], sun, spot, stripes] {
+                maps.push(
+                    Environment::new(width, height, pixels, SkySampling::Importance).unwrap(),
+                );
+            }
+        }
+        maps
+    }
+
+    #[test]
+    fn draws_have_the_density_of_their_direction() {
+        for sky in extremes() {
+            let mut apart = 0;
+            for i in 0..2000 {
+                let u = PointSet::Random.point(8, i, 0).as_dvec2();
+                let drawn = sky.sample(DVec3::ZERO, u).unwrap();
+                let p = square_of(drawn.wi) * sky.extent();
+                let back = sky
+                    .emitted_along(DVec3::ZERO, drawn.wi, f64::INFINITY)
+                    .unwrap();
+                assert!(
+                    back.radiance
+                        .abs_diff_eq(drawn.radiance, 1e-5 * drawn.radiance.max_element().max(1.0))
+                );
+                // Within rounding of an edge between cells, the direction may be the neighbour's.
+                let from_edge = (p - p.round()).abs().min_element();
+                if from_edge > 1e-6 {
+                    assert_eq!(
+                        back.pdf.to_bits(),
+                        drawn.pdf.to_bits(),
+                        "{u} {p} {:?}",
+                        sky.size()
+                    );
+                } else {
+                    apart += 1;
+                }
+            }
+            assert!(apart < 20, "{apart} draws at edges, {:?}", sky.size());
+        }
+    }
+
+    #[test]
+    fn a_cell_is_drawn_as_often_as_its_density_says() {
+        for sky in extremes() {
+            let Some(table) = sky.table() else { continue };
+            let mut sum = 0.0;
+            let [width, height] = sky.size();
+            for y in 0..height {
+                for x in 0..width {
+                    let mass = table.probability(x, y);
+                    let middle = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / sky.extent();
+                    let pdf = sky.pdf(direction_of(middle.x, (middle.y * PI).cos()));
+                    let off = pdf * sky.solid_angle(y) - mass;
+                    assert!(off.abs() <= 1e-7 * mass, "{x} {y} of {:?}", sky.size());
+                    sum += mass;
+                }
+            }
+            assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+        }
+    }
+
+    #[test]
+    fn points_beyond_the_square_choose_directions_too() {
+        let uniform = Environment::new(3, 2, vec![Rgb::ONE; 6], SkySampling::Uniform).unwrap();
+        let ends = [
+            -1.0,
+            -0.0,
+            0.0,
+            1.0f64.next_down(),
+            1.0,
+            2.0,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        for sky in extremes().into_iter().chain([uniform]) {
+            for i in 0..ends.len() * ends.len() {
+                let u = DVec2::new(ends[i % ends.len()], ends[i / ends.len()]);
+                let drawn = sky.sample(DVec3::ZERO, u).unwrap();
+                assert!(drawn.wi.is_normalized() && drawn.pdf > 0.0 && drawn.radiance.is_finite());
+                let mut batch = [None];
+                sky.sample_batch(&[DVec3::ZERO], &[u], &mut batch);
+                assert_eq!(batch[0], Some(drawn));
+            }
+            for w in [
+                DVec3::NAN,
+                DVec3::INFINITY,
+                DVec3::ZERO,
+                DVec3::splat(1e200),
+            ] {
+                // No direction, but no reason to panic either.
+                sky.emitted_along(DVec3::ZERO, w, f64::INFINITY);
+            }
+        }
+    }
+
+    #[test]
+    fn tables_take_four_bytes_a_pixel_for_sums_and_four_for_densities() {
+        let sky = studio(SkySampling::Importance);
+        let bytes = sky.table_bytes() as f64 / (512.0 * 256.0);
+        assert!((8.2..8.3).contains(&bytes), "{bytes}");
+        assert_eq!(studio(SkySampling::Uniform).table_bytes(), 0);
+    }
 }
