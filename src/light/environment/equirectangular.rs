@@ -56,27 +56,29 @@ impl MapPoint {
         let x = p.x.max(0.0).min(extent.x) + 0.5;
         // Radiance is constant beyond the first and the last row of centres.
         let y = (p.y - 0.5).max(0.0).min(extent.y - 1.0);
-        let (column, s) = split(x);
-        let (row, t) = split(y);
+        // Coordinates of a padded map are whole at the centres of pixels, and half way between them at the edges.
+        let (column, row) = (round(x - 0.5), round(y - 0.5));
         let stride = extent.x + 2.0;
-        let corner = row * stride + column;
-        let right = if s >= 0.5 { 1.0 } else { 0.0 };
-        let down = if t >= 0.5 { stride } else { 0.0 };
         Self {
-            corner: (corner + ROUND).to_bits() as u32,
-            nearest: (corner + (right + down) + ROUND).to_bits() as u32,
-            s: s as f32,
-            t: t as f32,
+            corner: index(row * stride + column),
+            nearest: index(round(y) * stride + round(x)),
+            s: (x - column) as f32,
+            t: (y - row) as f32,
         }
     }
 }
 
-/// To this, numbers are added as integers, whose low bits can be taken. Conversions would stay out of vector code.
+/// To this, numbers are added as integers: rounding without a call, and conversion by the low bits, in vector code.
 const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// A whole number below v ≥ 0, and what v has beyond it, [0, 1]; either neighbour of a v that is whole itself.
+/// The nearest whole number; either of two.
 #[inline(always)]
-fn split(v: f64) -> (f64, f64) {
-    let whole = ((v - 0.5) + ROUND) - ROUND;
-    (whole, v - whole)
+fn round(v: f64) -> f64 {
+    (v + ROUND) - ROUND
+}
+
+/// A whole number below 2³².
+#[inline(always)]
+fn index(v: f64) -> u32 {
+    (v + ROUND).to_bits() as u32
 }
