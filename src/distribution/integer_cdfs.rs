@@ -293,16 +293,12 @@ mod tests {
             for kind in 0..7 {
                 let weights = weights(kind, cells);
                 let mut sum = 0u64;
-                for cell in 0..cells {
+                for (cell, weight) in weights.iter().enumerate() {
                     let (below, end) = cdfs.bounds(kind, cell as u32);
                     assert_eq!(u64::from(below), sum, "{kind}: {cell} of {cells}");
                     sum = u64::from(end);
                     if kind < 6 {
-                        assert_eq!(
-                            end > below,
-                            weights[cell] > 0.0,
-                            "{kind}: {cell} of {cells}"
-                        );
+                        assert_eq!(end > below, *weight > 0.0, "{kind}: {cell} of {cells}");
                     }
                     if end > below {
                         assert_found(&cdfs, kind, cell as u32);

@@ -237,7 +237,7 @@ impl Environment {
 
     /// The direction that is chosen in a cell of the map.
     #[inline(always)]
-    pub(super) fn place(&self, row: CellPlace, column: CellPlace) -> ChosenPlace {
+    pub(super) fn place_in_cell(&self, row: CellPlace, column: CellPlace) -> ChosenPlace {
         let (x, y) = (column.cell as usize, row.cell as usize);
         // Uniform in solid angle within a row, so that the density is constant in a cell and finite at the poles.
         let (top, bottom) = (self.cos_edges[y], self.cos_edges[y + 1]);

@@ -24,7 +24,7 @@ impl Light for Environment {
         let chosen = match self.table() {
             Some(table) => {
                 let (row, column) = table.find(u);
-                self.place(row, column)
+                self.place_in_cell(row, column)
             }
             None => self.place_uniformly(u),
         };
@@ -106,7 +106,10 @@ impl Environment {
         }
         black_box(touched);
         for (lane, &(row, search)) in searches[..count].iter().enumerate() {
-            places.set(lane, self.place(row, table.find_column(row, search)));
+            places.set(
+                lane,
+                self.place_in_cell(row, table.find_column(row, search)),
+            );
         }
     }
 
