@@ -4,10 +4,12 @@
 
 mod combine;
 mod curves;
+mod integer_cdfs;
 mod piecewise;
 mod polyline;
 
 pub use combine::{Heuristic, Kept, Reservoir};
 pub use curves::{Curves, Segment, WHOLE, cumulated};
+pub(crate) use integer_cdfs::{CellPlace, IntegerCdfs, LeafSearch};
 pub use piecewise::Piecewise2d;
 pub use polyline::simplify;

@@ -37,17 +37,6 @@ pub struct Piecewise2d {
     column_guide: Guide,
 }
 
-/// A cell of a [`Piecewise2d`], and a point in it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
-    /// Column of the cell.
-    pub(crate) column: usize,
-    /// Row of the cell.
-    pub(crate) row: usize,
-    /// Where in the cell, in units of its sides, [0, 1].
-    pub(crate) share: DVec2,
-}
-
 impl Piecewise2d {
     /// A density proportional to `weights`, row after row, `[height][width]`.
     ///
@@ -96,25 +85,15 @@ impl Piecewise2d {
         sums + self.row_guide.bytes() + self.column_guide.bytes()
     }
 
-    /// The cell, of positive mass, that `u` in [0, 1)² falls into, and where in it; coordinates outside are clamped.
-    pub(crate) fn locate(&self, u: DVec2) -> Placed {
+    /// Maps `u` in [0, 1)² to a point in [0, 1)² that lies where the density is positive; coordinates outside are clamped.
+    pub fn sample(&self, u: DVec2) -> DVec2 {
         // F(y) is inverted at u.y, then F(x | y) of that row at u.x.
         let (row, y) = find_interval(&self.rows, self.row_guide.row_guide(0), u.y);
         let (column, x) = find_interval(self.row(row), self.column_guide.row_guide(row), u.x);
         debug_assert!((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y));
-        Placed {
-            column,
-            row,
-            share: DVec2::new(x, y),
-        }
-    }
-
-    /// Maps `u` in [0, 1)² to a point in [0, 1)² that lies where the density is positive; coordinates outside are clamped.
-    pub fn sample(&self, u: DVec2) -> DVec2 {
-        let Placed { column, row, share } = self.locate(u);
         DVec2::new(
-            position(column, share.x, self.width),
-            position(row, share.y, self.height),
+            position(column, x, self.width),
+            position(row, y, self.height),
         )
     }
 
@@ -132,18 +111,8 @@ impl Piecewise2d {
             return 0.0;
         }
         // p(x, y) = p(y) p(x | y)
-        self.row_mass(y) * self.mass_within_row(x, y)
-    }
-
-    /// Probability of row `y`, which must be in the grid.
-    pub(crate) fn row_mass(&self, y: usize) -> f64 {
-        self.rows[y + 1] - self.rows[y]
-    }
-
-    /// Probability of column `x` once row `y` is chosen; both must be in the grid.
-    pub(crate) fn mass_within_row(&self, x: usize, y: usize) -> f64 {
-        let first = y * (self.width + 1) + x;
-        self.columns[first + 1] - self.columns[first]
+        let row = self.row(y);
+        (self.rows[y + 1] - self.rows[y]) * (row[x + 1] - row[x])
     }
 
     /// The `u` that [`Self::sample`] maps to `p`; `None` where the density is zero.

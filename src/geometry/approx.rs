@@ -118,16 +118,16 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
     let (ax, ay) = (x.abs(), y.abs());
     // Step 1: low ≤ high of |x| and |y|, and on which side of the diagonals and axes the point is.
     let (low, high) = if ay > ax { (ax, ay) } else { (ay, ax) };
-    let steep = one_if_negative(ax - ay);
-    let back = one_if_negative(x);
-    let far = one_if_negative(TAN_PI_8 * high - low);
+    let steep = ones_if_negative(ax - ay);
+    let back = ones_if_negative(x);
+    let far = ones_if_negative(TAN_PI_8 * high - low);
     // Step 2: for tan α = low/high, t = tan(α − π/4) = (low − high)/(high + low) where α > π/8, else tan α.
     // |t| ≤ tan(π/8) keeps the polynomial short. The summand MIN_POSITIVE makes t = 0 of (0, 0).
-    let t = (low - far * high) / (high + far * low + f64::MIN_POSITIVE);
-    let angle = t * polynomial(&C, t * t) + far * FRAC_PI_4;
-    // Step 3: back through the diagonal, the vertical axis and the horizontal axis.
-    let angle = steep * FRAC_PI_2 + (1.0 - 2.0 * steep) * angle;
-    let angle = back * PI + (1.0 - 2.0 * back) * angle;
+    let t = (low - masked(high, far)) / (high + masked(low, far) + f64::MIN_POSITIVE);
+    let angle = t * polynomial(&C, t * t) + masked(FRAC_PI_4, far);
+    // Step 3: back through the diagonal, α to π/2 − α, the vertical axis, α to π − α, and the horizontal axis.
+    let angle = masked(FRAC_PI_2, steep) + negated(angle, steep);
+    let angle = masked(PI, back) + negated(angle, back);
     angle.copysign(y)
 }
 
@@ -174,11 +174,23 @@ fn sign_of_quarter(quarter: u32) -> u64 {
     u64::from(quarter & 2) << 62
 }
 
-/// 1 for numbers whose sign bit is set, else 0, without a branch.
+/// All bits for numbers whose sign bit is set, else none, without a branch.
 #[inline(always)]
-fn one_if_negative(v: f64) -> f64 {
-    // The arithmetic shift copies the sign bit to all bits, a mask under which 1.0 remains 1.0 or becomes 0.0.
-    f64::from_bits(((v.to_bits() as i64 >> 63) as u64) & 1f64.to_bits())
+fn ones_if_negative(v: f64) -> u64 {
+    // The arithmetic shift copies the sign bit to all bits.
+    (v.to_bits() as i64 >> 63) as u64
+}
+
+/// `v` where `mask` has all bits, 0 where it has none.
+#[inline(always)]
+fn masked(v: f64, mask: u64) -> f64 {
+    f64::from_bits(v.to_bits() & mask)
+}
+
+/// −`v` where `mask` has all bits, `v` where it has none.
+#[inline(always)]
+fn negated(v: f64, mask: u64) -> f64 {
+    f64::from_bits(v.to_bits() ^ (mask & (1 << 63)))
 }
 
 #[cfg(test)]

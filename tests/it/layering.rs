@@ -49,7 +49,14 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     (
         "light",
-        &["geometry", "color", "distribution", "error", "image"],
+        &[
+            "geometry",
+            "color",
+            "distribution",
+            "lanes",
+            "error",
+            "image",
+        ],
     ),
     ("image", &["color", "error", "files"]),
     (

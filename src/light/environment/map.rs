@@ -4,10 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3, Vec4};
 
-use super::equirectangular::{direction_of, square_of};
+use super::equirectangular::{MapPoint, direction_of, square_of};
 use super::notes::MapNotes;
+use super::sky_table::{ChosenPlace, SkyTable};
 use crate::color::{Rgb, luminance};
-use crate::distribution::Piecewise2d;
+use crate::distribution::CellPlace;
 use crate::light::Emission;
 use crate::{Error, Result};
 
@@ -16,11 +17,14 @@ use crate::{Error, Result};
 /// The example of [`LightSpec`](crate::light::LightSpec) describes a light and loads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SkySampling {
-    /// In proportion to luminance × solid angle, from tables of 10 bytes per pixel.
+    /// In proportion to luminance × solid angle, from tables of some 8.3 bytes per pixel.
     Importance,
     /// Uniform over the sphere, without tables.
     Uniform,
 }
+
+/// With the pixels around them, at most four times as many, they have indices of 32 bits.
+const MOST_PIXELS: usize = 1_000_000_000;
 
 /// Radiance from infinitely far away, by direction: a map `[row][column]` of latitude and longitude.
 ///
@@ -34,22 +38,16 @@ pub struct Environment {
     height: usize,
     /// Width and height.
     extent: DVec2,
-    /// With what a look-up may read beyond the map: the last column before the first, the first after the last, and the last
-    /// row once more. `[height + 1][width + 2]`; of four channels, which are read as one.
+    /// Radiance, and the density with which directions within the pixel are chosen, in sr⁻¹. Around them is what a look-up
+    /// may read beyond the map: the last column before the first, the first after the last, and the last row once more.
+    /// `[height + 1][width + 2]`.
     pixels: Vec<Vec4>,
     /// Cosines of the polar angles of the rows' upper edges, `height + 1` values from 1 to −1.
     cos_edges: Vec<f64>,
     /// `None`: uniform over the sphere.
-    table: Option<Table>,
+    table: Option<SkyTable>,
     /// `None` for maps that were not read from a file.
     notes: Option<Box<MapNotes>>,
-}
-
-/// Directions in proportion to luminance.
-struct Table {
-    cells: Piecewise2d,
-    /// Probability of each row over the solid angle of one of its cells.
-    densities: Vec<f64>,
 }
 
 impl Environment {
@@ -58,8 +56,8 @@ impl Environment {
     /// A black map has nothing to be in proportion to and is sampled uniformly.
     ///
     /// # Errors
-    /// [`Error::Argument`] if a side is 0, the number of pixels is not `width · height`, or a channel is negative or not
-    /// finite.
+    /// [`Error::Argument`] if a side is 0, the number of pixels is not `width · height` or is above 10⁹, or a channel is
+    /// negative or not finite.
     pub fn new(
         width: usize,
         height: usize,
@@ -72,6 +70,10 @@ impl Environment {
                 pixels.len()
             );
             return Err(Error::argument(what, "give one value per pixel"));
+        }
+        if pixels.len() > MOST_PIXELS {
+            let what = format!("an environment of {width} × {height} pixels");
+            return Err(Error::argument(what, "give at most 10⁹ pixels"));
         }
         if let Some(i) = pixels
             .iter()
@@ -99,28 +101,33 @@ impl Environment {
             width,
             height,
             extent,
-            pixels: padded(width, pixels),
+            pixels: Vec::new(),
             cos_edges,
             table: None,
             notes: None,
         };
-        if sampling == SkySampling::Importance && pixels.iter().any(|c| luminance(*c) > 0.0) {
-            // Weights of finite pixels ≥ 0 are finite and ≥ 0. Should all of them vanish by underflow, no density is in
-            // proportion to them, and directions stay uniform.
-            let cells = Piecewise2d::new(width, height, &sky.weights(pixels)).ok();
-            sky.table = cells.map(|cells| sky.tabulate(cells));
+        debug_assert!(sky.cos_edges.is_sorted_by(|a, b| a >= b));
+        if sampling == SkySampling::Importance {
+            sky.table = SkyTable::new(width, &sky.weights(pixels));
         }
+        sky.pixels = padded(width, &sky.with_densities(pixels));
         sky
     }
 
-    /// The table that chooses directions in proportion to the masses of cells.
-    fn tabulate(&self, cells: Piecewise2d) -> Table {
-        debug_assert!(self.cos_edges.is_sorted_by(|a, b| a >= b));
-        // pdf = P(row)·P(column | row)/Ω, where Ω is the same for all cells of a row.
-        let densities = (0..self.height)
-            .map(|y| cells.row_mass(y) / self.solid_angle(y))
-            .collect();
-        Table { cells, densities }
+    /// Radiance and density of each pixel.
+    fn with_densities(&self, pixels: &[Rgb]) -> Vec<Vec4> {
+        let mut all = Vec::with_capacity(pixels.len());
+        for (y, row) in pixels.chunks_exact(self.width).enumerate() {
+            for (x, radiance) in row.iter().enumerate() {
+                // pdf = P(row)·P(column | row)/Ω, where Ω is the same for all cells of a row.
+                let pdf = match &self.table {
+                    Some(table) => table.probability(x, y) / self.solid_angle(y),
+                    None => 1.0 / (4.0 * PI),
+                };
+                all.push(radiance.extend(pdf as f32));
+            }
+        }
+        all
     }
 
     /// A built-in environment: radiance towards the unit vector of each pixel's centre, known to be finite and ≥ 0.
@@ -165,79 +172,96 @@ impl Environment {
 
     /// Bytes of memory that the sampling tables hold.
     pub fn table_bytes(&self) -> usize {
-        self.table
-            .as_ref()
-            .map_or(0, |t| t.cells.bytes() + size_of_val(t.densities.as_slice()))
+        // Densities are the pixels' fourth channel.
+        let densities = self.width * self.height * size_of::<f32>();
+        self.table.as_ref().map_or(0, |t| t.bytes() + densities)
     }
 
     /// Radiance that arrives from the unit vector `direction`.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
-        self.radiance_at(square_of(direction))
+        self.emission_at(self.point(square_of(direction))).radiance
     }
 
     /// Density per solid angle of choosing `direction`, in sr⁻¹.
     pub fn pdf(&self, direction: DVec3) -> f64 {
-        self.pdf_at(square_of(direction))
+        self.emission_at(self.point(square_of(direction))).pdf
     }
 
-    #[inline]
-    pub(super) fn emission_at(&self, p: DVec2) -> Emission {
-        Emission {
-            radiance: self.radiance_at(p),
-            pdf: self.pdf_at(p),
-        }
+    pub(super) fn table(&self) -> Option<&SkyTable> {
+        self.table.as_ref()
     }
 
-    #[inline]
-    fn radiance_at(&self, p: DVec2) -> Rgb {
-        // Padding moves the pixels to the right by one.
-        let x = p.x * self.extent.x + 0.5;
-        let y = (p.y * self.extent.y - 0.5)
-            .max(0.0)
-            .min(self.extent.y - 1.0);
-        let (column, row) = (x as u32, y as u32);
-        let s = (x - f64::from(column)) as f32;
-        let t = (y - f64::from(row)) as f32;
-        let stride = self.width + 2;
-        let i = row as usize * stride + column as usize;
+    /// Columns and rows as numbers to reckon with.
+    #[inline(always)]
+    pub(super) fn extent(&self) -> DVec2 {
+        self.extent
+    }
+
+    /// Where a point of the unit square lies between the centres of pixels.
+    #[inline(always)]
+    pub(super) fn point(&self, p: DVec2) -> MapPoint {
+        MapPoint::new(p * self.extent, self.extent)
+    }
+
+    /// What arrives from a point: radiance between the centres of pixels, and the density of the pixel that holds it.
+    #[inline(always)]
+    pub(super) fn emission_at(&self, p: MapPoint) -> Emission {
+        self.emission_of_cell(p, p.nearest)
+    }
+
+    /// What arrives from a point that was chosen in the pixel `cell`, an index of `pixels`.
+    #[inline(always)]
+    pub(super) fn emission_of_cell(&self, p: MapPoint, cell: u32) -> Emission {
+        let upper = &self.pixels[p.corner as usize..][..2];
+        let lower = &self.pixels[p.corner as usize + self.width + 2..][..2];
         // Linear along the two rows, then between them.
-        let upper = self.pixels[i].lerp(self.pixels[i + 1], s);
-        let lower = self.pixels[i + stride].lerp(self.pixels[i + stride + 1], s);
-        upper.lerp(lower, t).truncate()
-    }
-
-    #[inline]
-    fn pdf_at(&self, p: DVec2) -> f64 {
-        let at = p * self.extent;
-        match &self.table {
-            None => 1.0 / (4.0 * PI),
-            Some(table) => {
-                let (column, row) = (at.x as u32 as usize, at.y as u32 as usize);
-                let row = row.min(self.height - 1);
-                table.densities[row] * table.cells.mass_within_row(column.min(self.width - 1), row)
-            }
+        let radiance = upper[0]
+            .lerp(upper[1], p.s)
+            .lerp(lower[0].lerp(lower[1], p.s), p.t);
+        Emission {
+            radiance: radiance.truncate(),
+            pdf: f64::from(self.pixels[cell as usize].w),
         }
     }
 
-    /// Longitude in turns and cosine of the polar angle of the direction that `u` chooses.
-    #[inline]
-    pub(super) fn choose(&self, u: DVec2) -> (f64, f64) {
-        match &self.table {
-            // Solid angle is even in the longitude and in cosθ.
-            None => (u.x, 1.0 - 2.0 * u.y),
-            Some(table) => {
-                let at = table.cells.locate(u);
-                // Uniform in solid angle within a row, so that the density is constant in a cell and finite at the poles.
-                let top = self.cos_edges[at.row];
-                let bottom = self.cos_edges[at.row + 1];
-                let longitude = (at.column as f64 + at.share.x) / self.extent.x;
-                (longitude, top + at.share.y * (bottom - top))
-            }
+    /// Reads a word of each pixel that a point lies between, and combines them to something of no meaning.
+    ///
+    /// A loop of nothing but this makes processors wait for the pixels of many points together.
+    #[inline(always)]
+    pub(super) fn touch(&self, p: MapPoint) -> u32 {
+        let upper = &self.pixels[p.corner as usize..][..2];
+        let lower = &self.pixels[p.corner as usize + self.width + 2..][..2];
+        let words = [upper[0].w, upper[1].w, lower[0].w, lower[1].w];
+        words[0].to_bits() ^ words[1].to_bits() ^ words[2].to_bits() ^ words[3].to_bits()
+    }
+
+    /// The direction that is chosen in a cell of the map.
+    #[inline(always)]
+    pub(super) fn place_in_cell(&self, row: CellPlace, column: CellPlace) -> ChosenPlace {
+        let (x, y) = (column.cell as usize, row.cell as usize);
+        // Uniform in solid angle within a row, so that the density is constant in a cell and finite at the poles.
+        let (top, bottom) = (self.cos_edges[y], self.cos_edges[y + 1]);
+        ChosenPlace {
+            column: f64::from(column.cell) + column.fraction,
+            cos: top + row.fraction * (bottom - top),
+            cell: (y * (self.width + 2) + x + 1) as u32,
+        }
+    }
+
+    /// The direction that `u` in [0, 1)² chooses uniformly over the sphere; coordinates outside are clamped.
+    #[inline(always)]
+    pub(super) fn place_uniformly(&self, u: DVec2) -> ChosenPlace {
+        let u = u.max(DVec2::ZERO).min(DVec2::ONE);
+        // Solid angle is even in the longitude and in cosθ. All densities are the same.
+        ChosenPlace {
+            column: u.x * self.extent.x,
+            cos: 1.0 - 2.0 * u.y,
+            cell: 0,
         }
     }
 
     /// Solid angle of a cell of a row.
-    fn solid_angle(&self, row: usize) -> f64 {
+    pub(super) fn solid_angle(&self, row: usize) -> f64 {
         // Ω = Δφ·(cosθ_top − cosθ_bottom)
         TAU / self.width as f64 * (self.cos_edges[row] - self.cos_edges[row + 1])
     }
@@ -281,13 +305,14 @@ fn radiance_of_pixels(width: usize, height: usize, radiance: impl Fn(DVec3) -> R
 }
 
 /// The map with what look-ups may read beyond it.
-fn padded(width: usize, pixels: &[Rgb]) -> Vec<Vec4> {
+fn padded(width: usize, pixels: &[Vec4]) -> Vec<Vec4> {
     let rows = pixels.chunks_exact(width);
     let last = rows.clone().next_back();
     let mut padded = Vec::with_capacity((width + 2) * (rows.len() + 1));
     for row in rows.chain(last) {
-        let around = row[width - 1..].iter().chain(row).chain(&row[..1]);
-        padded.extend(around.map(|c| c.extend(0.0)));
+        padded.push(row[width - 1]);
+        padded.extend_from_slice(row);
+        padded.push(row[0]);
     }
     padded
 }
@@ -419,12 +444,12 @@ mod tests {
                         "{}",
                         wi[k]
                     );
+                    // A draw knows its place in the map, which a look-up computes from the direction, to rounding.
                     let drawn = sampled[k].unwrap();
                     let back = sky.emitted_along(from[k], drawn.wi, f64::INFINITY).unwrap();
-                    assert_eq!(
-                        (back.radiance, back.pdf.to_bits()),
-                        (drawn.radiance, drawn.pdf.to_bits())
-                    );
+                    let rounding = 1e-5 * drawn.radiance.max_element();
+                    assert!(back.radiance.abs_diff_eq(drawn.radiance, rounding));
+                    assert_eq!(back.pdf.to_bits(), drawn.pdf.to_bits());
                 }
             }
         }
@@ -461,7 +486,12 @@ mod tests {
             let line =
                 |y: usize| pixel(column(x.floor()), y).lerp(pixel(column(x.floor() + 1.0), y), s);
             let expected = line(y as usize).lerp(line((y as usize + 1).min(height - 1)), t);
-            assert!(sky.radiance_at(p).abs_diff_eq(expected, 1e-5), "{p}");
+            assert!(
+                sky.emission_at(sky.point(p))
+                    .radiance
+                    .abs_diff_eq(expected, 1e-5),
+                "{p}"
+            );
         }
     }
 

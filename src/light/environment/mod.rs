@@ -7,6 +7,7 @@ mod map_file;
 mod notes;
 mod repair;
 mod sampling;
+mod sky_table;
 mod source;
 mod studio;
 
