@@ -368,7 +368,7 @@ mod tests {
             let mut stream = Stream::new(5);
             let (mut wo, mut u) = (Vec::new(), Vec::new());
             for _ in 0..1000 {
-                let (theta, phi) = (stream.next_f64() * 1.57, stream.next_f64() * 6.28);
+                let (theta, phi) = (stream.next_f64() * 1.57, stream.next_f64() * 6.2);
                 wo.push(spherical(theta, phi).as_vec3());
                 u.push(Vec2::new(stream.next_f32(), stream.next_f32()));
             }

@@ -150,7 +150,7 @@ mod tests {
         let (mut wo, mut wi) = (Vec::new(), Vec::new());
         for _ in 0..2000 {
             for directions in [&mut wo, &mut wi] {
-                let (theta, phi) = (stream.next_f64() * 1.57, stream.next_f64() * 6.28);
+                let (theta, phi) = (stream.next_f64() * 1.57, stream.next_f64() * 6.2);
                 directions.push(spherical(theta, phi).as_vec3());
             }
         }
