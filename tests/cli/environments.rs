@@ -186,7 +186,7 @@ fn infinite_pixels_are_named_with_the_choice_to_clamp() {
         text.contains("NaN in 1 pixel (in column 9, row 2)"),
         "{text}"
     );
-    assert!(fails(render(folder, "inf.exr:clamp=-1")).contains("no radiance to clamp to"));
+    assert!(fails(render(folder, "inf.exr:clamp=-1")).contains("not a radiance to clamp to"));
 }
 
 #[test]
@@ -231,7 +231,7 @@ fn help_says_where_up_is() {
     let text = succeeds(run_in(Path::new("."), &["render", "--help"], ""));
     let words: Vec<&str> = text.split_whitespace().collect();
     assert!(
-        words.join(" ").contains("top +y, middle −z, right +x"),
+        words.join(" ").contains("its top is +y, its centre −z, its right half +x"),
         "{text}"
     );
     assert!(

@@ -227,14 +227,14 @@ mod tests {
             ("exr", "no environment"),
             ("studio:2.5", "no environment"),
             ("studio:clamp", "no environment"),
-            ("sky.exr:clamp=0", "no radiance to clamp to"),
-            ("sky.exr:clamp=inf", "no radiance to clamp to"),
-            ("sky.exr:clamp=", "no radiance to clamp to"),
-            ("uniform:", "no radiance"),
-            ("uniform:1,2", "no radiance"),
-            ("uniform:-1", "no radiance"),
-            ("uniform:nan", "no radiance"),
-            ("uniform:inf", "no radiance"),
+            ("sky.exr:clamp=0", "not a radiance to clamp to"),
+            ("sky.exr:clamp=inf", "not a radiance to clamp to"),
+            ("sky.exr:clamp=", "not a radiance to clamp to"),
+            ("uniform:", "not a radiance"),
+            ("uniform:1,2", "not a radiance"),
+            ("uniform:-1", "not a radiance"),
+            ("uniform:nan", "not a radiance"),
+            ("uniform:inf", "not a radiance"),
         ] {
             let error = EnvironmentSource::from_name(word).unwrap_err().to_string();
             assert!(error.contains(expected), "{word}: {error}");
