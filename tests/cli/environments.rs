@@ -231,7 +231,9 @@ fn help_says_where_up_is() {
     let text = succeeds(run_in(Path::new("."), &["render", "--help"], ""));
     let words: Vec<&str> = text.split_whitespace().collect();
     assert!(
-        words.join(" ").contains("its top is +y, its centre −z, its right half +x"),
+        words
+            .join(" ")
+            .contains("its top is +y, its centre −z, its right half +x"),
         "{text}"
     );
     assert!(
