@@ -8,6 +8,18 @@ use crate::brdf::Brdf;
 use crate::geometry::{Quadrature, Symmetry, spherical};
 
 /// A model with given parameters, as it is listed.
+///
+/// # Examples
+/// ```
+/// use merlkit::material::analytic::ModelFacts;
+///
+/// let ward = ModelFacts::parse("ward:sx=0.2,sy=0.4")?;
+/// assert!(ward.reciprocal && !ward.has_mirror);
+/// for parameter in &ward.parameters {
+///     println!("{parameter:?}");
+/// }
+/// # Ok::<(), merlkit::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelFacts {
     /// Its name in front of the colon.

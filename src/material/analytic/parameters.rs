@@ -11,6 +11,8 @@ use crate::color::Rgb;
 use crate::{Error, Result};
 
 /// A parameter as it is listed.
+///
+/// See [`ModelFacts`](crate::material::analytic::ModelFacts) for an example.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ParameterFacts {
     /// Its key in front of `=`.
