@@ -106,7 +106,7 @@ impl Material {
             return Err(missing_file(path));
         }
         Err(Error::argument(
-            format!("no file and no embedded material is called \"{argument}\""),
+            format!("no file and no built-in material is called \"{argument}\""),
             suggestion(argument),
         ))
     }

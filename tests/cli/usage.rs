@@ -140,7 +140,7 @@ fn misspelt_materials_are_answered_with_the_nearest() {
     for command in ["info", "eval"] {
         let text = fails(run(&[command, "nikel"], ""));
         assert!(
-            text.starts_with("merlkit: no file and no embedded material is called \"nikel\""),
+            text.starts_with("merlkit: no file and no built-in material is called \"nikel\""),
             "{text}"
         );
         assert!(text.contains("did you mean nickel"), "{text}");

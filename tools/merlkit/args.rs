@@ -85,12 +85,12 @@ fn sin_cos_degrees(angle: f64) -> (f64, f64) {
 /// The materials of a command that takes any number of them.
 #[derive(clap::Args)]
 pub struct Materials {
-    /// MERL binaries, .bsdf files or folders of either, names of embedded materials, or formulas such as
+    /// MERL binaries, .bsdf files or folders of either, names of built-in materials, or formulas such as
     /// lambert:reflectance=0.5
     // An option that conflicts with it, as --all does, lifts the requirement.
     #[arg(help_heading = None, required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
-    /// Process every embedded material
+    /// Process every built-in material
     #[arg(long, conflicts_with = "materials")]
     all: bool,
     #[command(flatten)]

@@ -12,7 +12,7 @@
 //     layout(std430, binding = 0) readonly buffer NAME_block { float NAME_values[]; };
 //     #define NAME_VALUE(i) NAME_values[i]
 //
-// A table of more than some 8 KB belongs into a buffer, too: drivers take minutes to compile large constants. Upload the array
+// A table of more than some 8 KB should go in a buffer, too: drivers take minutes to compile large constants. Upload the array
 // NAME_words of this header as C or C++ has it, and say where its words are; the text then leaves the array out:
 //
 //     layout(std430, binding = 1) readonly buffer NAME_tables { uint NAME_table[]; };

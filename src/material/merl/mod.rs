@@ -73,7 +73,7 @@ impl MaterialFormat for EmbeddedNetworks {
         match decode_embedded(&name) {
             Some(table) => Ok(with_rule(table, reading.rule)),
             None => Err(Error::argument(
-                format!("no embedded material is called \"{name}\""),
+                format!("no built-in material is called \"{name}\""),
                 "choose one of `merlkit list`",
             )),
         }

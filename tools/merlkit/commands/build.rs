@@ -24,7 +24,7 @@ use crate::{args, output};
 /// lookup rule, and the material's name and SHA-256. `merlkit sample` and the library load it without rebuilding.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  merlkit build nickel --sampler half-vector:64KB -o nickel.table"
+    after_help = "Example:\n  merlkit build nickel --sampler half-vector:64KB -o nickel.safetensors"
 )]
 pub struct Args {
     #[command(flatten, next_help_heading = "Materials")]

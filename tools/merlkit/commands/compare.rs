@@ -39,7 +39,7 @@ use crate::{args, table};
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit compare nickel teflon --quick -o comparison")]
 pub struct Args {
-    /// MERL binaries, .bsdf files or folders of either, names of embedded materials, or formulas [default: eight embedded materials; with --quick
+    /// MERL binaries, .bsdf files or folders of either, names of built-in materials, or formulas [default: eight built-in materials; with --quick
     /// nickel, red-plastic and teflon]
     #[arg(value_name = "MATERIAL")]
     materials: Vec<String>,

@@ -23,7 +23,7 @@ use crate::picture::{Files, Picture};
 use crate::progress::Progress;
 use crate::table;
 
-/// Demonstrate files, samplers, report and rendering on three embedded materials, in about a minute on two idle cores
+/// Demonstrate files, samplers, report and rendering on three built-in materials, in about a minute on two idle cores
 ///
 /// Writes nickel, red-plastic and blue-metallic-paint as MERL binaries and loads them back. Builds each sampler and prints
 /// its memory, time and accuracy. Renders three spheres with each sampler, at equal sample counts, as EXR and PNG.

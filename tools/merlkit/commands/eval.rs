@@ -23,7 +23,7 @@ use crate::output;
     after_help = "Examples:\n  merlkit eval nickel --wo 30,0 --wi 30,180\n  merlkit eval nickel --lookup linear < pairs.txt"
 )]
 pub struct Args {
-    /// MERL binary, .bsdf file, name of an embedded material, or a formula such as lambert:reflectance=0.5
+    /// MERL binary, .bsdf file, name of a built-in material, or a formula such as lambert:reflectance=0.5
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// How values between the samples of a table are interpolated

@@ -25,7 +25,8 @@ use crate::{args, output, table};
 /// forced reciprocity.
 ///
 /// List: CSV with named columns, ASTM E1392, or Cornell's spectra. The CSV columns are theta_i, phi_i, theta_o, phi_o or
-/// theta_h, theta_d, phi_d, followed by r, g, b or value or wavelengths such as 550nm. Each cell is the mean of the
+/// theta_h, theta_d, phi_d, followed by f_r in sr⁻¹ as r, g, b or value or wavelengths
+/// such as 550nm. Each cell is the mean of the
 /// measurements in its bin; cells without measurements are gaps.
 ///
 /// .pbsdf (Baek et al. 2020): The table has the reflectance of unpolarised light; polarisation is dropped.
@@ -33,7 +34,8 @@ use crate::{args, output, table};
 /// UTIA .bin (1,990,656 bytes): The table has the mean over rotations about the normal. The anisotropy that this removes is
 /// measured and printed. Cells beyond 75° are gaps.
 ///
-/// Array: .npy or .npz with f_r in sr⁻¹, of shape [90, 90, 180, 3] or [3, 90, 90, 180]. Negative and NaN values are gaps.
+/// Array: .npy or .npz with f_r in sr⁻¹ by MERL's bins of θh, θd, φd and red, green, blue: of shape [90, 90, 180, 3] or
+/// [3, 90, 90, 180]. Negative and NaN values are gaps.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit import felt.bsdf -o felt.binary\n  merlkit import measured.csv -o measured.binary --fill"
@@ -57,7 +59,7 @@ pub struct Args {
     /// File to write
     #[arg(help_heading = "Output", short, long, value_name = "PATH")]
     output: PathBuf,
-    /// Write the table even if an albedo is off by more than 25 % [default: refuse]
+    /// Write the table even if an albedo is off by more than 25 % from that of the input [default: refuse]
     #[arg(help_heading = "Output", long)]
     accept_error: bool,
     /// Replace an existing file [default: refuse]

@@ -25,7 +25,7 @@ use crate::{args, table};
     after_help = "Examples:\n  merlkit info nickel chrome.binary\n  merlkit info brdfs --json facts.json"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, sampler files or folders of these, names of embedded materials, or formulas
+    /// MERL binaries, .bsdf files, sampler files or folders of these, names of built-in materials, or formulas
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
     sources: Vec<String>,
     /// How values between the samples of a table are interpolated

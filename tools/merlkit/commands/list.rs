@@ -9,7 +9,7 @@ use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
 
-/// Print the names of the embedded materials, one per line
+/// Print the names of the built-in materials, one per line
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit list")]
 pub struct Args {

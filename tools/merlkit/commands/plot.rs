@@ -72,7 +72,7 @@ impl Kind {
     after_help = "Example:\n  merlkit plot nickel --kind lobe --theta 30 --sampler half-vector"
 )]
 pub struct Args {
-    /// MERL binary, .bsdf file, name of an embedded material, or a formula
+    /// MERL binary, .bsdf file, name of a built-in material, or a formula
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// What to plot

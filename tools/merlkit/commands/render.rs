@@ -32,7 +32,7 @@ use crate::{args, batch, output, table};
     after_help = "Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, embedded names or formulas; one sphere each, left to right
+    /// MERL binaries, .bsdf files, built-in names or formulas; one sphere each, left to right
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// How values between the samples of a table are interpolated [default: floor]

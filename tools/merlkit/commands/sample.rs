@@ -29,7 +29,7 @@ use crate::{args, output};
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit sample nickel --theta 30 --count 1000 > draws.csv")]
 pub struct Args {
-    /// MERL binary, .bsdf file, sampler file, name of an embedded material, or a formula
+    /// MERL binary, .bsdf file, sampler file, name of a built-in material, or a formula
     #[arg(value_name = "MATERIAL|SAMPLERFILE")]
     source: String,
     /// Sampler to build, with settings (`merlkit samplers` lists them) [default: half-vector:64KB, or the one in the sampler

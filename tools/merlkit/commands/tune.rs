@@ -20,18 +20,18 @@ use crate::{args, table};
 /// Choose the sampler and settings that reach a target error in the least time
 ///
 /// Measures, where the material supports them, all sizes of the half-vector table, two settings each of the cascade CDF and
-/// the adaptive disc, three fitted lobes (cosine, ward, ggx) and the cosine at a lit
-/// point: the relative RMSE over three angles with Owen-scrambled Sobol points. The three fastest, and all other samplers named in the
-/// result, are then re-measured with new seeds, adding samples if needed. A sampler passes if the upper end of the error's
+/// the adaptive disc, three fitted lobes (cosine, ward, ggx) and the cosine at a lit point: the relative RMSE over three angles
+/// with Owen-scrambled Sobol points. Sample counts are tried in steps, so the one found usually does better than E. The three
+/// fastest, and all other samplers named in the result, are then re-measured with new seeds, adding samples if needed. A sampler passes if the upper end of the error's
 /// confidence interval is at most E. The fastest that passes and meets the limits is chosen.
 ///
 /// The choice is based on counted times, from a fixed cost model for one thread that includes part of the build time. Every
-/// run therefore gives the same answer. Times within 25 % of each other are a tie; the sampler with fewer samples wins, then
+/// run therefore gives the same answer, unless --max-build is given, which measured build times are compared with. Times within 25 % of each other are a tie; the sampler with fewer samples wins, then
 /// the one with fewer bytes. The exit status is 1 if no sampler reaches E within the limits.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit tune nickel --target-error 1%")]
 pub struct Args {
-    /// MERL binary, .bsdf file, name of an embedded material, or a formula
+    /// MERL binary, .bsdf file, name of a built-in material, or a formula
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// Sampler to try, with settings (`merlkit samplers` lists them); repeatable [default: those named above]
