@@ -297,9 +297,8 @@ fn sizes_are_what_they_are_called() {
         let nominal =
             number.parse::<usize>().unwrap() * if unit == "MB" { 1_000_000 } else { 1000 };
         assert_eq!(bytes, settings.bytes(), "{name}");
-        // The search takes up to a quarter beyond the name.
         assert!(
-            bytes <= nominal * 125 / 100 && bytes >= nominal * 85 / 100,
+            bytes <= nominal * 105 / 100 && bytes >= nominal * 85 / 100,
             "{name}: {bytes}"
         );
     }

@@ -1,6 +1,8 @@
 //! 16-bit numbers of two neighbouring tables side by side, mixed to 32 bits, and the arrays that hold them.
 #![allow(clippy::needless_range_loop)] // Several columns are read at the same lane.
 
+use std::hint::select_unpredictable;
+
 use super::lookup::WEIGHT_ONE;
 
 /// Slopes are in units of 1/128.
@@ -21,11 +23,6 @@ impl PackedPair {
         Self(u32::from(first) | u32::from(second) << 16)
     }
 
-    pub(super) fn halves(self) -> [u16; 2] {
-        [self.0 as u16, (self.0 >> 16) as u16]
-    }
-
-    #[inline(always)]
     fn from_slopes(first: i8, second: i8) -> Self {
         Self::new(i16::from(first) as u16, i16::from(second) as u16)
     }
@@ -49,9 +46,7 @@ impl PackedPair {
 /// What the rows of probabilities are found in.
 #[derive(Clone, Copy)]
 pub(super) struct RowSearch<'a> {
-    pub(super) pivots: &'a [[PackedPair; GROUP]],
-    pub(super) late_pivots: &'a [[PackedPair; GROUP]],
-    pub(super) rows: &'a [PackedPair],
+    pub(super) rows: &'a [u16],
     pub(super) stride: usize,
 }
 
@@ -64,47 +59,53 @@ pub(super) struct FoundRow {
 }
 
 impl RowSearch<'_> {
-    /// Step 7: the row in which the probability passes `target`, which is below 1 in units of 1/`ROW_TOTAL`, between table
-    /// `pair` and its neighbour.
+    /// Step 7: the row in which the probability passes `target`, which is below 1 in units of 1/`ROW_TOTAL`, between two tables.
     ///
-    /// Two levels of comparisons that don't wait for each other: the group of rows, then the row in it. What fills up the
-    /// last group is above every target.
+    /// Bisection finds the group of rows, in as many steps for every draw, so that nothing is mispredicted. The rows of a group
+    /// are compared at once. What fills up the last group is above every target.
     #[inline(always)]
-    pub(super) fn find(&self, pair: u32, weight: u32, target: u32) -> FoundRow {
-        let mut group = count_passed(&self.pivots[pair as usize], weight, target);
-        if let Some(late) = self.late_pivots.get(pair as usize) {
-            group += count_passed(late, weight, target);
+    pub(super) fn find(&self, tables: [u32; 2], weight: u32, target: u32) -> FoundRow {
+        let [first, second] = [self.table(tables[0]), self.table(tables[1])];
+        // Place GROUP·g holds the probability below group g.
+        let mut group = 0;
+        let mut left = (self.stride - 1) / GROUP;
+        while left > 1 {
+            let half = left / 2;
+            let place = GROUP * (group + half);
+            let passed = PackedPair::new(first[place], second[place]).mix(weight) <= target;
+            group = select_unpredictable(passed, group + half, group);
+            left -= half;
         }
-        // Place `start` holds the probability below the group.
         let start = GROUP * group;
-        let rows = &self.rows[pair as usize * self.stride + start..][..GROUP + 1];
+        let (first, second) = (&first[start..][..GROUP + 1], &second[start..][..GROUP + 1]);
         let mut row = 0;
-        if let Some(group) = rows[1..].first_chunk() {
-            row = count_passed(group, weight, target).min(GROUP - 1);
+        for k in 1..=GROUP {
+            let sum = PackedPair::new(first[k], second[k]).mix(weight);
+            row += usize::from(sum <= target);
         }
+        let row = row.min(GROUP - 1);
         FoundRow {
             index: (start + row) as u32,
-            below: rows[row].mix(weight),
-            end: rows[row + 1].mix(weight),
+            below: PackedPair::new(first[row], second[row]).mix(weight),
+            end: PackedPair::new(first[row + 1], second[row + 1]).mix(weight),
         }
     }
 
     /// The probabilities below a row and up to its end.
     #[inline(always)]
-    pub(super) fn ends(&self, row: u32, pair: u32) -> [PackedPair; 2] {
-        let rows = &self.rows[pair as usize * self.stride + row as usize..][..2];
-        [rows[0], rows[1]]
+    pub(super) fn ends(&self, row: u32, tables: [u32; 2]) -> [PackedPair; 2] {
+        let first = &self.table(tables[0])[row as usize..][..2];
+        let second = &self.table(tables[1])[row as usize..][..2];
+        [
+            PackedPair::new(first[0], second[0]),
+            PackedPair::new(first[1], second[1]),
+        ]
     }
-}
 
-/// How many of the mixed numbers are at most `target`.
-#[inline(always)]
-fn count_passed(numbers: &[PackedPair; GROUP], weight: u32, target: u32) -> usize {
-    let mut passed = 0;
-    for number in numbers {
-        passed += u32::from(number.mix(weight) <= target);
+    #[inline(always)]
+    fn table(&self, table: u32) -> &[u16] {
+        &self.rows[table as usize * self.stride..][..self.stride]
     }
-    passed as usize
 }
 
 /// The sums and nodes of all rows.

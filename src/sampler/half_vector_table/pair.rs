@@ -94,15 +94,12 @@ impl InterpolatedTable for TablePair<'_> {
     #[inline(always)]
     fn find_row_index(&self, target: u32) -> usize {
         let search = self.tables.row_search();
-        search.find(self.first as u32, self.weight, target).index as usize
+        search.find(self.numbers(), self.weight, target).index as usize
     }
 
     #[inline(always)]
     fn row(&self, index: usize) -> InterpolatedRow {
-        let [below, end] = self
-            .tables
-            .row_search()
-            .ends(index as u32, self.first as u32);
+        let [below, end] = self.tables.row_search().ends(index as u32, self.numbers());
         let below = below.mix(self.weight);
         InterpolatedRow {
             index,

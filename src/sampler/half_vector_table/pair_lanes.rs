@@ -103,7 +103,11 @@ impl<'a> PairLanes<'a> {
         let mut row_end = [1u32; LANES];
         let search = tables.row_search();
         for lane in 0..count {
-            let found = search.find(self.first[lane], self.weight[lane], row_targets[lane]);
+            let found = search.find(
+                [self.first[lane], self.second[lane]],
+                self.weight[lane],
+                row_targets[lane],
+            );
             rows[lane] = found.index;
             row_below[lane] = found.below;
             row_end[lane] = found.end;
@@ -234,7 +238,7 @@ impl<'a> PairLanes<'a> {
             let row = tables.row_of_part(part);
             let pair = [self.first[lane], self.second[lane]];
             edges.set(lane, tables.edges(row));
-            ends.set(lane, search.ends(row as u32, self.first[lane]));
+            ends.set(lane, search.ends(row as u32, pair));
             packed_slopes[lane] = slopes.pair(row as u32, pair);
             nodes.set(
                 lane,

@@ -32,8 +32,7 @@ impl Default for HalfVectorSettings {
 }
 
 impl HalfVectorSettings {
-    /// Settings by the nominal size of their tables, smallest first: name and settings. In memory they hold 2.5, 4.8, 9.8, 18, 35,
-    /// 68, 269 and 1029 KB, of which up to a third speeds up the search.
+    /// Settings by the size of their tables, smallest first: name and settings.
     pub const PRESETS: [(&str, Self); 8] = [
         ("2KB", Self::sized(7, 22, 3, true)),
         ("4KB", Self::sized(9, 31, 4, true)),
@@ -56,7 +55,7 @@ impl HalfVectorSettings {
         }
     }
 
-    /// Bytes of the tables of one azimuth in memory; a file holds a fifth to a third less, and a header.
+    /// Bytes of the tables of one azimuth in memory; a file holds some 7 to 18 % less, and a header.
     pub fn bytes(&self) -> usize {
         tables::bytes(self.tables, self.rows, self.segments)
     }

@@ -4,7 +4,7 @@
 //! rising probabilities stay rising.
 
 use super::lookup::{NODE_UNIT, ONE};
-use super::packed::{BLOCK, GROUP, PackedPair, Records, RowSearch, Slopes};
+use super::packed::{BLOCK, GROUP, Records, RowSearch, Slopes};
 use crate::geometry::half_vector_chart::{ChartEdge, PARTS};
 
 /// The steepest slope: densities stay above 0 at both ends of a row.
@@ -40,13 +40,9 @@ pub struct IndexedTables {
     edges: Vec<ChartEdge>,
     /// The row that holds each part of the chart.
     part_rows: [u8; PARTS],
-    /// `[pair][row_stride]`: of every two neighbouring tables 0, the probability up to and with each row, and 1 from there on.
-    rows: Vec<PackedPair>,
+    /// `[table][row_stride]`: 0, the probability up to and with each row, and 1 from there on.
+    rows: Vec<u16>,
     row_stride: usize,
-    /// The probability of every pair up to and with each of the first eight groups of [`GROUP`] rows, and 1 from there on.
-    pivots: Vec<[PackedPair; GROUP]>,
-    /// The same of the other groups; empty for tables that have no more than eight.
-    late_pivots: Vec<[PackedPair; GROUP]>,
     /// `[row, table]`: slopes.
     slopes: Vec<i8>,
     /// `[row, table][record]`: the sums of the nodes at both ends of the segments up to and with each block but the last, then
@@ -73,22 +69,11 @@ const fn row_stride_of(rows: usize) -> usize {
     1 + rows.div_ceil(GROUP) * GROUP
 }
 
-/// Pairs of neighbouring tables; one table is its own neighbour.
-const fn pairs_of(tables: usize) -> usize {
-    if tables > 1 { tables - 1 } else { 1 }
-}
-
 /// Bytes of all arrays of so many tables, rows and segments.
 pub const fn bytes(tables: usize, rows: usize, segments: usize) -> usize {
     let row = size_of::<u16>() * record_of(segments) + size_of::<i8>();
-    let pivots = if rows > GROUP * GROUP {
-        2 * GROUP
-    } else {
-        GROUP
-    };
-    let search = size_of::<PackedPair>() * (row_stride_of(rows) + pivots);
-    tables * (size_of::<f32>() + rows * row)
-        + pairs_of(tables) * search
+    let search = size_of::<u16>() * row_stride_of(rows);
+    tables * (size_of::<f32>() + rows * row + search)
         + (rows + 1) * size_of::<ChartEdge>()
         + PARTS
         + BLOCK * size_of::<u16>()
@@ -117,18 +102,16 @@ impl IndexedTables {
             part_rows,
             rows: Vec::new(),
             row_stride: row_stride_of(row_count),
-            pivots: Vec::with_capacity(pairs_of(table_count)),
-            late_pivots: Vec::new(),
             slopes: Vec::with_capacity(table_count * row_count),
             records: Vec::with_capacity(table_count * row_count * record_of(segments) + BLOCK),
             record: record_of(segments),
             block_count: blocks_of(segments),
         };
-        for pair in 0..pairs_of(table_count) {
-            let second = (pair + 1).min(table_count - 1);
-            let [first, second] =
-                [pair, second].map(|table| &stored.rows[table * row_count..][..row_count]);
-            tables.push_search(first, second);
+        for cumulative in stored.rows.chunks(row_count) {
+            let start = tables.rows.len();
+            tables.rows.push(0);
+            tables.rows.extend_from_slice(cumulative);
+            tables.rows.resize(start + tables.row_stride, ONE);
         }
         for row in 0..row_count {
             for table in 0..table_count {
@@ -140,26 +123,6 @@ impl IndexedTables {
         // The last block may pass the end of the last record.
         tables.records.extend_from_slice(&[0; BLOCK]);
         tables
-    }
-
-    /// Adds what the row of a probability is found by between two tables.
-    fn push_search(&mut self, first: &[u16], second: &[u16]) {
-        let start = self.rows.len();
-        self.rows.push(PackedPair::default());
-        for (&first, &second) in first.iter().zip(second) {
-            self.rows.push(PackedPair::new(first, second));
-        }
-        let one = PackedPair::new(ONE, ONE);
-        self.rows.resize(start + self.row_stride, one);
-        let mut pivots = [[one; GROUP]; 2];
-        let groups = self.rows[start + 1..].chunks(GROUP);
-        for (pivot, group) in pivots.as_flattened_mut().iter_mut().zip(groups) {
-            *pivot = group[GROUP - 1];
-        }
-        self.pivots.push(pivots[0]);
-        if first.len() > GROUP * GROUP {
-            self.late_pivots.push(pivots[1]);
-        }
     }
 
     /// Adds the record of a row of nodes.
@@ -192,12 +155,8 @@ impl IndexedTables {
         }
         stored.edges.push(PARTS as u16);
         for table in 0..table_count {
-            // A table is the first of its pair; the last one is the second of the last pair.
-            let pair = table.min(pairs_of(table_count) - 1);
-            for row in &self.rows[pair * self.row_stride + 1..][..row_count] {
-                let [first, second] = row.halves();
-                stored.rows.push(if table == pair { first } else { second });
-            }
+            let rows = &self.rows[table * self.row_stride + 1..][..row_count];
+            stored.rows.extend_from_slice(rows);
             for row in 0..row_count {
                 let k = row * table_count + table;
                 stored.slopes.push(self.slopes[k]);
@@ -228,8 +187,6 @@ impl IndexedTables {
     #[inline(always)]
     pub(super) fn row_search(&self) -> RowSearch<'_> {
         RowSearch {
-            pivots: &self.pivots,
-            late_pivots: &self.late_pivots,
             rows: &self.rows,
             stride: self.row_stride,
         }
@@ -331,8 +288,6 @@ pub(super) mod tests {
             + size_of_val(&t.edges[..])
             + size_of_val(&t.part_rows)
             + size_of_val(&t.rows[..])
-            + size_of_val(&t.pivots[..])
-            + size_of_val(&t.late_pivots[..])
             + size_of_val(&t.slopes[..])
             + size_of_val(&t.records[..]);
         assert_eq!(t.bytes(), arrays);
