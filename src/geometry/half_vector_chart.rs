@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Both parametrisations are a rectangle over [0, θmax] × [−φmax, φmax]. The rectangle ends where the horizon begins, so every
-//! point of it is a direction above the horizon, every such direction is one point of it, and no draw is lost.
+//! point of it is a direction above the horizon, every such direction is one point of it, and no draw fails.
 //!
 //! | | [`super::HalfVectorDomain`] | [`HalfVectorChart`] |
 //! |---|---|---|

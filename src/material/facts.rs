@@ -52,6 +52,6 @@ impl MaterialFacts {
 pub(super) fn no_table(name: &str, purpose: &str) -> Error {
     Error::argument(
         format!("{purpose} needs a MERL table, and {name} is not one"),
-        "name a MERL binary or an embedded material, or make a table of an isotropic material with `merlkit import`",
+        "name a MERL binary or a built-in material, or make a table of an isotropic material with `merlkit import`",
     )
 }

@@ -186,7 +186,7 @@ fn missing_file(path: &Path) -> Error {
     if let Some(name) = embedded::names().iter().find(|name| **name == stem) {
         return Error::argument(
             format!("{}: no such file", path.display()),
-            format!("the embedded material is called {name}, without folder and extension"),
+            format!("the built-in material is called {name}, without folder and extension"),
         );
     }
     match path.metadata() {

@@ -190,6 +190,21 @@ pub fn target_error(argument: &str) -> Result<f64, String> {
     Ok(error)
 }
 
+/// "4096", "64KB" or "1.5MB" as a number of bytes; 1 KB = 1000 bytes.
+pub fn byte_count(argument: &str) -> Result<usize, String> {
+    let text = argument.trim().to_ascii_uppercase();
+    let (number, unit) = [("KB", 1e3), ("MB", 1e6), ("GB", 1e9), ("B", 1.0)]
+        .into_iter()
+        .find_map(|(suffix, bytes)| Some((text.strip_suffix(suffix)?, bytes)))
+        .unwrap_or((&text, 1.0));
+    let bytes = number.trim().parse::<f64>().map_or(f64::NAN, |n| n * unit);
+    if bytes >= 1.0 && bytes < 2f64.powi(53) {
+        Ok(bytes as usize)
+    } else {
+        Err("expected a number of bytes above 0, such as 4096, 64KB or 1MB".into())
+    }
+}
+
 /// "1024x512" as two counts, neither of them 0.
 pub fn size(argument: &str) -> Result<(usize, usize), String> {
     let parts = argument.split_once(['x', 'X', '×']);

@@ -29,7 +29,7 @@ fn text() -> String {
     format!(
         "{}\nfeatures: {}\ntarget: {ARCH} {OS}, {} bits\ncpu features: {}\nprofile: {profile}",
         env!("CARGO_PKG_VERSION"),
-        list_chosen(&FEATURES, "none"),
+        list_chosen(&FEATURES, "none built in (png-plots: plots as PNG)"),
         usize::BITS,
         list_chosen(&INSTRUCTIONS, "the baseline of the architecture"),
     )

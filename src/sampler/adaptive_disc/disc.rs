@@ -33,7 +33,7 @@ pub struct AdaptiveDisc {
 }
 
 /// Trials after which a draw is given up, half a millisecond, which `pdf` does not know of. The mean is near `n_max`, and no
-/// tree that needs more than [`build::MOST_TRIALS`] is kept, so that one draw in 10⁸ is lost at most.
+/// tree that needs more than [`build::MOST_TRIALS`] is kept, so that one draw in 10⁸ fails at most.
 pub(super) const MAX_TRIALS: u32 = 20_000;
 
 /// Fraction of its density that a draw must keep when it is carried over and rounded to f32. The change of angles alone leaves

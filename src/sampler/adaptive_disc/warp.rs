@@ -91,7 +91,7 @@ impl Warps {
             corner += side * DVec2::new((child & 1) as f64, (child >> 1) as f64);
             node = n.child(child);
         }
-        // The rim itself is the horizon, where a draw would be lost.
+        // The rim itself is the horizon, where a draw would fail.
         concentric_disc((corner + side * u).clamp(DVec2::splat(RIM), DVec2::splat(1.0 - RIM)))
     }
 

@@ -3,7 +3,7 @@
 //! What is sharp in an anisotropic material, the streaks of its half vectors, stays on the surface when `wo` turns. So azimuths
 //! in the table, which count from `wo`, are turned back by as much as `wo` has turned: exactly where every azimuth reflects
 //! above the horizon, and elsewhere by the Möbius map of [−1, 1] that keeps both ends and moves the middle as far. Either maps
-//! the row of half vectors about one `wo` onto that about the other, so no draw is lost and no direction left out.
+//! the row of half vectors about one `wo` onto that about the other, so no draw fails and no direction left out.
 
 use std::f64::consts::{PI, TAU};
 

@@ -6,7 +6,7 @@
 //! in each row, which can be inverted, and Owen-scrambled points keep their stratification. All tables are integers of 16 bits
 //! or less, so the sums of an interpolated table are exact.
 //!
-//! Unlike the cascade CDF (thesis 5.6; Lawrence et al. 2005), the domain ends exactly at the horizon, so no draw is lost, and
+//! Unlike the cascade CDF (thesis 5.6; Lawrence et al. 2005), the domain ends exactly at the horizon, so no draw fails, and
 //! angles between tables are served by one interpolated table instead of a random choice of two.
 //!
 //! `docs/half-vector-table.md` has the method as steps 1 to 24. Comments name the step at its line: [`pair`] has step 4,

@@ -39,6 +39,7 @@ use crate::{args, table};
 /// samplers are correct. Ctrl-C writes the JSON of the checks that are finished.
 #[derive(clap::Args)]
 #[command(
+    override_usage = "merlkit check [OPTIONS] <MATERIAL>...\n       merlkit check [OPTIONS] --all\n       merlkit check --hard [--all] [--seed K] [--json FILE]",
     after_help = "Example:\n  merlkit check nickel --sampler half-vector:64KB --sampler lobe:ggx"
 )]
 pub struct Args {

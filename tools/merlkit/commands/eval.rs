@@ -16,7 +16,7 @@ use crate::output;
 /// Evaluate f_r, in sr⁻¹ and without the cosine, for pairs of directions
 ///
 /// Reads lines wo_x,wo_y,wo_z,wi_x,wi_y,wi_z from standard input; that heading is optional. Writes a heading and, for each
-/// pair, one line f_r,f_g,f_b. Directions are unit vectors that point away from the surface: wo to the viewer, wi to the
+/// pair, one line f_r,f_g,f_b: the red, green and blue value. Directions are unit vectors that point away from the surface: wo to the viewer, wi to the
 /// light, with z along the normal. The value is 0 if either direction is below the horizon. Blank lines are skipped.
 #[derive(clap::Args)]
 #[command(

@@ -141,7 +141,7 @@ impl SamplerDescription {
 
     fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&["sampler file", &self.sampler_file]);
-        let source = self.record.path.as_deref().unwrap_or("embedded");
+        let source = self.record.path.as_deref().unwrap_or("built in");
         let lookup = self.record.lookup.map_or("none", LookupRule::name);
         let invalid = match self.record.channels_apart {
             true => "channel",
@@ -165,7 +165,7 @@ impl SamplerDescription {
 fn measure(material: &Material, lookup: LookupRule) -> Result<Info, Error> {
     let source = match material.origin() {
         Origin::File(path) => path.display().to_string(),
-        Origin::Embedded(_) => "embedded".into(),
+        Origin::Embedded(_) => "built in".into(),
         Origin::Formula(text) => text.clone(),
     };
     let loaded = args::load(material, lookup)?;

@@ -135,11 +135,11 @@ pub fn run(args: &Args) -> Outcome {
     let start = Instant::now();
     let files = Files::named(&args.output);
     let overwrite = output::overwrite(args.force);
-    resumable::check_files(&files, overwrite, args.resume)?;
     let names = batch::expand_folders(&args.materials)?;
     let settings = settings(args, names.len())?;
     settings.check()?;
     let (scene, materials) = describe(args, &names, &settings)?;
+    resumable::check_files(&files, overwrite, args.resume)?;
     let effects = if args.all_effects {
         PlanRequest::Everything
     } else {

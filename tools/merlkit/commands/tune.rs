@@ -40,8 +40,8 @@ pub struct Args {
     /// Target relative RMSE of one estimate: 0.01 or 1%
     #[arg(help_heading = "Search", long, value_name = "E", value_parser = args::target_error)]
     target_error: f64,
-    /// Maximum size of the sampler's tables in bytes [default: unlimited]
-    #[arg(help_heading = "Search", long, value_name = "BYTES")]
+    /// Maximum size of the sampler's tables: a number of bytes, or 64KB or 1MB [default: unlimited]
+    #[arg(help_heading = "Search", long, value_name = "BYTES", value_parser = args::byte_count)]
     max_bytes: Option<usize>,
     /// Maximum build time in seconds, measured with this run's threads [default: unlimited]
     #[arg(help_heading = "Search", long, value_name = "SECONDS", value_parser = seconds)]
@@ -80,16 +80,13 @@ fn seconds(argument: &str) -> Result<f64, String> {
 
 pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
-    for file in args
-        .output
-        .iter()
-        .cloned()
-        .map(Destination::File)
-        .chain(args.json.clone())
-    {
-        file.check(overwrite)?;
-    }
     let material = args.invalid.resolve(&args.material)?;
+    if let Some(path) = &args.output {
+        Destination::File(path.clone()).check(overwrite)?;
+    }
+    if let Some(destination) = &args.json {
+        destination.check(overwrite)?;
+    }
     let sky = args.sky.load()?;
     let loaded = args::load(&material, args.lookup)?;
     let specs = candidates(args, &loaded)?;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Sheet;
-use crate::measure::check::{Check, CheckReport};
+use crate::measure::check::{Check, CheckReport, Outcome};
 
 /// The checks of one sampler for one material.
 #[derive(Clone, Debug, Serialize)]
@@ -78,7 +78,7 @@ impl CheckResult {
                 check.unwrap_or_default(),
                 format!("{:.2}, {:.1}", o.theta_o_deg, o.phi_o_deg),
                 format!("{:.3e}", o.value),
-                format!("{:.3e}", o.bound),
+                allowed(o),
                 o.note.clone(),
             ]);
         }
@@ -92,8 +92,17 @@ impl CheckResult {
             "failed check",
             "wo θ, φ °",
             "value",
-            "bound",
+            "allowed",
             "found",
         ])
     }
+}
+
+/// The bound of a check, with its direction: a p-value must not be below its bound, and nothing else above.
+fn allowed(outcome: &Outcome) -> String {
+    let direction = match outcome.check {
+        Check::ChiSquare => "≥",
+        _ => "≤",
+    };
+    format!("{direction} {:.3e}", outcome.bound)
 }

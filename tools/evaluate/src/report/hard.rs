@@ -33,7 +33,7 @@ impl HardSheets {
     /// Sheets of outcomes, rows in the order in which their names first appear.
     pub fn from_outcomes(outcomes: &[HardOutcome]) -> Self {
         let mut failures = Sheet::new(&[
-            "case", "lookup", "sampler", "check", "value", "bound", "found",
+            "case", "lookup", "sampler", "check", "value", "allowed", "found",
         ]);
         for o in outcomes.iter().filter(|o| !o.pass) {
             failures.push(vec![
@@ -42,7 +42,7 @@ impl HardSheets {
                 name_of(o).into(),
                 format!("{:?}", o.check),
                 format!("{:.3e}", o.value),
-                o.bound.map_or_else(String::new, |b| format!("{b:.3e}")),
+                o.bound.map_or_else(String::new, |b| format!("≤ {b:.3e}")),
                 o.note.clone(),
             ]);
         }

@@ -11,7 +11,7 @@ use merlkit::geometry::Symmetry;
 pub struct Info {
     /// Short name.
     pub material: String,
-    /// Where the values come from: a path, "embedded", or a formula.
+    /// Where the values come from: a path, "built in", or a formula.
     pub source: String,
     /// How its file was read, as [`merlkit::material::Loaded::file_access`]; left out for others than MERL binaries.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -87,9 +87,12 @@ fn table_lines(table: &TableFacts, line: &mut dyn FnMut(&str, String)) {
     );
     line("  NaN", invalid.nan.to_string());
     line("  infinite", invalid.infinite.to_string());
-    line("  negative", invalid.negative.to_string());
     line(
-        "  above the horizon",
+        "  negative, MERL's mark for no value",
+        invalid.negative.to_string(),
+    );
+    line(
+        "  with both directions above the horizon",
         table.invalid_above_horizon.to_string(),
     );
     let reading = match (table.mixed_cells, table.channels_apart) {

@@ -42,7 +42,7 @@ impl SamplerReport {
             "holes %",
             "bias %",
             "± %",
-            "lost %",
+            "failed %",
         ]);
         for s in &self.measured.samplers {
             sheet.push(measured_line(s));
@@ -68,7 +68,7 @@ impl SamplerReport {
              with its 95 % confidence interval in brackets. 1 KB = 1000 bytes. relstd: relative standard deviation of the sample \
              weight (mean RGB), by quadrature, mean and worst angle{azimuths}; holes: fraction of the albedo where the \
              density is 0, worst angle; bias: bias of the albedo from {} draws, seed {}, at the angle where it is the most \
-             standard errors (±) from 0; lost: failed draws.",
+             standard errors (±) from 0; failed: fraction of draws that give no direction.",
             m.material,
             m.reading,
             1e3 * m.load.wall,

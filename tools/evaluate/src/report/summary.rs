@@ -20,7 +20,7 @@ pub fn summary(reports: &[SamplerReport]) -> Sheet {
         "holes %, worst",
         "bias/±, worst",
         "∫pdf − 1, worst %",
-        "lost %, worst",
+        "failed %, worst",
     ]);
     let mut labels: Vec<String> = Vec::new();
     for s in reports.iter().flat_map(|r| &r.measured.samplers) {

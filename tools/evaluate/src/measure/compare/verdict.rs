@@ -120,21 +120,24 @@ fn sentence(material: &str, v: &Verdict) -> String {
         } else {
             format!("{ratio:.1}× the counted time of {}", v.best)
         };
-        return format!("{material}: cosine is enough to reach {percent} % ({margin}{tie})");
+        return format!(
+            "{material}: of the samplers that draw from the BRDF alone, cosine is enough to reach {percent} % ({margin}{tie})"
+        );
     }
     let about = if v.cosine_extrapolated { "about " } else { "" };
     let against = match v.cosine_ratio {
-        Some(ratio) if ratio >= MANY => format!(" more than {MANY}× faster than cosine"),
-        Some(ratio) if ratio >= 10.0 => format!(" {about}{ratio:.0}× faster than cosine"),
-        Some(ratio) => format!(" {about}{ratio:.1}× faster than cosine"),
-        None => ", which cosine never does".into(),
+        Some(ratio) if ratio >= MANY => format!("more than {MANY}× faster than cosine"),
+        Some(ratio) if ratio >= 10.0 => format!("{about}{ratio:.0}× faster than cosine"),
+        Some(ratio) => format!("{about}{ratio:.1}× faster than cosine"),
+        None => "which cosine never does".into(),
     };
     let kilobytes = v.table_bytes as f64 / 1000.0;
     let next = v.next.as_ref().map_or(String::new(), |(who, ratio)| {
-        format!("; next is {who} at {ratio:.1}×")
+        format!("; {who} comes next and takes {ratio:.1}× as long")
     });
     format!(
-        "{material}: {} ({kilobytes:.1} KB) reaches {percent} %{against}, by counted time{tie}{next}",
+        "{material}: of the samplers that draw from the BRDF alone, {} ({kilobytes:.1} KB) reaches {percent} % in the least \
+         counted time, {against}{tie}{next}",
         v.best
     )
 }
