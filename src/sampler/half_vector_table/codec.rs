@@ -1,6 +1,6 @@
 //! Half-vector tables in a file: their tensors, and what drawing relies on.
 
-use super::lookup::{NODE_SUM, ONE};
+use super::tables::lookup::{NODE_SUM, ONE};
 use super::tables::{STEEPEST, Stored};
 use super::{ByAzimuth, HalfVectorSettings, HalfVectorTable};
 use crate::Result;

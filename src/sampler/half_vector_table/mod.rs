@@ -9,25 +9,18 @@
 //! Unlike the cascade CDF (thesis 5.6; Lawrence et al. 2005), the domain ends exactly at the horizon, so no draw fails, and
 //! angles between tables are served by one interpolated table instead of a random choice of two.
 //!
-//! `docs/half-vector-table.md` has the method as steps 1 to 24. Comments name the step at its line: [`pair`] has step 4,
-//! [`packed`] 5, 7 and 12, [`lookup`] 11, the chart 1 to 3, 6 and 15 to 20, [`sample`] puts them together, [`batch`] for many lanes.
+//! `docs/half-vector-table.md` has the method as steps 1 to 24. Comments name the step at its line: [`draw::pair`] has
+//! step 4, [`tables::packed`] 5, 7 and 12, [`tables::lookup`] 11, and the chart 1 to 3, 6 and 15 to 20. [`draw::sample`] puts them
+//! together, and [`draw::batch`] does so for many lanes.
 
-mod azimuth_shift;
 mod azimuths;
-mod batch;
 mod build;
 mod codec;
+mod draw;
 mod fields;
-mod lookup;
-mod packed;
-mod pair;
-mod pair_lanes;
-mod point_lanes;
-mod sample;
 mod settings;
 mod table;
 mod tables;
-mod tabulate;
 
 use std::sync::Arc;
 
@@ -39,10 +32,10 @@ use crate::geometry::Symmetry;
 use crate::material::{Loaded, MaterialFacts};
 
 pub use azimuths::ByAzimuth;
-pub(crate) use lookup::{NODE_UNIT, ROW_UNIT};
 pub use settings::HalfVectorSettings;
 pub use table::HalfVectorTable;
 pub(crate) use tables::Stored;
+pub(crate) use tables::lookup::{NODE_UNIT, ROW_UNIT};
 
 /// The half-vector table of an isotropic material, or those of an anisotropic one.
 ///

@@ -3,10 +3,10 @@
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 
-use super::batch;
 use super::build::build_tables;
-use super::pair::TablePair;
-use super::sample::TableView;
+use super::draw::batch;
+use super::draw::pair::TablePair;
+use super::draw::sample::TableView;
 use super::settings::{HalfVectorSettings, azimuths_of_isotropic};
 use super::tables::{IndexedTables, Stored};
 use crate::batch::Wo;

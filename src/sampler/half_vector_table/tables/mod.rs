@@ -3,8 +3,11 @@
 //! Integers make the tables small and the sums exact: a mixture of two normalised tables is normalised to the last bit, and
 //! rising probabilities stay rising.
 
-use super::lookup::{NODE_UNIT, ONE};
-use super::packed::{BLOCK, GROUP, Records, RowSearch, Slopes};
+pub(in crate::sampler) mod lookup;
+pub(super) mod packed;
+
+use self::lookup::{NODE_UNIT, ONE};
+use self::packed::{BLOCK, GROUP, Records, RowSearch, Slopes};
 use crate::geometry::half_vector_chart::{ChartEdge, PARTS};
 
 /// The steepest slope: densities stay above 0 at both ends of a row.
@@ -19,7 +22,7 @@ pub struct Stored {
     pub edges: Vec<u16>,
     /// `[table, row]`: probability of the rows up to and with this one, in units of 1/65535; rises to 65535.
     pub rows: Vec<u16>,
-    /// `[table, row]`: slope of the density over a row, in units of [`super::packed::SLOPE_UNIT`].
+    /// `[table, row]`: slope of the density over a row, in units of [`self::packed::SLOPE_UNIT`].
     pub slopes: Vec<i8>,
     /// `[table, row, node]`: density over the azimuth, at equidistant nodes and linear between; > 0, each row's trapezoids sum to 65534.
     pub nodes: Vec<u16>,

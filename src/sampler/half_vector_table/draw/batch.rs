@@ -6,12 +6,12 @@
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 
-use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable};
+use super::super::tables::IndexedTables;
+use super::super::tables::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable};
 use super::pair::TablePair;
 use super::pair_lanes::PairLanes;
 use super::point_lanes::{LANES, PointLanes};
 use super::sample::{DensityTerms, DrawTerms, TableView};
-use super::tables::IndexedTables;
 use crate::batch::Wo;
 use crate::direction_sampler::DirectionSample;
 use crate::geometry::half_vector_chart::{HalfVectorChart, PARTS};
@@ -22,7 +22,7 @@ use crate::lanes::{Columns, UnitDirections};
 const PREMIX_FROM: usize = 256;
 
 /// A draw from each of `u`; the slices are of one length.
-pub(super) fn sample_batch(
+pub(in crate::sampler) fn sample_batch(
     tables: &IndexedTables,
     wo: Wo<'_>,
     u: &[Vec2],
@@ -112,7 +112,12 @@ fn sample_blocks(
 }
 
 /// The density of each of `wi`; the slices are of one length.
-pub(super) fn pdf_batch(tables: &IndexedTables, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
+pub(in crate::sampler) fn pdf_batch(
+    tables: &IndexedTables,
+    wo: Wo<'_>,
+    wi: &[Vec3],
+    out: &mut [f32],
+) {
     match wo {
         Wo::One(wo) => match unit_upper(wo) {
             Some(wo) => pdf_one_wo(&TableView::new(tables, HalfVectorChart::new(wo)), wi, out),
@@ -351,7 +356,7 @@ impl<const NODES: usize> InterpolatedTable for &PremixedTable<NODES> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{HalfVectorSettings, HalfVectorTable};
+    use super::super::super::{HalfVectorSettings, HalfVectorTable};
     use super::*;
     use crate::geometry::spherical;
     use crate::material::merl::{LookupRule, MerlBrdf, decode_embedded};

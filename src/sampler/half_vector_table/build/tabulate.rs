@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, Axis};
 
-use super::HalfVectorSettings;
+use super::super::HalfVectorSettings;
 use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::color::Rgb;

@@ -5,11 +5,11 @@
 
 use glam::{Vec2, Vec3};
 
-use super::lookup::{
+use super::super::tables::IndexedTables;
+use super::super::tables::lookup::{
     AzimuthSegment, InterpolatedRow, InterpolatedTable, invert_segment, invert_slope, slope_cdf,
 };
 use super::pair::TablePair;
-use super::tables::IndexedTables;
 use crate::direction_sampler::DirectionSample;
 use crate::geometry::half_vector_chart::{ChartPoint, HalfVectorChart};
 
@@ -20,8 +20,8 @@ const LOWEST_COSINE: f32 = 1e-9;
 #[derive(Clone, Copy)]
 pub(in crate::sampler) struct TableView<'a, M> {
     tables: &'a IndexedTables,
-    pub(super) chart: HalfVectorChart,
-    pub(super) interpolated: M,
+    pub(in crate::sampler) chart: HalfVectorChart,
+    pub(in crate::sampler) interpolated: M,
     /// Length of a segment on the azimuth's [0, 1].
     per_segment: f32,
     /// Unit of densities at nodes, per unit of the azimuth fraction.
@@ -48,14 +48,14 @@ pub(in crate::sampler) struct DrawTerms {
 #[derive(Clone, Copy)]
 pub(in crate::sampler) struct DensityTerms {
     /// Cap where the row begins, and its width.
-    pub(super) low: f32,
-    pub(super) width: f32,
-    pub(super) slope: f32,
+    pub(in crate::sampler) low: f32,
+    pub(in crate::sampler) width: f32,
+    pub(in crate::sampler) slope: f32,
     /// The row's probability.
-    pub(super) mass: f32,
-    pub(super) segment: AzimuthSegment,
+    pub(in crate::sampler) mass: f32,
+    pub(in crate::sampler) segment: AzimuthSegment,
     /// Position within the segment, 0 to 1.
-    pub(super) position: f32,
+    pub(in crate::sampler) position: f32,
 }
 
 impl DrawTerms {
@@ -122,7 +122,12 @@ impl DrawTerms {
 
     /// Steps 8 to 17: the direction that was chosen.
     #[inline(always)]
-    pub(super) fn direction(&self, chart: &HalfVectorChart, per_segment: f32, fold: bool) -> Vec3 {
+    pub(in crate::sampler) fn direction(
+        &self,
+        chart: &HalfVectorChart,
+        per_segment: f32,
+        fold: bool,
+    ) -> Vec3 {
         let (cap, azimuth_fraction) = self.chart_coordinates(per_segment, fold);
         raise_above_horizon(chart.direction(cap, azimuth_fraction))
     }
@@ -131,7 +136,7 @@ impl DrawTerms {
 impl DensityTerms {
     /// Its numbers, for columns of many.
     #[inline(always)]
-    pub(super) fn to_array(self) -> [f32; 8] {
+    pub(in crate::sampler) fn to_array(self) -> [f32; 8] {
         [
             self.low,
             self.width,
@@ -146,7 +151,7 @@ impl DensityTerms {
 
     /// The inverse of [`Self::to_array`].
     #[inline(always)]
-    pub(super) fn from_array(
+    pub(in crate::sampler) fn from_array(
         [low, width, slope, mass, index, first, second, position]: [f32; 8],
     ) -> Self {
         let segment = AzimuthSegment {
@@ -168,7 +173,7 @@ impl DensityTerms {
 impl<'a> TableView<'a, TablePair<'a>> {
     /// The table about the `wo` of a chart (step 4).
     #[inline(always)]
-    pub(super) fn new(tables: &'a IndexedTables, chart: HalfVectorChart) -> Self {
+    pub(in crate::sampler) fn new(tables: &'a IndexedTables, chart: HalfVectorChart) -> Self {
         Self::from_pair(chart, tables.interpolate(chart.cos_o()))
     }
 
@@ -185,7 +190,7 @@ impl<'a> TableView<'a, TablePair<'a>> {
     }
 
     /// The same view with the two tables mixed beforehand.
-    pub(super) fn with_premixed<M>(&self, premixed: M) -> TableView<'a, M> {
+    pub(in crate::sampler) fn with_premixed<M>(&self, premixed: M) -> TableView<'a, M> {
         TableView {
             tables: self.tables,
             chart: self.chart,
@@ -252,7 +257,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
 
     /// Steps 8 to 17: the direction that was chosen.
     #[inline(always)]
-    pub(super) fn direction(&self, terms: DrawTerms) -> Vec3 {
+    pub(in crate::sampler) fn direction(&self, terms: DrawTerms) -> Vec3 {
         terms.direction(&self.chart, self.per_segment, self.tables.fold())
     }
 
@@ -283,14 +288,14 @@ impl<M: InterpolatedTable> TableView<'_, M> {
 
     /// Steps 18 to 22.
     #[inline(always)]
-    pub(super) fn pdf(&self, wi: Vec3) -> f32 {
+    pub(in crate::sampler) fn pdf(&self, wi: Vec3) -> f32 {
         let point = self.chart.locate(wi);
         self.density(&point, self.look_up_density(&point))
     }
 
     /// Steps 7 to 22.
     #[inline(always)]
-    pub(super) fn sample(&self, u: Vec2) -> DirectionSample {
+    pub(in crate::sampler) fn sample(&self, u: Vec2) -> DirectionSample {
         let wi = self.direction(self.look_up_draw(u));
         DirectionSample {
             wi,
@@ -299,7 +304,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
     }
 
     /// Steps 18 to 21, then 23 and 24: the point of the unit square that is drawn as `wi`.
-    pub(super) fn invert(&self, wi: Vec3) -> Vec2 {
+    pub(in crate::sampler) fn invert(&self, wi: Vec3) -> Vec2 {
         let fold = self.tables.fold();
         let point = self.chart.locate(wi);
         let row = self.find_row(&point);
@@ -317,7 +322,7 @@ impl<M: InterpolatedTable> TableView<'_, M> {
 
 /// The density per solid angle at a point, sr⁻¹; `unit` is that of densities at nodes, per unit of the azimuth fraction.
 #[inline(always)]
-pub(super) fn density(point: &ChartPoint, terms: &DensityTerms, unit: f32) -> f32 {
+pub(in crate::sampler) fn density(point: &ChartPoint, terms: &DensityTerms, unit: f32) -> f32 {
     // Step 19: x, the position of the cap within the row.
     let x = row_position(point.cap, terms.low, terms.width);
     // Step 22: along = mass·(1 + slope·(2x − 1)), across = n0·(1 − f) + n1·f, and
@@ -342,7 +347,7 @@ pub(in crate::sampler) fn raise_above_horizon(wi: Vec3) -> Vec3 {
 
 /// Step 21: the coordinate on [0, 1] of an azimuth fraction in [−1, 1], folded at the plane of incidence or whole.
 #[inline(always)]
-pub(super) fn unit_azimuth(azimuth_fraction: f32, fold: bool) -> f32 {
+pub(in crate::sampler) fn unit_azimuth(azimuth_fraction: f32, fold: bool) -> f32 {
     if fold {
         azimuth_fraction.abs()
     } else {
@@ -352,7 +357,7 @@ pub(super) fn unit_azimuth(azimuth_fraction: f32, fold: bool) -> f32 {
 
 /// Step 10: a number in [0, 1) as the azimuth's probability and its side; folded, both sides meet in the middle.
 #[inline(always)]
-pub(super) fn unfold(u: f32, fold: bool) -> (f32, f32) {
+pub(in crate::sampler) fn unfold(u: f32, fold: bool) -> (f32, f32) {
     let side = 2.0 * u - 1.0;
     if fold {
         (side.abs(), 1f32.copysign(side))

@@ -23,15 +23,15 @@ pub struct InterpolatedRow {
     /// Its number.
     pub index: usize,
     /// Probability below it, in units of 1/[`ROW_TOTAL`].
-    pub(super) below: u32,
+    pub(in crate::sampler) below: u32,
     /// Its own probability, in the same units.
-    pub(super) mass: u32,
+    pub(in crate::sampler) mass: u32,
 }
 
 impl InterpolatedRow {
     /// Probability below its end, in the same units.
     #[inline(always)]
-    pub(super) fn end(&self) -> u32 {
+    pub(in crate::sampler) fn end(&self) -> u32 {
         self.below + self.mass
     }
 
@@ -121,13 +121,13 @@ pub trait InterpolatedTable {
 
 /// Step 7: t = ⌊u1·65535·65536⌋; a number that is not below 1 counts as the last that is.
 #[inline(always)]
-pub(super) fn row_target(u: f32) -> u32 {
+pub(in crate::sampler) fn row_target(u: f32) -> u32 {
     ((f64::from(u) * ROW_TOTAL) as u32).min(ROW_TOTAL as u32 - 1)
 }
 
 /// Step 11: t = ⌊v·65534·65536⌋.
 #[inline(always)]
-pub(super) fn segment_target(v: f32) -> u32 {
+pub(in crate::sampler) fn segment_target(v: f32) -> u32 {
     (f64::from(v) * NODE_TOTAL) as u32
 }
 

@@ -8,10 +8,10 @@ use super::lookup::WEIGHT_ONE;
 /// Slopes are in units of 1/128.
 pub const SLOPE_UNIT: f32 = 1.0 / 128.0;
 /// Rows that are compared with a probability at once.
-pub(super) const GROUP: usize = 8;
+pub(in crate::sampler) const GROUP: usize = 8;
 
 /// Segments that are summed together before they are told apart.
-pub(super) const BLOCK: usize = 4;
+pub(in crate::sampler) const BLOCK: usize = 4;
 
 /// A number of the first table in the lower half, and one of the second in the upper: what columns hold until they are mixed.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,7 +19,7 @@ pub struct PackedPair(u32);
 
 impl PackedPair {
     #[inline(always)]
-    pub(super) fn new(first: u16, second: u16) -> Self {
+    pub(in crate::sampler) fn new(first: u16, second: u16) -> Self {
         Self(u32::from(first) | u32::from(second) << 16)
     }
 
@@ -29,14 +29,14 @@ impl PackedPair {
 
     /// Step 5, mix(a, b): `first · (WEIGHT_ONE − weight) + second · weight`, which fits 32 bits: exact, by one product modulo 2³².
     #[inline(always)]
-    pub(super) fn mix(self, weight: u32) -> u32 {
+    pub(in crate::sampler) fn mix(self, weight: u32) -> u32 {
         let (first, second) = (self.0 & 0xffff, self.0 >> 16);
         (first * WEIGHT_ONE).wrapping_add(second.wrapping_sub(first).wrapping_mul(weight))
     }
 
     /// Step 5 for slopes: the density's slope over a row, in (−1, 1).
     #[inline(always)]
-    pub(super) fn mix_slopes(self, weight: u32) -> f32 {
+    pub(in crate::sampler) fn mix_slopes(self, weight: u32) -> f32 {
         let (first, second) = ((self.0 << 16) as i32 >> 16, self.0 as i32 >> 16);
         let mixed = first * (WEIGHT_ONE - weight) as i32 + second * weight as i32;
         mixed as f32 * (SLOPE_UNIT / WEIGHT_ONE as f32)
@@ -45,17 +45,17 @@ impl PackedPair {
 
 /// What the rows of probabilities are found in.
 #[derive(Clone, Copy)]
-pub(super) struct RowSearch<'a> {
-    pub(super) rows: &'a [u16],
-    pub(super) stride: usize,
+pub(in crate::sampler) struct RowSearch<'a> {
+    pub(in crate::sampler) rows: &'a [u16],
+    pub(in crate::sampler) stride: usize,
 }
 
 /// A row in which a probability passes a target, and the probabilities below it and up to its end.
 #[derive(Clone, Copy)]
-pub(super) struct FoundRow {
-    pub(super) index: u32,
-    pub(super) below: u32,
-    pub(super) end: u32,
+pub(in crate::sampler) struct FoundRow {
+    pub(in crate::sampler) index: u32,
+    pub(in crate::sampler) below: u32,
+    pub(in crate::sampler) end: u32,
 }
 
 impl RowSearch<'_> {
@@ -64,7 +64,7 @@ impl RowSearch<'_> {
     /// Bisection finds the group of rows, in as many steps for every draw, so that nothing is mispredicted. The rows of a group
     /// are compared at once. What fills up the last group is above every target.
     #[inline(always)]
-    pub(super) fn find(&self, tables: [u32; 2], weight: u32, target: u32) -> FoundRow {
+    pub(in crate::sampler) fn find(&self, tables: [u32; 2], weight: u32, target: u32) -> FoundRow {
         let [first, second] = [self.table(tables[0]), self.table(tables[1])];
         // Place GROUP·g holds the probability below group g.
         let mut group = 0;
@@ -93,7 +93,7 @@ impl RowSearch<'_> {
 
     /// The probabilities below a row and up to its end.
     #[inline(always)]
-    pub(super) fn ends(&self, row: u32, tables: [u32; 2]) -> [PackedPair; 2] {
+    pub(in crate::sampler) fn ends(&self, row: u32, tables: [u32; 2]) -> [PackedPair; 2] {
         let first = &self.table(tables[0])[row as usize..][..2];
         let second = &self.table(tables[1])[row as usize..][..2];
         [
@@ -110,16 +110,16 @@ impl RowSearch<'_> {
 
 /// The sums and nodes of all rows.
 #[derive(Clone, Copy)]
-pub(super) struct Records<'a> {
-    pub(super) values: &'a [u16],
-    pub(super) table_count: usize,
-    pub(super) record: usize,
-    pub(super) block_count: usize,
+pub(in crate::sampler) struct Records<'a> {
+    pub(in crate::sampler) values: &'a [u16],
+    pub(in crate::sampler) table_count: usize,
+    pub(in crate::sampler) record: usize,
+    pub(in crate::sampler) block_count: usize,
 }
 
 /// The records of a row in two tables.
 #[derive(Clone, Copy)]
-pub(super) struct RecordPair<'a> {
+pub(in crate::sampler) struct RecordPair<'a> {
     first: &'a [u16],
     second: &'a [u16],
     block_count: usize,
@@ -127,7 +127,7 @@ pub(super) struct RecordPair<'a> {
 
 impl<'a> Records<'a> {
     #[inline(always)]
-    pub(super) fn pair(&self, row: u32, [first, second]: [u32; 2]) -> RecordPair<'a> {
+    pub(in crate::sampler) fn pair(&self, row: u32, [first, second]: [u32; 2]) -> RecordPair<'a> {
         let row = row as usize * self.table_count;
         RecordPair {
             first: &self.values[(row + first as usize) * self.record..][..self.record + BLOCK],
@@ -140,7 +140,7 @@ impl<'a> Records<'a> {
 impl<'a> RecordPair<'a> {
     /// Step 12, coarse: the block of segments in which the sum passes `target`, and the sum below it.
     #[inline(always)]
-    pub(super) fn find_block(&self, weight: u32, target: u32) -> (u32, u32) {
+    pub(in crate::sampler) fn find_block(&self, weight: u32, target: u32) -> (u32, u32) {
         let (mut block, mut below) = (0, 0);
         let (first, second) = (
             &self.first[..self.block_count],
@@ -157,7 +157,7 @@ impl<'a> RecordPair<'a> {
 
     /// The nodes at the ends of a block's segments.
     #[inline(always)]
-    pub(super) fn block_nodes(&self, block: u32) -> [PackedPair; BLOCK + 1] {
+    pub(in crate::sampler) fn block_nodes(&self, block: u32) -> [PackedPair; BLOCK + 1] {
         let place = self.block_count + block as usize * BLOCK;
         let (first, second) = (
             &self.first[place..][..BLOCK + 1],
@@ -172,7 +172,7 @@ impl<'a> RecordPair<'a> {
 
     /// The nodes at both ends of a segment.
     #[inline(always)]
-    pub(super) fn segment_nodes(&self, index: u32) -> [PackedPair; 2] {
+    pub(in crate::sampler) fn segment_nodes(&self, index: u32) -> [PackedPair; 2] {
         let place = self.block_count + index as usize;
         let (first, second) = (&self.first[place..][..2], &self.second[place..][..2]);
         [
@@ -183,7 +183,7 @@ impl<'a> RecordPair<'a> {
 
     /// All nodes of the row.
     #[inline(always)]
-    pub(super) fn nodes(&self) -> (&'a [u16], &'a [u16]) {
+    pub(in crate::sampler) fn nodes(&self) -> (&'a [u16], &'a [u16]) {
         (
             &self.first[self.block_count..],
             &self.second[self.block_count..],
@@ -193,14 +193,14 @@ impl<'a> RecordPair<'a> {
 
 /// The slopes of all rows.
 #[derive(Clone, Copy)]
-pub(super) struct Slopes<'a> {
-    pub(super) values: &'a [i8],
-    pub(super) table_count: usize,
+pub(in crate::sampler) struct Slopes<'a> {
+    pub(in crate::sampler) values: &'a [i8],
+    pub(in crate::sampler) table_count: usize,
 }
 
 impl Slopes<'_> {
     #[inline(always)]
-    pub(super) fn pair(&self, row: u32, [first, second]: [u32; 2]) -> PackedPair {
+    pub(in crate::sampler) fn pair(&self, row: u32, [first, second]: [u32; 2]) -> PackedPair {
         let row = &self.values[row as usize * self.table_count..][..self.table_count];
         PackedPair::from_slopes(row[first as usize], row[second as usize])
     }

@@ -1,15 +1,17 @@
 //! Fitting tables of integers to a BRDF that is tabulated over the chart of half vectors.
 
+mod tabulate;
+
 use std::f64::consts::PI;
 
 use ndarray::{ArrayView1, Axis};
 use rayon::prelude::*;
 
-use super::lookup::{NODE_SUM, ONE};
-use super::packed::SLOPE_UNIT;
+use self::tabulate::{Tabulated, choose_row_edges, columns, slope_of, tabulate};
 use super::settings::HalfVectorSettings;
+use super::tables::lookup::{NODE_SUM, ONE};
+use super::tables::packed::SLOPE_UNIT;
 use super::tables::{STEEPEST, Stored};
-use super::tabulate::{Tabulated, choose_row_edges, columns, slope_of, tabulate};
 use crate::brdf::Brdf;
 
 /// The angle of the last table, short of the horizon.

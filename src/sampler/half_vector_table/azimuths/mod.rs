@@ -3,17 +3,19 @@
 //! A `wo` between two azimuths is served by both, in proportion to nearness; the density is that of the mixture. Half vectors
 //! keep their azimuth on the surface as far as the horizon allows ([`AzimuthShift`]). What the material's symmetry repeats is held once.
 
+mod shift;
+
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::azimuth_shift::AzimuthShift;
-use super::lookup::InterpolatedTable;
-use super::pair::TablePair;
-use super::point_lanes::{LANES, PointLanes};
-use super::sample::{DrawTerms, TableView, raise_above_horizon};
+use self::shift::AzimuthShift;
+use super::draw::pair::TablePair;
+use super::draw::point_lanes::{LANES, PointLanes};
+use super::draw::sample::{DrawTerms, TableView, raise_above_horizon};
 use super::settings::{HalfVectorSettings, azimuths_of_isotropic};
 use super::table::HalfVectorTable;
 use super::tables::Stored;
+use super::tables::lookup::InterpolatedTable;
 use crate::Result;
 use crate::batch::Wo;
 use crate::brdf::Brdf;

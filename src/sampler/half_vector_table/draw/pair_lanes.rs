@@ -7,11 +7,11 @@
 
 use glam::Vec2;
 
-use super::lookup::{AzimuthSegment, ROW_UNIT, row_target, segment_target};
-use super::packed::{BLOCK, PackedPair};
+use super::super::tables::IndexedTables;
+use super::super::tables::lookup::{AzimuthSegment, ROW_UNIT, row_target, segment_target};
+use super::super::tables::packed::{BLOCK, PackedPair};
 use super::point_lanes::{LANES, PointLanes};
 use super::sample::{DensityTerms, DrawTerms, density, unfold, unit_azimuth};
-use super::tables::IndexedTables;
 use crate::direction_sampler::DirectionSample;
 use crate::geometry::half_vector_chart::{ChartEdge, HalfVectorChart, MERL_PARTS};
 use crate::geometry::merl_axes::AxisBins;

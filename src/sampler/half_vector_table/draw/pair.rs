@@ -1,13 +1,15 @@
 //! What lies between the tables of two angles, mixed at every question.
 
-use super::lookup::{AzimuthSegment, InterpolatedRow, InterpolatedTable, WEIGHT_ONE};
-use super::packed::{BLOCK, PackedPair, RecordPair};
-use super::tables::IndexedTables;
+use super::super::tables::IndexedTables;
+use super::super::tables::lookup::{
+    AzimuthSegment, InterpolatedRow, InterpolatedTable, WEIGHT_ONE,
+};
+use super::super::tables::packed::{BLOCK, PackedPair, RecordPair};
 
 /// Two neighbouring tables, and the weight of the second: the table that is interpolated between them.
 #[derive(Clone, Copy, Debug)]
 pub struct TablePair<'a> {
-    pub(super) tables: &'a IndexedTables,
+    pub(in crate::sampler) tables: &'a IndexedTables,
     first: usize,
     second: usize,
     weight: u32,
@@ -28,7 +30,7 @@ impl IndexedTables {
 
     /// [`Self::interpolate`] where the number of cosines above that of `wo` is known.
     #[inline(always)]
-    pub(super) fn pair_at(&self, above: usize, cos_o: f32) -> TablePair<'_> {
+    pub(in crate::sampler) fn pair_at(&self, above: usize, cos_o: f32) -> TablePair<'_> {
         // Step 4: a = max(b − 1, 0).
         let second = above.min(self.cosines().len() - 1);
         let first = second.saturating_sub(1);
@@ -51,19 +53,19 @@ impl IndexedTables {
 impl<'a> TablePair<'a> {
     /// Step 5, as [`PackedPair::mix`].
     #[inline(always)]
-    pub(super) fn mix(&self, first: u16, second: u16) -> u32 {
+    pub(in crate::sampler) fn mix(&self, first: u16, second: u16) -> u32 {
         PackedPair::new(first, second).mix(self.weight)
     }
 
     /// The numbers of the two tables.
     #[inline(always)]
-    pub(super) fn numbers(&self) -> [u32; 2] {
+    pub(in crate::sampler) fn numbers(&self) -> [u32; 2] {
         [self.first as u32, self.second as u32]
     }
 
     /// Weight of the second table, in units of 1/[`WEIGHT_ONE`].
     #[inline(always)]
-    pub(super) fn weight(&self) -> u32 {
+    pub(in crate::sampler) fn weight(&self) -> u32 {
         self.weight
     }
 
@@ -74,7 +76,7 @@ impl<'a> TablePair<'a> {
 
     /// Nodes of a row of both tables.
     #[inline(always)]
-    pub(super) fn nodes(&self, row: usize) -> (&'a [u16], &'a [u16]) {
+    pub(in crate::sampler) fn nodes(&self, row: usize) -> (&'a [u16], &'a [u16]) {
         self.record(row).nodes()
     }
 
@@ -149,9 +151,9 @@ impl InterpolatedTable for TablePair<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::tables::lookup::{invert_segment, invert_slope, slope_cdf};
+    use super::super::super::tables::tests::example;
     use super::super::batch::PremixedTable;
-    use super::super::lookup::{invert_segment, invert_slope, slope_cdf};
-    use super::super::tables::tests::example;
     use super::*;
 
     #[test]

@@ -33,7 +33,7 @@ impl PointLanes {
     }
 
     #[inline(always)]
-    pub(super) fn tan2_theta_h(&self, lane: usize) -> f64 {
+    pub(in crate::sampler) fn tan2_theta_h(&self, lane: usize) -> f64 {
         self.tan2_theta_h[lane]
     }
 
