@@ -4,8 +4,7 @@
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use super::scene::{Hit, Surface};
-use super::shape::Ray;
+use super::scene::Surface;
 use crate::color::Rgb;
 use crate::direction_sampler::DirectionSample;
 use crate::distribution::Reservoir;
@@ -16,32 +15,138 @@ use crate::points::PointId;
 /// Paths that are followed together: their arrays fit the fastest cache.
 pub(super) const BUNDLE: usize = 64;
 
-/// A path that goes on.
-pub(super) struct ActivePath {
-    /// Position in the bundle.
-    pub(super) lane: usize,
-    pub(super) ray: Ray,
-    pub(super) hit: Option<Hit>,
-    pub(super) throughput: DVec3,
+/// What is called the object of a ray that meets none.
+pub(super) const NOTHING: u32 = u32::MAX;
+
+/// Rays of paths or of drawn directions, and what they meet, in columns of one length.
+#[derive(Default)]
+pub(super) struct Rays {
+    /// Whose each is: of a path its position in the bundle, of a drawn direction that of its vertex in the run.
+    pub(super) owners: Vec<u32>,
+    pub(super) from: Vec<DVec3>,
+    /// Unit directions.
+    pub(super) along: Vec<DVec3>,
+    /// Of a path its throughput, of a drawn direction f_r·cos/pdf.
+    pub(super) weights: Vec<DVec3>,
+    /// The density that each direction was drawn with; of no meaning for camera rays and mirror directions.
+    pub(super) pdfs: Vec<f64>,
+    /// The objects that the rays start on, or [`NOTHING`].
+    pub(super) leaving: Vec<u32>,
+    /// Distances to what they meet, or infinity.
+    pub(super) reach: Vec<f64>,
+    /// The objects that they meet, or [`NOTHING`].
+    pub(super) objects: Vec<u32>,
+    /// Normals there; of no meaning without an object.
+    pub(super) normals: Vec<DVec3>,
+}
+
+/// A ray to be added to [`Rays`].
+#[derive(Clone, Copy)]
+pub(super) struct NewRay {
+    pub(super) owner: u32,
+    pub(super) from: DVec3,
+    pub(super) along: DVec3,
+    pub(super) weight: DVec3,
+    pub(super) pdf: f64,
+    pub(super) leaving: u32,
+}
+
+impl Rays {
+    pub(super) fn len(&self) -> usize {
+        self.owners.len()
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.owners.is_empty()
+    }
+
+    /// Forgets all rays.
+    pub(super) fn clear(&mut self) {
+        let Self {
+            owners,
+            from,
+            along,
+            weights,
+            pdfs,
+            leaving,
+            reach,
+            objects,
+            normals,
+        } = self;
+        owners.clear();
+        from.clear();
+        along.clear();
+        weights.clear();
+        pdfs.clear();
+        leaving.clear();
+        reach.clear();
+        objects.clear();
+        normals.clear();
+    }
+
+    /// Adds a ray that has met nothing so far.
+    pub(super) fn push(&mut self, ray: NewRay) {
+        self.owners.push(ray.owner);
+        self.from.push(ray.from);
+        self.along.push(ray.along);
+        self.weights.push(ray.weight);
+        self.pdfs.push(ray.pdf);
+        self.leaving.push(ray.leaving);
+    }
+
+    /// Makes `count` camera rays out of one point, each of the path in its position, whose directions are still to be filled in.
+    pub(super) fn begin(&mut self, count: usize, eye: DVec3) {
+        self.owners.clear();
+        self.owners.extend(0..count as u32);
+        refill(&mut self.from, count, eye);
+        refill(&mut self.along, count, DVec3::ZERO);
+        refill(&mut self.weights, count, DVec3::ONE);
+        refill(&mut self.pdfs, count, 0.0);
+        refill(&mut self.leaving, count, NOTHING);
+    }
+
+    /// Forgets what the rays meet.
+    pub(super) fn forget_hits(&mut self) {
+        let count = self.len();
+        refill(&mut self.reach, count, f64::INFINITY);
+        refill(&mut self.objects, count, NOTHING);
+        refill(&mut self.normals, count, DVec3::ZERO);
+    }
+
+    /// A ray, with what it carries.
+    pub(super) fn get(&self, k: usize) -> NewRay {
+        NewRay {
+            owner: self.owners[k],
+            from: self.from[k],
+            along: self.along[k],
+            weight: self.weights[k],
+            pdf: self.pdfs[k],
+            leaving: self.leaving[k],
+        }
+    }
+
+    /// Adds a ray of others, with what it carries and meets.
+    pub(super) fn push_from(&mut self, others: &Self, k: usize, weight: DVec3) {
+        self.push(NewRay {
+            weight,
+            ..others.get(k)
+        });
+        self.reach.push(others.reach[k]);
+        self.objects.push(others.objects[k]);
+        self.normals.push(others.normals[k]);
+    }
 }
 
 /// A point of a path, with its local frame.
 pub(super) struct Vertex<'a> {
     /// Position of its path in the bundle.
-    pub(super) lane: usize,
+    pub(super) lane: u32,
     pub(super) throughput: DVec3,
-    pub(super) hit: Hit,
+    pub(super) position: DVec3,
+    pub(super) object: u32,
     pub(super) frame: Frame,
     pub(super) wo: Vec3,
     pub(super) surface: &'a Surface,
-}
-
-/// A direction drawn from a vertex, and f_r·cos/pdf.
-#[derive(Clone, Copy)]
-pub(super) struct ScatteredRay {
-    pub(super) ray: Ray,
-    pub(super) pdf: f64,
-    pub(super) weight: DVec3,
 }
 
 /// Light that is about to be reflected at a vertex.
@@ -71,10 +176,8 @@ pub(super) struct Bundle<'a> {
     pub(super) ids: Vec<PointId>,
     /// Points of the pixels, by lane.
     pub(super) pixels: Vec<Vec2>,
-    /// Rays through these, by lane.
-    pub(super) starts: Vec<Ray>,
-    /// The paths that go on.
-    pub(super) paths: Vec<ActivePath>,
+    /// The paths that go on: the camera's rays first.
+    pub(super) rays: Rays,
     pub(super) vertices: Vec<Vertex<'a>>,
     /// The places of the vertices' paths.
     pub(super) vertex_ids: Vec<PointId>,
@@ -89,42 +192,21 @@ pub(super) struct Scratch {
     pub(super) emitted: EmittedLight,
     pub(super) direct: DirectLight,
     pub(super) scattered: Scattering,
-    /// Directions that were drawn, and what they meet.
-    pub(super) found: Vec<(ScatteredRay, Option<Hit>)>,
-    /// The paths that these directions make.
-    pub(super) next: Vec<ActivePath>,
-    pub(super) reservoirs: Vec<Reservoir<ScatteredRay>>,
+    /// Directions that were drawn and carry something, and what they meet.
+    pub(super) found: Rays,
+    pub(super) reservoirs: Vec<Reservoir<NewRay>>,
     /// Vertices whose reservoirs kept a direction, and what its light is scaled by.
     pub(super) scales: Vec<(usize, f64)>,
     /// Radiance that each vertex reflects.
     pub(super) reflected: Vec<DVec3>,
 }
 
-/// Rays along which lights with an extent are looked for, and what they find.
+/// What lights with an extent emit along rays.
 #[derive(Default)]
 pub(super) struct EmittedLight {
-    pub(super) from: Vec<DVec3>,
-    pub(super) along: Vec<DVec3>,
-    pub(super) reach: Vec<f64>,
     pub(super) emissions: Vec<Option<Emission>>,
     /// Radiance along each ray, of all lights.
     pub(super) sums: Vec<DVec3>,
-}
-
-impl EmittedLight {
-    /// Forgets all rays.
-    pub(super) fn clear(&mut self) {
-        self.from.clear();
-        self.along.clear();
-        self.reach.clear();
-    }
-
-    /// Adds a ray that ends at what it hits.
-    pub(super) fn push(&mut self, ray: &Ray, hit: Option<Hit>) {
-        self.from.push(ray.origin);
-        self.along.push(ray.direction);
-        self.reach.push(hit.map_or(f64::INFINITY, |h| h.distance));
-    }
 }
 
 /// Light that is sampled or evaluated from the vertices of a run, and what they reflect of it.
@@ -152,8 +234,8 @@ pub(super) struct Scattering {
     pub(super) wi: Vec<Vec3>,
     pub(super) samples: Vec<Option<DirectionSample>>,
     pub(super) reflected: Vec<Rgb>,
-    /// The directions; `None` for a failed draw.
-    pub(super) rays: Vec<Option<ScatteredRay>>,
+    /// The directions, without failed draws.
+    pub(super) rays: Rays,
 }
 
 /// Makes an array of `count` elements that are all `value`.

@@ -20,7 +20,10 @@ pub struct Camera {
 impl Camera {
     /// The ray through a point of a picture of `aspect` = width over height, in [0, 1]² from its upper left corner.
     pub fn ray(&self, p: DVec2, aspect: f64) -> Ray {
-        self.axes(aspect).ray(p)
+        Ray {
+            origin: self.eye,
+            direction: self.axes(aspect).direction(p),
+        }
     }
 
     /// The camera's axes, ready to make rays for a picture of the given width over height.
@@ -32,7 +35,6 @@ impl Camera {
         let half = (self.vertical_angle * 0.5).tan();
         let up = right.cross(forward);
         CameraAxes {
-            eye: self.eye,
             forward,
             across: right * half * aspect,
             up: up * half,
@@ -43,21 +45,18 @@ impl Camera {
 /// A camera's axes, scaled to a picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CameraAxes {
-    eye: DVec3,
     forward: DVec3,
     across: DVec3,
     up: DVec3,
 }
 
 impl CameraAxes {
-    /// The ray through a point of the picture, in [0, 1]² from its upper left corner.
-    pub(super) fn ray(&self, p: DVec2) -> Ray {
+    /// The unit direction through a point of the picture, in [0, 1]² from its upper left corner.
+    #[inline(always)]
+    pub(super) fn direction(&self, p: DVec2) -> DVec3 {
         // From the upper left corner: x runs from −across to +across, y from +up to −up.
         let direction =
             self.forward + (2.0 * p.x - 1.0) * self.across + (1.0 - 2.0 * p.y) * self.up;
-        Ray {
-            origin: self.eye,
-            direction: direction.normalize_or(self.forward),
-        }
+        direction.normalize_or(self.forward)
     }
 }

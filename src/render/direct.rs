@@ -1,33 +1,34 @@
 //! Light on the vertices of a surface: what lights emit along rays, directions towards lights, and directions from the BRDF.
 
+use fearless_simd::{Level, dispatch};
 use glam::{DVec2, DVec3, Vec3};
 
 use super::bundle::{
-    DirectLight, EmittedLight, IncidentLight, Run, ScatteredRay, Scattering, Vertex, refill,
+    DirectLight, EmittedLight, IncidentLight, NewRay, Rays, Run, Scattering, Vertex, refill,
 };
-use super::scene::{Hit, Surface};
+use super::scene::Surface;
 use super::shape::Ray;
 use super::tracer::Tracer;
 use crate::batch::Wo;
 use crate::color::Rgb;
+use crate::direction_sampler::DirectionSample;
 use crate::geometry::is_upper;
 use crate::light::Light;
 
 impl Tracer<'_> {
     /// Sums radiance of lights with an extent along rays, up to what these hit; each light's by `weight` of the ray's position
     /// and the light's density.
-    pub(super) fn sum_emitted(&self, rays: &mut EmittedLight, weight: impl Fn(usize, f64) -> f64) {
-        let EmittedLight {
-            from,
-            along,
-            reach,
-            emissions,
-            sums,
-        } = rays;
-        refill(sums, from.len(), DVec3::ZERO);
-        refill(emissions, from.len(), None);
+    pub(super) fn sum_emitted(
+        &self,
+        rays: &Rays,
+        emitted: &mut EmittedLight,
+        weight: impl Fn(usize, f64) -> f64,
+    ) {
+        let EmittedLight { emissions, sums } = emitted;
+        refill(sums, rays.len(), DVec3::ZERO);
+        refill(emissions, rays.len(), None);
         for light in &self.scene.lights {
-            light.emitted_batch(from, along, reach, emissions);
+            light.emitted_batch(&rays.from, &rays.along, &rays.reach, emissions);
             for (i, (sum, emission)) in sums.iter_mut().zip(&*emissions).enumerate() {
                 if let Some(emission) = emission {
                     *sum += emission.radiance.as_dvec3() * weight(i, emission.pdf);
@@ -38,31 +39,23 @@ impl Tracer<'_> {
 
     /// Sums radiance of lights with an extent that drawn directions find up to what they hit, each as far as it counts:
     /// w(p, q)·L.
-    pub(super) fn sum_found(
-        &self,
-        found: &[(ScatteredRay, Option<Hit>)],
-        emitted: &mut EmittedLight,
-    ) {
-        emitted.clear();
-        for (scattered, hit) in found {
-            emitted.push(&scattered.ray, *hit);
-        }
-        self.sum_emitted(emitted, |i, light_pdf| {
+    pub(super) fn sum_found(&self, found: &Rays, emitted: &mut EmittedLight) {
+        self.sum_emitted(found, emitted, |i, light_pdf| {
             if self.mis {
-                self.heuristic.weight(found[i].0.pdf, light_pdf)
+                self.heuristic.weight(found.pdfs[i], light_pdf)
             } else {
                 1.0
             }
         });
     }
 
-    /// What a drawn direction meets; nothing, where the plan says that nothing can be in the way.
-    pub(super) fn next_hit(&self, ray: &Ray, leaving: usize) -> Option<Hit> {
+    /// What drawn directions meet; nothing, where the plan says that nothing can be in the way.
+    pub(super) fn find_next_hits(&self, rays: &mut Rays) {
         // Lights are not objects. Where nothing hides them and no path goes on, a hit would change nothing.
         if self.shadows || self.interreflection {
-            self.scene.hit(ray, Some(leaving))
+            self.scene.find_hits(rays);
         } else {
-            None
+            rays.forget_hits();
         }
     }
 
@@ -140,10 +133,10 @@ impl Tracer<'_> {
 
     fn is_hidden(&self, vertex: &Vertex<'_>, lit: &IncidentLight) -> bool {
         let ray = Ray {
-            origin: vertex.hit.position,
+            origin: vertex.position,
             direction: lit.towards,
         };
-        self.shadows && self.scene.is_hidden(&ray, vertex.hit.object, lit.distance)
+        self.shadows && self.scene.is_hidden(&ray, vertex.object, lit.distance)
     }
 
     /// Draws a direction from each vertex of a surface by its point of the unit square, with f_r·cos/p.
@@ -156,7 +149,7 @@ impl Tracer<'_> {
             reflected,
             rays,
         } = scattering;
-        refill(rays, run.vertices.len(), None);
+        rays.clear();
         let Some(Vertex { surface, .. }) = run.vertices.first() else {
             return;
         };
@@ -174,17 +167,30 @@ impl Tracer<'_> {
         refill(reflected, run.vertices.len(), Rgb::ZERO);
         surface.brdf.eval_cos_batch(Wo::Each(wo), wi, reflected);
         // Turn the directions into rays of world space.
-        for (k, vertex) in run.vertices.iter().enumerate() {
-            let Some(sample) = samples[k] else { continue };
-            let pdf = f64::from(sample.pdf);
-            let direction = vertex.frame.to_world(sample.wi).as_dvec3();
-            rays[k] = direction.try_normalize().map(|direction| ScatteredRay {
-                ray: Ray {
-                    origin: vertex.hit.position,
-                    direction,
-                },
-                pdf,
+        dispatch!(Level::new(), _ => fill_drawn_rays(run.vertices, samples, reflected, rays));
+    }
+}
+
+/// Adds the ray of each direction that was drawn, in world space, with f_r·cos/p.
+#[inline(always)]
+fn fill_drawn_rays(
+    vertices: &[Vertex<'_>],
+    samples: &[Option<DirectionSample>],
+    reflected: &[Rgb],
+    rays: &mut Rays,
+) {
+    for (k, vertex) in vertices.iter().enumerate() {
+        let Some(sample) = samples[k] else { continue };
+        let pdf = f64::from(sample.pdf);
+        let direction = vertex.frame.to_world(sample.wi).as_dvec3();
+        if let Some(along) = direction.try_normalize() {
+            rays.push(NewRay {
+                owner: k as u32,
+                from: vertex.position,
+                along,
                 weight: reflected[k].as_dvec3() / pdf,
+                pdf,
+                leaving: vertex.object,
             });
         }
     }
@@ -203,7 +209,7 @@ fn choose_light(vertices: &[Vertex<'_>], light: &dyn Light, direct: &mut DirectL
         ..
     } = direct;
     from.clear();
-    from.extend(vertices.iter().map(|vertex| vertex.hit.position));
+    from.extend(vertices.iter().map(|vertex| vertex.position));
     refill(samples, vertices.len(), None);
     light.sample_batch(from, points, samples);
     lights.clear();

@@ -12,9 +12,10 @@
 //!
 //! w is the weight of multiple importance sampling, 1 where only one of the two techniques finds the light.
 
+use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
-use super::bundle::{ActivePath, BUNDLE, Bundle, Run, Scratch, Vertex, refill};
+use super::bundle::{BUNDLE, Bundle, NOTHING, NewRay, Rays, Run, Scratch, Vertex, refill};
 use super::path_numbers::PathId;
 use super::plan::ROULETTE_FROM;
 use super::tracer::Tracer;
@@ -54,10 +55,8 @@ impl<'a> Tracer<'a> {
             bundle.ids.push(path.point);
         }
         self.numbers.fill_pixels(&bundle.ids, &mut bundle.pixels);
-        bundle.starts.clear();
-        for (path, within) in paths.iter().zip(&bundle.pixels) {
-            bundle.starts.push(self.ray(path.pixel, within.as_dvec2()));
-        }
+        bundle.rays.begin(paths.len(), self.scene.camera.eye);
+        self.aim(paths, &bundle.pixels, &mut bundle.rays.along);
     }
 
     /// Estimates the radiance that arrives at the origins of a bundle's camera rays.
@@ -65,7 +64,7 @@ impl<'a> Tracer<'a> {
         self.begin_paths(bundle);
         let Bundle {
             ids,
-            paths,
+            rays,
             vertices,
             vertex_ids,
             radiance,
@@ -74,12 +73,11 @@ impl<'a> Tracer<'a> {
         } = bundle;
         for bounce in 0..self.scene.depth {
             // Turn hits into vertices; paths that leave the scene, or meet a surface from below, end.
-            vertices.clear();
-            vertices.extend(paths.iter().filter_map(|path| self.vertex(path)));
-            paths.clear();
+            dispatch!(Level::new(), _ => self.fill_vertices(rays, vertices));
+            rays.clear();
             vertex_ids.clear();
             for vertex in vertices.iter() {
-                vertex_ids.push(ids[vertex.lane]);
+                vertex_ids.push(ids[vertex.lane as usize]);
             }
             let mut first = 0;
             // Surfaces evaluate and sample their BRDFs for many directions at once.
@@ -91,10 +89,10 @@ impl<'a> Tracer<'a> {
                 };
                 first += vertices.len();
                 self.reflect_direct(run, scratch, radiance);
-                self.continue_paths(run, scratch, radiance, ids, paths);
-                self.add_mirrors(run, scratch, radiance, ids, paths);
+                self.continue_paths(run, scratch, radiance, ids, rays);
+                self.add_mirrors(run, scratch, radiance, ids, rays);
             }
-            if paths.is_empty() {
+            if rays.is_empty() {
                 break;
             }
         }
@@ -109,38 +107,39 @@ impl<'a> Tracer<'a> {
 
     /// Finds what the camera rays meet, and what lights with an extent emit along them.
     fn begin_paths(&self, bundle: &mut Bundle<'a>) {
-        let emitted = &mut bundle.scratch.emitted;
-        bundle.paths.clear();
-        emitted.clear();
-        for (lane, &ray) in bundle.starts.iter().enumerate() {
-            let hit = self.scene.hit(&ray, None);
-            emitted.push(&ray, hit);
-            bundle.paths.push(ActivePath {
-                lane,
-                ray,
-                hit,
-                throughput: DVec3::ONE,
-            });
-        }
+        self.scene.find_hits(&mut bundle.rays);
         // No other technique finds what the camera sees without a surface in between, so it counts in full.
-        self.sum_emitted(emitted, |_, _| 1.0);
+        let emitted = &mut bundle.scratch.emitted;
+        self.sum_emitted(&bundle.rays, emitted, |_, _| 1.0);
         bundle.radiance.clear();
         bundle.radiance.extend_from_slice(&emitted.sums);
     }
 
-    fn vertex(&self, path: &ActivePath) -> Option<Vertex<'a>> {
-        let hit = path.hit?;
-        let surface = self.scene.surface(hit.object)?;
-        let frame = surface.frame(hit.normal.as_vec3());
-        let wo = frame.to_local(-path.ray.direction.as_vec3());
-        is_upper(wo).then_some(Vertex {
-            lane: path.lane,
-            throughput: path.throughput,
-            hit,
-            frame,
-            wo,
-            surface,
-        })
+    /// The vertices where rays meet loaded surfaces from above, in the order of the rays.
+    #[inline(always)]
+    fn fill_vertices(&self, rays: &Rays, vertices: &mut Vec<Vertex<'a>>) {
+        vertices.clear();
+        for k in 0..rays.len() {
+            if rays.objects[k] == NOTHING {
+                continue;
+            }
+            let Some(surface) = self.scene.surface(rays.objects[k]) else {
+                continue;
+            };
+            let frame = surface.frame(rays.normals[k].as_vec3());
+            let wo = frame.to_local(-rays.along[k].as_vec3());
+            if is_upper(wo) {
+                vertices.push(Vertex {
+                    lane: rays.owners[k],
+                    throughput: rays.weights[k],
+                    position: rays.from[k] + rays.reach[k] * rays.along[k],
+                    object: rays.objects[k],
+                    frame,
+                    wo,
+                    surface,
+                });
+            }
+        }
     }
 
     /// Adds what vertices of a surface reflect of light that is evaluated, sampled or resampled.
@@ -151,7 +150,7 @@ impl<'a> Tracer<'a> {
         }
         self.add_direct(run, &mut scratch.direct, &mut scratch.reflected);
         for (vertex, reflected) in run.vertices.iter().zip(&scratch.reflected) {
-            radiance[vertex.lane] += vertex.throughput * *reflected;
+            radiance[vertex.lane as usize] += vertex.throughput * *reflected;
         }
     }
 
@@ -162,7 +161,7 @@ impl<'a> Tracer<'a> {
         scratch: &mut Scratch,
         radiance: &mut [DVec3],
         ids: &[PointId],
-        paths: &mut Vec<ActivePath>,
+        paths: &mut Rays,
     ) {
         // A direction is of use if the light that it hits counts, or if the path may have another vertex along it.
         let follows = self.interreflection && run.bounce + 1 < self.scene.depth;
@@ -173,16 +172,25 @@ impl<'a> Tracer<'a> {
         // Add the light that the directions find, as far as it counts.
         if self.hits_count {
             self.sum_found(&scratch.found, &mut scratch.emitted);
-            for (path, found) in scratch.next.iter().zip(&scratch.emitted.sums) {
-                radiance[path.lane] += path.throughput * *found;
-            }
+            add_found(&scratch.found, &scratch.emitted.sums, radiance);
         }
-        // Let roulette decide which paths go on.
         if follows {
-            for mut path in scratch.next.drain(..) {
-                if self.survives(&mut path.throughput, run.bounce, ids[path.lane]) {
-                    paths.push(path);
-                }
+            self.keep_survivors(&scratch.found, run.bounce, ids, paths);
+        }
+    }
+
+    /// Lets roulette decide which of `found` are among the `paths` that go on.
+    pub(super) fn keep_survivors(
+        &self,
+        found: &Rays,
+        bounce: u32,
+        ids: &[PointId],
+        paths: &mut Rays,
+    ) {
+        for k in 0..found.len() {
+            let mut throughput = found.weights[k];
+            if self.survives(&mut throughput, bounce, ids[found.owners[k] as usize]) {
+                paths.push_from(found, k, throughput);
             }
         }
     }
@@ -192,23 +200,21 @@ impl<'a> Tracer<'a> {
         let points = &mut scratch.scattered.points;
         self.numbers.fill_directions(run.bounce, run.ids, points);
         self.scatter(run, &mut scratch.scattered);
+        let drawn = &scratch.scattered.rays;
         scratch.found.clear();
-        scratch.next.clear();
-        for (vertex, scattered) in run.vertices.iter().zip(&scratch.scattered.rays) {
-            let Some(scattered) = scattered else { continue };
-            let throughput = vertex.throughput * scattered.weight;
+        for k in 0..drawn.len() {
+            let vertex = &run.vertices[drawn.owners[k] as usize];
+            let throughput = vertex.throughput * drawn.weights[k];
             if throughput == DVec3::ZERO || !throughput.is_finite() {
                 continue;
             }
-            let hit = self.next_hit(&scattered.ray, vertex.hit.object);
-            scratch.found.push((*scattered, hit));
-            scratch.next.push(ActivePath {
-                lane: vertex.lane,
-                ray: scattered.ray,
-                hit,
-                throughput,
+            scratch.found.push(NewRay {
+                owner: vertex.lane,
+                weight: throughput,
+                ..drawn.get(k)
             });
         }
+        self.find_next_hits(&mut scratch.found);
     }
 
     /// Ends a path at random in proportion to what it can't carry any more, and makes up for it in the survivors: with the
@@ -221,5 +227,12 @@ impl<'a> Tracer<'a> {
         let chance = throughput.max_element().min(1.0);
         *throughput /= chance;
         f64::from(self.numbers.chances(bounce, id).x) < chance
+    }
+}
+
+/// Adds T·L of each ray to its path's radiance.
+pub(super) fn add_found(rays: &Rays, found: &[DVec3], radiance: &mut [DVec3]) {
+    for (k, light) in found.iter().enumerate() {
+        radiance[rays.owners[k] as usize] += rays.weights[k] * *light;
     }
 }

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::bundle::{ActivePath, Run, Scratch, Vertex};
-use super::shape::Ray;
+use super::bundle::{NewRay, Rays, Run, Scratch, Vertex};
+use super::follow::add_found;
 use super::tracer::Tracer;
 use crate::points::PointId;
 
@@ -18,56 +18,49 @@ impl Tracer<'_> {
         scratch: &mut Scratch,
         radiance: &mut [DVec3],
         ids: &[PointId],
-        paths: &mut Vec<ActivePath>,
+        paths: &mut Rays,
     ) {
         if !self.mirrors {
             return;
         }
-        scratch.emitted.clear();
-        scratch.next.clear();
+        let found = &mut scratch.found;
+        found.clear();
         for vertex in run.vertices {
-            if let Some(path) = self.mirror_path(vertex) {
-                scratch.emitted.push(&path.ray, path.hit);
-                scratch.next.push(path);
+            if let Some(ray) = mirror_ray(vertex) {
+                found.push(ray);
             }
         }
-        if scratch.next.is_empty() {
+        if found.is_empty() {
             return;
         }
+        self.find_next_hits(found);
         // Add what lights with an extent emit along the mirror directions.
-        self.sum_emitted(&mut scratch.emitted, |_, _| 1.0);
-        for (path, found) in scratch.next.iter().zip(&scratch.emitted.sums) {
-            radiance[path.lane] += path.throughput * *found;
-        }
+        self.sum_emitted(found, &mut scratch.emitted, |_, _| 1.0);
+        add_found(found, &scratch.emitted.sums, radiance);
         // Let roulette decide which paths go on.
         if self.interreflection && run.bounce + 1 < self.scene.depth {
-            for mut path in scratch.next.drain(..) {
-                if self.survives(&mut path.throughput, run.bounce, ids[path.lane]) {
-                    paths.push(path);
-                }
-            }
+            self.keep_survivors(found, run.bounce, ids, paths);
         }
     }
+}
 
-    /// The path along the mirror direction of a vertex, T ← T·F; `None` where nothing is reflected there.
-    fn mirror_path(&self, vertex: &Vertex<'_>) -> Option<ActivePath> {
-        let mirror = vertex.surface.brdf.mirror(vertex.wo)?.as_dvec3();
-        let throughput = vertex.throughput * mirror;
-        if throughput == DVec3::ZERO || !throughput.is_finite() {
-            return None;
-        }
-        let wi = Vec3::new(-vertex.wo.x, -vertex.wo.y, vertex.wo.z);
-        let ray = Ray {
-            origin: vertex.hit.position,
-            direction: vertex.frame.to_world(wi).as_dvec3().try_normalize()?,
-        };
-        Some(ActivePath {
-            lane: vertex.lane,
-            hit: self.next_hit(&ray, vertex.hit.object),
-            ray,
-            throughput,
-        })
+/// The ray along the mirror direction of a vertex, T ← T·F; `None` where nothing is reflected there.
+fn mirror_ray(vertex: &Vertex<'_>) -> Option<NewRay> {
+    let mirror = vertex.surface.brdf.mirror(vertex.wo)?.as_dvec3();
+    let throughput = vertex.throughput * mirror;
+    if throughput == DVec3::ZERO || !throughput.is_finite() {
+        return None;
     }
+    let wi = Vec3::new(-vertex.wo.x, -vertex.wo.y, vertex.wo.z);
+    Some(NewRay {
+        owner: vertex.lane,
+        from: vertex.position,
+        along: vertex.frame.to_world(wi).as_dvec3().try_normalize()?,
+        weight: throughput,
+        // Neither technique draws it by a density.
+        pdf: 0.0,
+        leaving: vertex.object,
+    })
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::bundle::{Run, ScatteredRay, Scratch};
+use super::bundle::{Run, Scratch};
 use super::tracer::Tracer;
 use crate::distribution::Reservoir;
 
@@ -41,43 +41,42 @@ impl Tracer<'_> {
             let Some(kept) = reservoir.kept() else {
                 continue;
             };
-            let hit = self.next_hit(&kept.candidate.ray, run.vertices[i].hit.object);
-            scratch.found.push((kept.candidate, hit));
+            scratch.found.push(kept.candidate);
             // mean(t/p)/(t/p), by which f·cos·L'/p below becomes the estimate above.
             scratch.scales.push((i, kept.mean_weight / kept.weight));
         }
+        self.find_next_hits(&mut scratch.found);
         self.sum_found(&scratch.found, &mut scratch.emitted);
         for (k, &(i, scale)) in scratch.scales.iter().enumerate() {
-            let weight = scratch.found[k].0.weight;
+            let weight = scratch.found.weights[k];
             scratch.reflected[i] = weight * scratch.emitted.sums[k] * scale;
         }
     }
 
     /// Offers one candidate to each vertex's reservoir, with its weight: the mean channel of f·cos·L/p with nothing in the way.
     fn offer_candidates(&self, scratch: &mut Scratch) {
-        scratch.found.clear();
-        for scattered in scratch.scattered.rays.iter().flatten() {
-            scratch.found.push((*scattered, None));
-        }
-        self.sum_found(&scratch.found, &mut scratch.emitted);
-        let mut found = scratch.emitted.sums.iter();
-        let candidates = scratch.scattered.rays.iter();
-        for (reservoir, candidate) in scratch.reservoirs.iter_mut().zip(candidates) {
+        let rays = &mut scratch.scattered.rays;
+        rays.forget_hits();
+        self.sum_found(rays, &mut scratch.emitted);
+        let mut k = 0;
+        for (i, reservoir) in scratch.reservoirs.iter_mut().enumerate() {
             // A failed draw found nothing, and counts as a candidate without weight.
-            let Some(ray) = candidate else {
+            if k == rays.len() || rays.owners[k] as usize != i {
                 reservoir.offer(None);
                 continue;
-            };
-            let light = found.next().copied().unwrap_or(DVec3::ZERO);
-            reservoir.offer(Some((*ray, candidate_weight(ray, light))));
+            }
+            let ray = rays.get(k);
+            let light = scratch.emitted.sums[k];
+            reservoir.offer(Some((ray, candidate_weight(ray.weight, light))));
+            k += 1;
         }
     }
 }
 
-fn candidate_weight(scattered: &ScatteredRay, found: DVec3) -> f64 {
-    if scattered.weight == DVec3::ZERO {
+fn candidate_weight(weight: DVec3, found: DVec3) -> f64 {
+    if weight == DVec3::ZERO {
         0.0
     } else {
-        (scattered.weight * found).element_sum() / 3.0
+        (weight * found).element_sum() / 3.0
     }
 }

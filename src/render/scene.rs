@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
+use super::bundle::Rays;
 use super::camera::Camera;
 use super::plan::{Effect, EffectPlan, PlanRequest};
 use super::shape::{Floor, Ray, Shape};
@@ -70,15 +71,6 @@ impl Object {
     }
 }
 
-/// Where a ray meets an object.
-#[derive(Clone, Copy)]
-pub(super) struct Hit {
-    pub(super) object: usize,
-    pub(super) position: DVec3,
-    pub(super) normal: DVec3,
-    pub(super) distance: f64,
-}
-
 /// How far a ray must have come from an object that is not convex before it can meet that object again, in units of its
 /// origin's largest coordinate.
 ///
@@ -139,32 +131,18 @@ impl Scene {
             .collect()
     }
 
-    /// The first object that `ray` meets. `leaving` is the object that the ray starts on: one that is convex is not met
-    /// again, and no rounding can make it.
-    pub(super) fn hit(&self, ray: &Ray, leaving: Option<usize>) -> Option<Hit> {
-        let mut nearest: Option<Hit> = None;
+    /// Finds the first object that each ray meets. One that is convex is not met by a ray that leaves it.
+    pub(super) fn find_hits(&self, rays: &mut Rays) {
+        rays.forget_hits();
         for (object, candidate) in self.objects.iter().enumerate() {
-            let Some(near) = candidate.least_distance(ray, leaving == Some(object)) else {
-                continue;
-            };
-            // What is not nearer than the nearest so far needs no normal.
-            let far = nearest.map_or(f64::INFINITY, |hit| hit.distance);
-            if let Some(hit) = candidate.shape.intersect(ray, near, far) {
-                nearest = Some(Hit {
-                    object,
-                    position: ray.point_at(hit.distance),
-                    normal: hit.normal,
-                    distance: hit.distance,
-                });
-            }
+            candidate.find_hits(object as u32, rays);
         }
-        nearest
     }
 
     /// Whether something is between `ray`'s origin on `leaving` and `distance`.
-    pub(super) fn is_hidden(&self, ray: &Ray, leaving: usize, distance: f64) -> bool {
+    pub(super) fn is_hidden(&self, ray: &Ray, leaving: u32, distance: f64) -> bool {
         for (object, candidate) in self.objects.iter().enumerate() {
-            let Some(near) = candidate.least_distance(ray, leaving == object) else {
+            let Some(near) = candidate.least_distance(ray.origin, leaving == object as u32) else {
                 continue;
             };
             if candidate.shape.blocks(ray, near, distance) {
@@ -175,19 +153,49 @@ impl Scene {
     }
 
     /// The surface of an object; `None` if it was not loaded, because no light falls on it.
-    pub(super) fn surface(&self, object: usize) -> Option<&Surface> {
-        self.surfaces.get(self.objects[object].surface)?.as_ref()
+    pub(super) fn surface(&self, object: u32) -> Option<&Surface> {
+        self.surfaces
+            .get(self.objects[object as usize].surface)?
+            .as_ref()
     }
 }
 
 impl Object {
-    /// The distance beyond which a ray can meet the object; `None` if it can't meet it at all.
-    fn least_distance(&self, ray: &Ray, leaving: bool) -> Option<f64> {
+    /// Finds where rays meet this object, the one of that number, nearer than what they have met so far.
+    fn find_hits(&self, number: u32, rays: &mut Rays) {
+        let Rays {
+            from,
+            along,
+            leaving,
+            reach,
+            objects,
+            normals,
+            ..
+        } = rays;
+        for k in 0..from.len() {
+            let Some(near) = self.least_distance(from[k], leaving[k] == number) else {
+                continue;
+            };
+            // What is not nearer than the nearest so far needs no normal.
+            let ray = Ray {
+                origin: from[k],
+                direction: along[k],
+            };
+            if let Some(met) = self.shape.intersect(&ray, near, reach[k]) {
+                objects[k] = number;
+                reach[k] = met.distance;
+                normals[k] = met.normal;
+            }
+        }
+    }
+
+    /// The distance beyond which a ray from `origin` can meet the object; `None` if it can't meet it at all.
+    fn least_distance(&self, origin: DVec3, leaving: bool) -> Option<f64> {
         match (leaving, self.is_convex) {
             (false, _) => Some(0.0),
             // A ray never returns to the convex object that it leaves. To another it may, beyond the rounding of its origin.
             (true, true) => None,
-            (true, false) => Some(LEAST_RETURN * ray.origin.abs().max_element()),
+            (true, false) => Some(LEAST_RETURN * origin.abs().max_element()),
         }
     }
 }

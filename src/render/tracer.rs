@@ -1,13 +1,13 @@
 //! What a picture is traced with: a scene, its plan's switches, and the camera.
 
-use glam::DVec2;
+use fearless_simd::{Level, dispatch};
+use glam::{DVec2, DVec3, Vec2};
 
 use super::camera::CameraAxes;
-use super::path_numbers::PathNumbers;
+use super::path_numbers::{PathId, PathNumbers};
 use super::plan::Effect;
 use super::scene::Scene;
 use super::settings::RenderSettings;
-use super::shape::Ray;
 use crate::distribution::Heuristic;
 
 /// The scene and the switches of its plan, read once.
@@ -62,10 +62,23 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The ray through a point of a pixel, in [0, 1]² from its upper left corner.
-    pub(super) fn ray(&self, [x, y]: [usize; 2], within: DVec2) -> Ray {
+    /// Directions of the camera's rays through a point `within` each path's pixel, in [0, 1]² from the pixel's upper left corner.
+    pub(super) fn aim(&self, paths: &[PathId], within: &[Vec2], along: &mut [DVec3]) {
+        dispatch!(Level::new(), _ => self.fill_directions(paths, within, along));
+    }
+
+    #[inline(always)]
+    fn fill_directions(&self, paths: &[PathId], within: &[Vec2], along: &mut [DVec3]) {
+        for (k, along) in along.iter_mut().enumerate() {
+            *along = self.direction(paths[k].pixel, within[k].as_dvec2());
+        }
+    }
+
+    /// The direction of the camera's ray through a point of a pixel, in [0, 1]² from its upper left corner.
+    #[inline(always)]
+    pub(super) fn direction(&self, [x, y]: [usize; 2], within: DVec2) -> DVec3 {
         let size = DVec2::new(self.settings.width as f64, self.settings.height as f64);
-        self.axes
-            .ray((DVec2::new(x as f64, y as f64) + within) / size)
+        let corner = DVec2::new(x as f64, y as f64);
+        self.axes.direction((corner + within) / size)
     }
 }

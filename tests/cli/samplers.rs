@@ -328,7 +328,7 @@ fn info_tells_what_a_sampler_file_is() {
     for word in [
         "sampler file",
         "half-vector:4KB",
-        "nickel (embedded)",
+        "nickel (built in)",
         "linear",
         "albedo at 80°",
     ] {

@@ -26,6 +26,7 @@ use super::tiles::{HalfTile, OpenTile, REPLICATES, RefinedTile, Replicates, Tile
 use super::words::{WordReader, WordWriter};
 use crate::points::PointId;
 use crate::points::mix;
+use crate::render::bundle::{NOTHING, Rays};
 use crate::render::film::{Film, Pixel};
 use crate::render::path_numbers::PathId;
 use crate::render::settings::RenderSettings;
@@ -209,12 +210,15 @@ fn column_and_row(tracer: &Tracer<'_>, pixel: usize) -> [usize; 2] {
 
 /// Whether one of nine rays through a pixel meets an object.
 fn shows_object(tracer: &Tracer<'_>, pixel: usize) -> bool {
-    (0..9u32).any(|i| {
+    let mut rays = Rays::default();
+    rays.begin(9, tracer.scene.camera.eye);
+    for (i, along) in rays.along.iter_mut().enumerate() {
         // The rays pass the corners, the middles of the sides and the centre, so that an object at the edge is found too.
-        let within = DVec2::new(f64::from(i % 3), f64::from(i / 3)) / 2.0;
-        let ray = tracer.ray(column_and_row(tracer, pixel), within);
-        tracer.scene.hit(&ray, None).is_some()
-    })
+        let within = DVec2::new((i % 3) as f64, (i / 3) as f64) / 2.0;
+        *along = tracer.direction(column_and_row(tracer, pixel), within);
+    }
+    tracer.scene.find_hits(&mut rays);
+    rays.objects.iter().any(|&object| object != NOTHING)
 }
 
 struct Refiner<'a> {
