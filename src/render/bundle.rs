@@ -4,6 +4,7 @@
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
+use super::path_numbers::PathRun;
 use super::scene::Surface;
 use crate::color::Rgb;
 use crate::direction_sampler::DirectionSample;
@@ -18,7 +19,8 @@ pub(super) const BUNDLE: usize = 64;
 /// What is called the object of a ray that meets none.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// Rays of paths or of drawn directions, and what they meet, in columns of one length.
+/// Rays of paths or of drawn directions, and what they meet, in columns of one length. Those of what they meet are filled by
+/// [`super::scene::Scene::find_hits`].
 #[derive(Default)]
 pub(super) struct Rays {
     /// Whose each is: of a path its position in the bundle, of a drawn direction that of its vertex in the run.
@@ -32,6 +34,10 @@ pub(super) struct Rays {
     pub(super) pdfs: Vec<f64>,
     /// The objects that the rays start on, or [`NOTHING`].
     pub(super) leaving: Vec<u32>,
+    /// Distances from which on they meet an object, while it is intersected.
+    pub(super) near: Vec<f64>,
+    /// Distances to what they had met before that.
+    pub(super) before: Vec<f64>,
     /// Distances to what they meet, or infinity.
     pub(super) reach: Vec<f64>,
     /// The objects that they meet, or [`NOTHING`].
@@ -69,6 +75,8 @@ impl Rays {
             weights,
             pdfs,
             leaving,
+            near: _,
+            before: _,
             reach,
             objects,
             normals,
@@ -85,6 +93,7 @@ impl Rays {
     }
 
     /// Adds a ray that has met nothing so far.
+    #[inline(always)]
     pub(super) fn push(&mut self, ray: NewRay) {
         self.owners.push(ray.owner);
         self.from.push(ray.from);
@@ -114,6 +123,7 @@ impl Rays {
     }
 
     /// A ray, with what it carries.
+    #[inline(always)]
     pub(super) fn get(&self, k: usize) -> NewRay {
         NewRay {
             owner: self.owners[k],
@@ -169,9 +179,19 @@ pub(super) struct Run<'r, 'a> {
     pub(super) ids: &'r [PointId],
 }
 
+/// The paths of a bundle that are of one run.
+pub(super) struct PathsOfRun {
+    /// The run's number.
+    pub(super) run: usize,
+    pub(super) pixel: [usize; 2],
+    pub(super) count: usize,
+}
+
 /// A bundle of paths.
 #[derive(Default)]
 pub(super) struct Bundle<'a> {
+    /// Whose its paths are, in their order.
+    pub(super) paths: Vec<PathsOfRun>,
     /// The paths' places among those of their seeds, by lane.
     pub(super) ids: Vec<PointId>,
     /// Points of the pixels, by lane.
@@ -184,6 +204,41 @@ pub(super) struct Bundle<'a> {
     /// Estimates of the radiance that arrives at the camera, by lane.
     pub(super) radiance: Vec<DVec3>,
     pub(super) scratch: Scratch,
+}
+
+impl Bundle<'_> {
+    pub(super) fn is_full(&self) -> bool {
+        self.ids.len() >= BUNDLE
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    /// Forgets its paths.
+    pub(super) fn clear(&mut self) {
+        self.paths.clear();
+        self.ids.clear();
+    }
+
+    /// Takes paths from the beginning of a run, up to as many as it has room for.
+    pub(super) fn take_paths(&mut self, number: usize, run: &mut PathRun) {
+        let room = (BUNDLE - self.ids.len()) as u64;
+        let end = run.to.min(run.from + room);
+        for index in run.from..end {
+            self.ids.push(PointId {
+                seed: run.seed,
+                index,
+                count: run.count,
+            });
+        }
+        self.paths.push(PathsOfRun {
+            run: number,
+            pixel: run.pixel,
+            count: (end - run.from) as usize,
+        });
+        run.from = end;
+    }
 }
 
 /// What the stages of a run pass on.

@@ -15,8 +15,8 @@
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
-use super::bundle::{BUNDLE, Bundle, NOTHING, NewRay, Rays, Run, Scratch, Vertex, refill};
-use super::path_numbers::PathId;
+use super::bundle::{Bundle, NOTHING, NewRay, Rays, Run, Scratch, Vertex, refill};
+use super::path_numbers::PathRun;
 use super::plan::ROULETTE_FROM;
 use super::tracer::Tracer;
 use crate::geometry::is_upper;
@@ -26,37 +26,52 @@ use crate::points::PointId;
 const BRIGHTEST: f64 = 1e140;
 
 impl<'a> Tracer<'a> {
-    /// Estimates of the radiance that arrives along `paths`, given to `each` in their order.
+    /// Estimates the radiance that arrives along each path of `runs`, and gives it to `each` with the number of its run; in order.
+    /// `bundle` is empty before and after, and lends its memory.
     pub(super) fn trace(
         &self,
-        mut paths: impl Iterator<Item = PathId>,
-        mut each: impl FnMut(PathId, DVec3),
+        runs: impl Iterator<Item = PathRun>,
+        bundle: &mut Bundle<'a>,
+        mut each: impl FnMut(usize, DVec3),
     ) {
-        let mut ids = Vec::with_capacity(BUNDLE);
-        let mut bundle = Bundle::default();
-        loop {
-            ids.clear();
-            ids.extend(paths.by_ref().take(BUNDLE));
-            if ids.is_empty() {
-                break;
+        for (number, mut run) in runs.enumerate() {
+            while run.from < run.to {
+                bundle.take_paths(number, &mut run);
+                if bundle.is_full() {
+                    self.finish(bundle, &mut each);
+                }
             }
-            self.start(&ids, &mut bundle);
-            self.follow(&mut bundle);
-            for (id, radiance) in ids.iter().zip(&bundle.radiance) {
-                each(*id, *radiance);
-            }
+        }
+        if !bundle.is_empty() {
+            self.finish(bundle, &mut each);
         }
     }
 
-    /// Makes the rays that paths begin with.
-    fn start(&self, paths: &[PathId], bundle: &mut Bundle<'a>) {
-        bundle.ids.clear();
-        for path in paths {
-            bundle.ids.push(path.point);
+    /// Follows the paths of a bundle to their ends, and empties it.
+    fn finish(&self, bundle: &mut Bundle<'a>, each: &mut impl FnMut(usize, DVec3)) {
+        self.start(bundle);
+        self.follow(bundle);
+        let mut radiance = bundle.radiance.iter();
+        for paths in &bundle.paths {
+            for radiance in radiance.by_ref().take(paths.count) {
+                each(paths.run, *radiance);
+            }
         }
-        self.numbers.fill_pixels(&bundle.ids, &mut bundle.pixels);
-        bundle.rays.begin(paths.len(), self.scene.camera.eye);
-        self.aim(paths, &bundle.pixels, &mut bundle.rays.along);
+        bundle.clear();
+    }
+
+    /// Makes the rays that paths begin with.
+    fn start(&self, bundle: &mut Bundle<'a>) {
+        let Bundle {
+            paths,
+            ids,
+            pixels,
+            rays,
+            ..
+        } = bundle;
+        self.numbers.fill_pixels(ids, pixels);
+        rays.begin(ids.len(), self.scene.camera.eye);
+        self.aim(paths, pixels, &mut rays.along);
     }
 
     /// Estimates the radiance that arrives at the origins of a bundle's camera rays.

@@ -5,13 +5,17 @@ use glam::Vec2;
 use super::scene::Scene;
 use crate::points::{PointId, PointSet, mix};
 
-/// A path of those that a seed gives a pixel.
+/// Neighbours among the paths that a seed gives a pixel.
 #[derive(Clone, Copy)]
-pub(super) struct PathId {
+pub(super) struct PathRun {
     /// Column and row.
     pub(super) pixel: [usize; 2],
-    /// Its place among the seed's.
-    pub(super) point: PointId,
+    pub(super) seed: u64,
+    /// From this one on, up to `to`.
+    pub(super) from: u64,
+    pub(super) to: u64,
+    /// How many the seed gives in all.
+    pub(super) count: u64,
 }
 
 /// Where the numbers behind paths are found: sets of four dimensions, one for the pixel and the first light of the first vertex,

@@ -167,24 +167,25 @@ impl Object {
             from,
             along,
             leaving,
+            near,
+            before,
             reach,
             objects,
             normals,
             ..
         } = rays;
+        near.clear();
         for k in 0..from.len() {
-            let Some(near) = self.least_distance(from[k], leaving[k] == number) else {
-                continue;
-            };
-            // What is not nearer than the nearest so far needs no normal.
-            let ray = Ray {
-                origin: from[k],
-                direction: along[k],
-            };
-            if let Some(met) = self.shape.intersect(&ray, near, reach[k]) {
+            // What a ray can't meet at all, it would meet beyond infinity.
+            let least = self.least_distance(from[k], leaving[k] == number);
+            near.push(least.unwrap_or(f64::INFINITY));
+        }
+        before.clone_from(reach);
+        self.shape
+            .intersect_batch(from, along, near, reach, normals);
+        for k in 0..from.len() {
+            if reach[k] < before[k] {
                 objects[k] = number;
-                reach[k] = met.distance;
-                normals[k] = met.normal;
             }
         }
     }

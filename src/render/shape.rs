@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 /// A half line.
@@ -45,6 +46,31 @@ pub trait Shape: Debug + Send + Sync {
         self.intersect(ray, near, far).is_some()
     }
 
+    /// [`Self::intersect`] for many rays at once: where ray `k` enters the shape between `near[k]` and `reach[k]`, `reach[k]`
+    /// becomes the distance and `normals[k]` the normal there, to the bit.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    fn intersect_batch(
+        &self,
+        from: &[DVec3],
+        along: &[DVec3],
+        near: &[f64],
+        reach: &mut [f64],
+        normals: &mut [DVec3],
+    ) {
+        for k in 0..reach.len() {
+            let ray = Ray {
+                origin: from[k],
+                direction: along[k],
+            };
+            if let Some(met) = self.intersect(&ray, near[k], reach[k]) {
+                reach[k] = met.distance;
+                normals[k] = met.normal;
+            }
+        }
+    }
+
     /// Whether a ray that leaves the shape outwards never meets it again: the shape then hides no light from itself, and does
     /// not light itself. The renderer relies on it.
     fn is_convex(&self) -> bool;
@@ -66,6 +92,7 @@ impl Sphere {
     ///
     /// The discriminant is r² minus the squared distance of the centre from the line, which does not cancel when the ray
     /// starts far away (Haines et al. 2019).
+    #[inline(always)]
     pub fn enter(&self, ray: &Ray) -> Option<f64> {
         debug_assert!(ray.direction.is_normalized());
         // Step 1: the foot of the perpendicular from the centre, at the distance `along`.
@@ -83,18 +110,59 @@ impl Sphere {
     }
 
     /// Outward unit normal at a point of the surface.
+    #[inline(always)]
     pub fn normal(&self, at: DVec3) -> DVec3 {
         (at - self.centre).normalize_or(DVec3::Y)
     }
 }
 
+impl Sphere {
+    #[inline(always)]
+    fn intersect_rays(
+        &self,
+        from: &[DVec3],
+        along: &[DVec3],
+        near: &[f64],
+        reach: &mut [f64],
+        normals: &mut [DVec3],
+    ) {
+        let count = reach.len();
+        let (from, along, near) = (&from[..count], &along[..count], &near[..count]);
+        let normals = &mut normals[..count];
+        for k in 0..count {
+            let ray = Ray {
+                origin: from[k],
+                direction: along[k],
+            };
+            if let Some(met) = self.intersect(&ray, near[k], reach[k]) {
+                reach[k] = met.distance;
+                normals[k] = met.normal;
+            }
+        }
+    }
+}
+
 impl Shape for Sphere {
+    #[inline(always)]
     fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
-        let distance = self.enter(ray).filter(|d| *d > near && *d < far)?;
-        Some(Intersection {
-            distance,
-            normal: self.normal(ray.point_at(distance)),
-        })
+        let distance = self.enter(ray)?;
+        if distance > near && distance < far {
+            let normal = self.normal(ray.point_at(distance));
+            Some(Intersection { distance, normal })
+        } else {
+            None
+        }
+    }
+
+    fn intersect_batch(
+        &self,
+        from: &[DVec3],
+        along: &[DVec3],
+        near: &[f64],
+        reach: &mut [f64],
+        normals: &mut [DVec3],
+    ) {
+        dispatch!(Level::new(), _ => self.intersect_rays(from, along, near, reach, normals));
     }
 
     /// Without the normal, which nobody asks for.

@@ -3,8 +3,9 @@
 use fearless_simd::{Level, dispatch};
 use glam::{DVec2, DVec3, Vec2};
 
+use super::bundle::PathsOfRun;
 use super::camera::CameraAxes;
-use super::path_numbers::{PathId, PathNumbers};
+use super::path_numbers::PathNumbers;
 use super::plan::Effect;
 use super::scene::Scene;
 use super::settings::RenderSettings;
@@ -63,14 +64,18 @@ impl<'a> Tracer<'a> {
     }
 
     /// Directions of the camera's rays through a point `within` each path's pixel, in [0, 1]² from the pixel's upper left corner.
-    pub(super) fn aim(&self, paths: &[PathId], within: &[Vec2], along: &mut [DVec3]) {
+    pub(super) fn aim(&self, paths: &[PathsOfRun], within: &[Vec2], along: &mut [DVec3]) {
         dispatch!(Level::new(), _ => self.fill_directions(paths, within, along));
     }
 
     #[inline(always)]
-    fn fill_directions(&self, paths: &[PathId], within: &[Vec2], along: &mut [DVec3]) {
-        for (k, along) in along.iter_mut().enumerate() {
-            *along = self.direction(paths[k].pixel, within[k].as_dvec2());
+    fn fill_directions(&self, paths: &[PathsOfRun], within: &[Vec2], along: &mut [DVec3]) {
+        let mut first = 0;
+        for paths in paths {
+            for k in first..first + paths.count {
+                along[k] = self.direction(paths.pixel, within[k].as_dvec2());
+            }
+            first += paths.count;
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 
 use super::BinIndex;
@@ -102,12 +103,28 @@ impl Brdf for MerlBrdf {
     #[track_caller]
     fn eval_cos_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
         self.eval_batch(wo, wi, out);
-        for (out, &wi) in out.iter_mut().zip(wi) {
-            *out *= unit_upper(wi).map_or(0.0, |wi| wi.z);
-        }
+        dispatch!(Level::new(), _ => multiply_by_cosines(wi, out));
     }
 
     fn is_isotropic(&self) -> bool {
         true
     }
+}
+
+/// f_r·cosθi from f_r; 0 unless `wi` is above the horizon.
+#[inline(always)]
+fn multiply_by_cosines(wi: &[Vec3], out: &mut [Rgb]) {
+    for (out, &wi) in out.iter_mut().zip(wi) {
+        if is_unit_upper(wi) {
+            *out *= wi.z;
+        } else {
+            *out *= cosine_of_others(wi);
+        }
+    }
+}
+
+/// cosθi of a direction of any length; 0 below the horizon.
+#[cold]
+fn cosine_of_others(wi: Vec3) -> f32 {
+    unit_upper(wi).map_or(0.0, |wi| wi.z)
 }

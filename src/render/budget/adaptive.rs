@@ -7,12 +7,11 @@
 
 use rayon::prelude::*;
 
-use super::rounds::{
-    PixelShare, Watch, part_done, paths_a_round, restore_moments, store_moments, trace_round,
-};
+use super::rounds::{Watch, part_done, paths_a_round, restore_moments, store_moments, trace_round};
 use super::words::{WordReader, WordWriter};
 use crate::points::mix;
 use crate::render::film::{Film, Pixel, RunningMoments};
+use crate::render::path_numbers::PathRun;
 use crate::render::settings::RenderSettings;
 use crate::render::tracer::Tracer;
 
@@ -102,13 +101,14 @@ impl AdaptivePicture {
         while self.looked < ahead {
             let from = self.looked;
             let to = (from + round).min(ahead);
-            let share = |pixel| PixelShare {
+            let paths_of = |pixel| PathRun {
+                pixel,
                 seed: mix(settings.pixel_seed(pixel) ^ mix(LOOK)),
                 from,
                 to,
                 count: ahead,
             };
-            trace_round(tracer, &mut self.looks, share, || {});
+            trace_round(tracer, &mut self.looks, paths_of, || {});
             self.looked = to;
             if (watch.should_stop)() {
                 return true;
@@ -126,16 +126,17 @@ impl AdaptivePicture {
         (watch.progress)(settings.height * pixels_done(self.done));
         while self.done < rounds {
             let round = self.done;
-            let share = |[x, y]: [usize; 2]| {
+            let paths_of = |[x, y]: [usize; 2]| {
                 let count = numbers[y * width + x];
-                PixelShare {
+                PathRun {
+                    pixel: [x, y],
                     seed: settings.pixel_seed([x, y]),
                     from: part_done(count, round, rounds),
                     to: part_done(count, round + 1, rounds),
                     count,
                 }
             };
-            trace_round(tracer, &mut self.moments, share, || {
+            trace_round(tracer, &mut self.moments, paths_of, || {
                 (watch.progress)(pixels_done(round + 1) - pixels_done(round));
             });
             self.done += 1;

@@ -1,10 +1,9 @@
 //! Pictures with equally many paths in every pixel.
 
-use super::rounds::{
-    PixelShare, Watch, part_done, paths_a_round, restore_moments, store_moments, trace_round,
-};
+use super::rounds::{Watch, part_done, paths_a_round, restore_moments, store_moments, trace_round};
 use super::words::{WordReader, WordWriter};
 use crate::render::film::{Film, RunningMoments};
+use crate::render::path_numbers::PathRun;
 use crate::render::settings::RenderSettings;
 use crate::render::tracer::Tracer;
 
@@ -44,13 +43,14 @@ impl EvenPicture {
         while !self.is_finished() {
             let from = self.done;
             let to = from.saturating_add(round).min(paths);
-            let share = |pixel| PixelShare {
+            let paths_of = |pixel| PathRun {
+                pixel,
                 seed: settings.pixel_seed(pixel),
                 from,
                 to,
                 count: paths,
             };
-            trace_round(tracer, &mut self.moments, share, || {
+            trace_round(tracer, &mut self.moments, paths_of, || {
                 (watch.progress)(pixels_done(to) - pixels_done(from));
             });
             self.done = to;

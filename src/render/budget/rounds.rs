@@ -4,10 +4,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::words::{WordReader, WordWriter};
-use crate::points::PointId;
-use crate::render::bundle::BUNDLE;
+use crate::render::bundle::{BUNDLE, Bundle};
 use crate::render::film::RunningMoments;
-use crate::render::path_numbers::PathId;
+use crate::render::path_numbers::PathRun;
 use crate::render::tracer::Tracer;
 
 /// Paths of a round, about, where pixels are few: a second of work or less.
@@ -22,16 +21,6 @@ pub(super) struct Watch<'a> {
     pub(super) should_stop: &'a (dyn Fn() -> bool + Sync),
     /// Called with a number of pixels that have been done meanwhile, from any thread.
     pub(super) progress: &'a (dyn Fn(usize) + Sync),
-}
-
-/// The paths of a pixel that a round traces, of all that a seed gives it.
-pub(super) struct PixelShare {
-    pub(super) seed: u64,
-    /// From this one on, up to `to`.
-    pub(super) from: u64,
-    pub(super) to: u64,
-    /// How many the seed gives in all.
-    pub(super) count: u64,
 }
 
 /// Paths of a round in each of `pixels` pixels. Whole bundles, so that one round costs as much as all at once; where these would be
@@ -51,30 +40,18 @@ pub(super) fn part_done(whole: u64, round: u64, rounds: u64) -> u64 {
     (u128::from(whole) * u128::from(round) / u128::from(rounds.max(1))) as u64
 }
 
-/// Traces one round: for each pixel the paths that `share([x, y])` returns. Each pixel's paths are added in order, so that the
-/// moments have the same bits for any rounds and any number of threads. `row_done` is called after each row.
+/// Traces one round: for each pixel the paths that `paths_of([x, y])` returns. Each pixel's paths are added in order, so that
+/// the moments have the same bits for any rounds and any number of threads. `row_done` is called after each row.
 pub(super) fn trace_round(
     tracer: &Tracer<'_>,
     moments: &mut [RunningMoments],
-    share: impl Fn([usize; 2]) -> PixelShare + Sync,
+    paths_of: impl Fn([usize; 2]) -> PathRun + Sync,
     row_done: impl Fn() + Sync,
 ) {
     let rows = moments.par_chunks_mut(tracer.settings.width).enumerate();
-    rows.for_each(|(y, row)| {
-        let paths = (0..row.len()).flat_map(|x| {
-            let pixel = [x, y];
-            let PixelShare {
-                seed,
-                from,
-                to,
-                count,
-            } = share(pixel);
-            (from..to).map(move |index| PathId {
-                pixel,
-                point: PointId { seed, index, count },
-            })
-        });
-        tracer.trace(paths, |path, radiance| row[path.pixel[0]].add(radiance));
+    rows.for_each_init(Bundle::default, |bundle, (y, row)| {
+        let runs = (0..row.len()).map(|x| paths_of([x, y]));
+        tracer.trace(runs, bundle, |x, radiance| row[x].add(radiance));
         row_done();
     });
 }

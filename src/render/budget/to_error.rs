@@ -24,11 +24,10 @@ use super::rendered::{Refinement, Rendered, Tile};
 use super::rounds::Watch;
 use super::tiles::{HalfTile, OpenTile, REPLICATES, RefinedTile, Replicates, TileState};
 use super::words::{WordReader, WordWriter};
-use crate::points::PointId;
 use crate::points::mix;
-use crate::render::bundle::{NOTHING, Rays};
+use crate::render::bundle::{Bundle, NOTHING, Rays};
 use crate::render::film::{Film, Pixel};
-use crate::render::path_numbers::PathId;
+use crate::render::path_numbers::PathRun;
 use crate::render::settings::RenderSettings;
 use crate::render::tracer::Tracer;
 
@@ -317,27 +316,18 @@ impl Refiner<'_> {
         let pixel = column_and_row(self.tracer, pixel);
         let seed = self.tracer.settings.pixel_seed(pixel);
         let (sums, from) = (&mut replicates.sums, replicates.count);
-        let paths = (0..REPLICATES as u64).flat_map(|r| {
-            // Each replicate has a scramble of its own, and goes on in its sequence where it was left.
-            let seed = mix(seed ^ mix(1 + r));
-            (from..count).map(move |index| {
-                (
-                    r,
-                    PathId {
-                        pixel,
-                        point: PointId { seed, index, count },
-                    },
-                )
-            })
+        // Each replicate has a scramble of its own, and goes on in its sequence where it was left.
+        let runs = (0..REPLICATES as u64).map(|replicate| PathRun {
+            pixel,
+            seed: mix(seed ^ mix(1 + replicate)),
+            from,
+            to: count,
+            count,
         });
-        // Radiance comes back in the order of the paths, so their replicates are counted along.
-        let mut owners = paths.clone().map(|(r, _)| r as usize);
-        self.tracer
-            .trace(paths.map(|(_, path)| path), |_, radiance| {
-                if let Some(r) = owners.next() {
-                    sums[r] += radiance;
-                }
-            });
+        let mut bundle = Bundle::default();
+        self.tracer.trace(runs, &mut bundle, |replicate, radiance| {
+            sums[replicate] += radiance;
+        });
         replicates.count = count;
     }
 }
