@@ -14,6 +14,8 @@ pub struct MaterialFacts {
     pub has_table: bool,
     /// Whether its source holds a sampler of its own.
     pub has_own_sampler: bool,
+    /// Whether it has a part that reflects the mirror direction alone, as [`crate::Brdf::mirror`].
+    pub has_mirror: bool,
 }
 
 impl MaterialFacts {

@@ -111,12 +111,18 @@ impl Loaded {
         self.brdf.symmetry()
     }
 
+    /// Whether it has a part that reflects the mirror direction alone. A BRDF that has such a part has it at the normal, too.
+    fn has_mirror(&self) -> bool {
+        self.brdf.mirror(glam::Vec3::Z).is_some()
+    }
+
     /// What it is, apart from its values.
     pub fn facts(&self) -> MaterialFacts {
         MaterialFacts {
             symmetry: self.symmetry(),
             has_table: self.table.is_some(),
             has_own_sampler: self.own_sampler.is_some(),
+            has_mirror: self.has_mirror(),
         }
     }
 

@@ -67,6 +67,7 @@ fn mirror_ray(vertex: &Vertex<'_>) -> Option<NewRay> {
 mod tests {
     use glam::DVec3;
 
+    use crate::Result;
     use crate::material::{LookupRule, Material};
     use crate::points::PointSet;
     use crate::render::{
@@ -74,22 +75,27 @@ mod tests {
     };
     use crate::sampler::Cosine;
 
-    /// One sphere of a formula under a light.
-    fn picture(formula: &str, light: &str) -> Film {
+    /// One sphere of a formula under a light; `mirrors` are those that the plan is told of.
+    fn build(formula: &str, light: &str, mirrors: Vec<usize>) -> Result<Scene> {
         let row = SceneSpec::row(&[formula.to_owned()], 1.5);
         let spec = SceneSpec {
+            mirrors,
             lights: vec![row.light(light).unwrap()],
             floor: None,
             ..row
         };
         let loaded = Material::resolve(formula).unwrap();
         let loaded = loaded.load(LookupRule::Floor).unwrap();
-        let scene = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| {
+        Scene::build(&spec, PlanRequest::AsNeeded, |_, _| {
             Ok(Surface {
                 brdf: loaded.brdf().clone(),
                 sampler: Some(std::sync::Arc::new(Cosine)),
             })
-        });
+        })
+    }
+
+    fn picture(formula: &str, light: &str) -> Film {
+        let scene = build(formula, light, vec![0]).unwrap();
         let settings = RenderSettings {
             width: 24,
             height: 16,
@@ -97,7 +103,15 @@ mod tests {
             points: PointSet::Sobol,
             budget: Budget::Even(256),
         };
-        render(&scene.unwrap(), &settings, &|_| {}).unwrap().film
+        render(&scene, &settings, &|_| {}).unwrap().film
+    }
+
+    /// Its light would be missing.
+    #[test]
+    fn a_mirror_that_the_plan_was_not_told_of_is_refused() {
+        let refused = build("specular:ks=0.54", "uniform:1", Vec::new()).err();
+        assert!(refused.unwrap().to_string().contains("mirror"));
+        assert!(build("diffuse:kd=0.5", "uniform:1", Vec::new()).is_ok());
     }
 
     /// A mirror of reflectance 0.54 before a sky of radiance 1 shows 0.54, and a coat over a white base nearly all of it.

@@ -22,13 +22,15 @@ pub enum Effect {
     Shadows,
     /// Objects light one another.
     Interreflection,
+    /// Paths go on along mirror directions, which no density describes, from materials that reflect them.
+    Mirrors,
     /// Long, weak paths end early, at random (Arvo and Kirk 1990).
     Roulette,
 }
 
 impl Effect {
     /// All effects, in the order in which they are explained.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Directions,
         Self::LightSampling,
         Self::EnvironmentTables,
@@ -36,6 +38,7 @@ impl Effect {
         Self::Resampling,
         Self::Shadows,
         Self::Interreflection,
+        Self::Mirrors,
         Self::Roulette,
     ];
 
@@ -49,6 +52,7 @@ impl Effect {
             Self::Resampling => "resampling",
             Self::Shadows => "shadow rays",
             Self::Interreflection => "interreflection",
+            Self::Mirrors => "mirror directions",
             Self::Roulette => "Russian roulette",
         }
     }
@@ -187,6 +191,8 @@ struct SceneFacts {
     extended: bool,
     /// Whether one of these is an environment.
     environment: bool,
+    /// Whether an object is made of a material that reflects mirror directions.
+    mirrors: bool,
     depth: u32,
     strategy: Strategy,
 }
@@ -206,6 +212,7 @@ impl SceneFacts {
             lit: !shining.is_empty(),
             extended: shining.iter().any(|l| !l.is_delta()),
             environment: shining.iter().any(|l| l.is_environment()),
+            mirrors: spec.mirrors.iter().any(|&i| spec.uses_material(i)),
             depth: spec.depth,
             strategy: spec.strategy,
         }
@@ -226,6 +233,7 @@ impl SceneFacts {
             Effect::Resampling => self.resampling(),
             Effect::Shadows => self.shadows(),
             Effect::Interreflection => self.interreflection(),
+            Effect::Mirrors => self.mirrors(),
             Effect::Roulette => self.roulette(),
         }
     }
@@ -304,6 +312,20 @@ impl SceneFacts {
             enabled("an object that is not convex lights itself")
         } else {
             enabled("several objects light one another")
+        }
+    }
+
+    fn mirrors(self) -> Decision {
+        if !self.mirrors {
+            disabled("no material has a part that reflects the mirror direction alone")
+        } else if self.extended {
+            enabled(
+                "mirror directions find lights with an extent, without weights: no other technique does",
+            )
+        } else if self.interreflection().on {
+            enabled("mirror directions find other objects")
+        } else {
+            disabled("delta lights only, and nothing else to be seen in a mirror")
         }
     }
 

@@ -84,7 +84,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Argument`] for a sphere without a radius or an object without a material, a floor, light or strategy outside
-    /// its domain, or a missing sampler; what `surface` returns; what [`crate::light::LightSpec::load`] returns.
+    /// its domain, a missing sampler, or a mirror that is not in [`SceneSpec::mirrors`]; what `surface` returns; what [`crate::light::LightSpec::load`] returns.
     pub fn build(
         spec: &SceneSpec,
         request: PlanRequest,
@@ -95,6 +95,7 @@ impl Scene {
         // Load lights first, so that a missing file is reported before the slow work.
         let lights = load_lights(spec, &plan)?;
         let mut surfaces = load_surfaces(spec, &plan, surface)?;
+        check_mirrors(spec, &surfaces)?;
         let objects = collect_objects(spec, surfaces.len());
         surfaces.extend(spec.floor.map(|reflectance| Some(floor(reflectance))));
         Ok(Self {
@@ -111,16 +112,6 @@ impl Scene {
     /// The plan that the scene was built by, and is rendered by.
     pub fn plan(&self) -> &EffectPlan {
         &self.plan
-    }
-
-    /// Whether a surface reflects a mirror direction. A BRDF that has such a part has it at the normal, too.
-    pub(super) fn has_mirrors(&self) -> bool {
-        for surface in self.surfaces.iter().flatten() {
-            if surface.brdf.mirror(Vec3::Z).is_some() {
-                return true;
-            }
-        }
-        false
     }
 
     /// What was found and changed in the files of its lights.
@@ -214,6 +205,21 @@ fn collect_objects(spec: &SceneSpec, floor: usize) -> Vec<Object> {
         objects.push(Object::new(Arc::new(Floor), floor));
     }
     objects
+}
+
+/// Refuses a surface that reflects mirror directions and is not among those that the plan was told of: its light would be missing.
+fn check_mirrors(spec: &SceneSpec, surfaces: &[Option<Surface>]) -> Result<()> {
+    for (i, surface) in surfaces.iter().enumerate() {
+        // A BRDF that has such a part has it at the normal, too.
+        let reflects = |surface: &Surface| surface.brdf.mirror(Vec3::Z).is_some();
+        if surface.as_ref().is_some_and(reflects) && !spec.mirrors.contains(&i) {
+            return Err(Error::argument(
+                format!("{} reflects mirror directions", spec.materials[i]),
+                "add its position to the mirrors of the scene",
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn floor(reflectance: f32) -> Surface {

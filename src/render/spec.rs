@@ -17,6 +17,8 @@ use crate::light::{LightSpec, Placement};
 pub struct SceneSpec {
     /// Names of materials that objects may use.
     pub materials: Vec<String>,
+    /// Positions of those that reflect the mirror direction as well, as [`crate::material::MaterialFacts::has_mirror`].
+    pub mirrors: Vec<usize>,
     /// The spheres.
     pub spheres: Vec<SphereSpec>,
     /// Objects of other shapes.
@@ -132,6 +134,7 @@ impl SceneSpec {
         let spheres = spheres.collect();
         Self {
             materials: names,
+            mirrors: Vec::new(),
             spheres,
             objects: Vec::new(),
             floor: None,

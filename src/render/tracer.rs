@@ -58,7 +58,7 @@ impl<'a> Tracer<'a> {
             heuristic: scene.strategy.heuristic(),
             shadows: plan.is_on(Effect::Shadows),
             interreflection: plan.is_on(Effect::Interreflection),
-            mirrors: scene.has_mirrors(),
+            mirrors: plan.is_on(Effect::Mirrors),
             roulette: plan.is_on(Effect::Roulette),
         }
     }

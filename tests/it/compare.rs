@@ -20,6 +20,7 @@ const TABLE: MaterialFacts = MaterialFacts {
     symmetry: Symmetry::Isotropic,
     has_table: true,
     has_own_sampler: false,
+    has_mirror: false,
 };
 
 fn sky() -> Environment {

@@ -357,6 +357,7 @@ fn materials_are_refused_with_what_is_needed_and_what_there_is() {
         symmetry,
         has_table,
         has_own_sampler,
+        has_mirror: false,
     };
     let table = facts(Symmetry::Isotropic, true, false);
     let formula = facts(Symmetry::Isotropic, false, false);

@@ -35,6 +35,7 @@ const FACTS: MaterialFacts = MaterialFacts {
     symmetry: Symmetry::Isotropic,
     has_table: true,
     has_own_sampler: false,
+    has_mirror: false,
 };
 
 /// MERL binaries, which begin with their dimensions and no magic number.

@@ -39,6 +39,7 @@ impl MaterialFormat for RglFormat {
             symmetry: BsdfFile::open(origin.path())?.symmetry(),
             has_table: false,
             has_own_sampler: true,
+            has_mirror: false,
         })
     }
 

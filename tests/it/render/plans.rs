@@ -53,6 +53,21 @@ fn plans_hold_what_the_scene_calls_for() {
     assert_eq!(effects_on(&ris(8)), [Directions, Resampling]);
     assert_eq!(effects_on(&ris(1)), [Directions]);
     assert_eq!(effects_on(&row(3, vec![], MIS)), []);
+    let mirror = |spec: SceneSpec| SceneSpec {
+        mirrors: vec![0],
+        ..spec
+    };
+    assert_eq!(
+        effects_on(&mirror(one(sky(), Strategy::Light))),
+        [LightSampling, EnvironmentTables, Mirrors]
+    );
+    let dark_ground = floor(row(1, vec![], MIS).light("directional").unwrap(), 3);
+    assert_eq!(
+        effects_on(&mirror(dark_ground)),
+        [Directions, Shadows, Interreflection, Mirrors]
+    );
+    let alone = one(row(1, vec![], MIS).light("directional").unwrap(), MIS);
+    assert_eq!(effects_on(&mirror(alone)), []);
     let all = EffectPlan::for_scene(&row(1, vec![], MIS), PlanRequest::Everything);
     assert!(Effect::ALL.into_iter().all(|e| all.is_on(e)) && all.materials()[0].on);
 }

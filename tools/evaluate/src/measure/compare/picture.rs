@@ -246,7 +246,12 @@ fn render_with(
     settings: &RenderSettings,
 ) -> Result<(Film, Seconds)> {
     let names: Vec<String> = materials.iter().map(|m| m.name().to_owned()).collect();
-    let spec = scene.spec(&names, strategy(technique))?;
+    let mut spec = scene.spec(&names, strategy(technique))?;
+    for (i, material) in materials.iter().enumerate() {
+        if material.facts().has_mirror {
+            spec.mirrors.push(i);
+        }
+    }
     let surface = |i: usize, directions: bool| {
         let missing = || {
             Error::argument(
