@@ -5,6 +5,7 @@ mod batch;
 #[path = "../support/anisotropic.rs"]
 mod brushed;
 mod compare;
+mod diff;
 mod environments;
 mod eval;
 mod every_material;

@@ -12,12 +12,12 @@ use merlkit::sampler::{
 };
 use merlkit_evaluate::measure::compare::{
     Comparison, ComparisonPlan, Competitor, CountedCost, Curve, ErrorPoint, Knob, MaterialCharts,
-    MaterialComparison, PICTURE_SAMPLES, PictureComparison, PictureErrors, PicturePlan,
-    PictureReference, PictureResult, PointPlan, Reference, SCHEMA, SceneKind, Setting,
-    SettingsComparison, verdict,
+    MaterialComparison, PICTURE_SAMPLES, PictureComparison, PicturePlan, PictureReference,
+    PictureResult, PointPlan, Reference, SCHEMA, SceneKind, Setting, SettingsComparison, verdict,
 };
 use merlkit_evaluate::measure::convergence::Technique;
 use merlkit_evaluate::measure::cost::{CallCost, Seconds};
+use merlkit_evaluate::measure::difference::PictureErrors;
 use merlkit_evaluate::plot::{Disc, Polar};
 use merlkit_evaluate::report::{ComparisonDocument, beside_thesis, comparison_page, write_json};
 

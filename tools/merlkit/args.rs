@@ -166,7 +166,7 @@ pub fn named<T: Copy + Send + Sync + 'static>(
 }
 
 /// "0.05" or "5%" as a fraction above 0.
-fn fraction(argument: &str) -> Result<f64, String> {
+pub fn fraction(argument: &str) -> Result<f64, String> {
     let (number, unit) = match argument.strip_suffix('%') {
         Some(percent) => (percent, 0.01),
         None => (argument, 1.0),

@@ -6,6 +6,7 @@ mod compare;
 mod completions;
 mod decode;
 mod demo;
+mod diff;
 mod eval;
 mod export;
 mod import;
@@ -42,6 +43,7 @@ pub enum Command {
     Compare(compare::Args),
     Tune(tune::Args),
     Render(Box<render::Args>),
+    Diff(diff::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -67,6 +69,7 @@ impl Command {
             Self::Compare(args) => compare::run(&args),
             Self::Tune(args) => tune::run(&args),
             Self::Render(args) => render::run(&args),
+            Self::Diff(args) => diff::run(&args),
             Self::Completions(args) => completions::run(&args, cli),
             Self::Man(args) => man::run(&args, cli),
         }

@@ -10,6 +10,7 @@ pub mod chi_square;
 pub mod compare;
 pub mod convergence;
 pub mod cost;
+pub mod difference;
 mod expected;
 mod facts;
 pub mod hard;

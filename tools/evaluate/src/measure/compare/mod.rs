@@ -25,8 +25,8 @@ pub use candidates::{Competitor, MATERIALS, competitors, picture_competitors, su
 pub use counted::{CountedCost, cost_notes, counted_cost};
 pub use light::LightTables;
 pub use picture::{
-    LIT_FROM, PICTURE_SAMPLES, PictureErrors, PicturePlan, PictureReference, PictureResult,
-    SceneKind, picture_errors, picture_reference, pictures,
+    PICTURE_SAMPLES, PicturePlan, PictureReference, PictureResult, SceneKind, picture_errors,
+    picture_reference, pictures,
 };
 pub use point::{
     Curve, ErrorPoint, PointPlan, Reference, THESIS_SAMPLES, curve, measure_costs, references,

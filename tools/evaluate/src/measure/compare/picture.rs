@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Competitor;
 use crate::measure::convergence::Technique;
 use crate::measure::cost::{Seconds, time};
+use crate::measure::difference::{LIT_FROM, PictureErrors, luminance_errors, mean};
 use merlkit::color::luminance;
 use merlkit::distribution::Heuristic;
 use merlkit::image::{Image, encode_png, encode_srgb};
@@ -121,15 +122,6 @@ pub struct PictureReference {
     /// PNG, tone-mapped, as bytes.
     #[serde(with = "bytes")]
     pub png: Vec<u8>,
-}
-
-/// How far a picture is from its reference, by luminance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PictureErrors {
-    /// Mean of |picture − reference|/reference over the pixels that are lit in the reference (thesis 6.4).
-    pub mean_relative: f64,
-    /// Mean of (picture − reference)²/(reference² + ε) over all pixels, ε a hundredth of the squared mean of the reference.
-    pub rel_mse: f64,
 }
 
 /// A competitor's picture.
@@ -281,9 +273,6 @@ fn strategy(technique: Technique) -> Strategy {
     }
 }
 
-/// Fraction of the reference's mean luminance from which on a pixel counts as lit.
-pub const LIT_FROM: f64 = 1e-4;
-
 /// Luminance of every pixel, rows from the top.
 fn luminances(film: &Film) -> Vec<f64> {
     let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
@@ -296,29 +285,9 @@ fn luminance_f64(radiance: glam::DVec3) -> f64 {
     f64::from(luminance(radiance.as_vec3()))
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
-    if count > 0.0 { sum / count } else { 0.0 }
-}
-
 /// Errors of `film` against `reference` of the same size; 0 for a black reference.
 pub fn picture_errors(film: &Film, reference: &Film) -> PictureErrors {
-    let (found, right) = (luminances(film), luminances(reference));
-    let level = mean(right.iter().copied());
-    let pairs = || found.iter().zip(&right);
-    let lit = pairs().filter(|(_, r)| **r > LIT_FROM * level);
-    let floor = 0.01 * level * level;
-    let squared = |(f, r): (&f64, &f64)| {
-        if level > 0.0 {
-            (f - r).powi(2) / (r * r + floor)
-        } else {
-            0.0
-        }
-    };
-    PictureErrors {
-        mean_relative: mean(lit.map(|(f, r)| (f - r).abs() / r)),
-        rel_mse: mean(pairs().map(squared)),
-    }
+    luminance_errors(&luminances(film), &luminances(reference))
 }
 
 /// Mean over lit pixels of the standard error over the mean, by luminance.

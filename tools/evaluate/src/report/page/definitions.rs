@@ -2,8 +2,9 @@
 
 use super::Section;
 use super::html::{definition_list, table};
-use crate::measure::compare::{Comparison, LIT_FROM, TIE};
+use crate::measure::compare::{Comparison, TIE};
 use crate::measure::cost::ROUNDS;
+use crate::measure::difference::LIT_FROM;
 use crate::report::Sheet;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
