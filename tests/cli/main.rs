@@ -24,6 +24,7 @@ mod reports;
 mod resume;
 mod run;
 mod samplers;
+mod sheet;
 mod shell;
 mod unlucky;
 mod usage;

@@ -103,6 +103,11 @@ impl Materials {
         self.all
     }
 
+    /// Whether a channel of a table's cell can be invalid alone.
+    pub fn keep_channels_apart(&self) -> bool {
+        self.invalid.is_by_channel()
+    }
+
     /// Resolves all of them before any work begins; what can't be read is set apart.
     pub fn resolve(&self) -> Result<(Vec<Material>, Unreadable), Error> {
         let (mut materials, unreadable) = batch::resolve(if self.all {

@@ -6,6 +6,7 @@ mod commands;
 mod failure;
 mod interrupt;
 mod journal;
+mod labels;
 mod output;
 mod picture;
 mod progress;

@@ -19,6 +19,7 @@ mod render;
 mod report;
 mod sample;
 mod samplers;
+mod sheet;
 mod tune;
 
 use crate::failure::Outcome;
@@ -43,6 +44,7 @@ pub enum Command {
     Compare(compare::Args),
     Tune(tune::Args),
     Render(Box<render::Args>),
+    Sheet(Box<sheet::Args>),
     Diff(diff::Args),
     Completions(completions::Args),
     Man(man::Args),
@@ -69,6 +71,7 @@ impl Command {
             Self::Compare(args) => compare::run(&args),
             Self::Tune(args) => tune::run(&args),
             Self::Render(args) => render::run(&args),
+            Self::Sheet(args) => sheet::run(&args),
             Self::Diff(args) => diff::run(&args),
             Self::Completions(args) => completions::run(&args, cli),
             Self::Man(args) => man::run(&args, cli),
