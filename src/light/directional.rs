@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::light_source::{LightSource, Placement};
+use super::light_source::{LightSource, Placement, read_numbers};
 use super::{Emission, Light, LightSample, SkySampling};
-use crate::Result;
 use crate::color::Rgb;
+use crate::{Error, Result};
 
 /// Parallel light from infinitely far away.
 ///
@@ -28,11 +28,40 @@ impl Directional {
     }
 }
 
+impl Directional {
+    /// "THETA,PHI" or "THETA,PHI,IRRADIANCE": degrees from +y, and from the viewer's side (+z) to the right (+x). The irradiance
+    /// that is left out is π.
+    fn parse(text: &str) -> Result<Self> {
+        let light = match read_numbers(text).as_deref() {
+            Some(&[theta, phi]) => Some((theta, phi, std::f64::consts::PI)),
+            Some(&[theta, phi, irradiance]) => Some((theta, phi, irradiance)),
+            _ => None,
+        };
+        let light = light.map(|(theta, phi, irradiance)| {
+            let (sin_theta, cos_theta) = theta.to_radians().sin_cos();
+            let (sin_phi, cos_phi) = phi.to_radians().sin_cos();
+            Self {
+                towards: DVec3::new(sin_theta * sin_phi, cos_theta, sin_theta * cos_phi),
+                irradiance: Rgb::splat(irradiance as f32),
+            }
+        });
+        light.filter(LightSource::is_valid).ok_or_else(|| {
+            Error::argument(
+                format!("\"{text}\" is no direction of parallel light"),
+                "give theta and phi in degrees, and perhaps an irradiance ≥ 0, as in directional:30,-45 or directional:30,-45,2",
+            )
+        })
+    }
+}
+
 impl LightSource for Directional {
-    const WORDS: &'static [&'static str] = &["directional"];
+    const WORDS: &'static [&'static str] = &["directional", "directional:THETA,PHI[,IRRADIANCE]"];
 
     fn from_word(word: &str, _placement: &Placement) -> Option<Result<Self>> {
-        (word == "directional").then(|| Ok(Self::new_key()))
+        if word == "directional" {
+            return Some(Ok(Self::new_key()));
+        }
+        Some(Self::parse(word.strip_prefix("directional:")?))
     }
 
     fn describe(&self) -> String {

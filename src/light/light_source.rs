@@ -50,3 +50,8 @@ pub(super) trait LightSource: Sized {
     /// Those of reading its file, where it has one.
     fn load(&self, sampling: SkySampling) -> Result<Box<dyn Light>>;
 }
+
+/// Numbers with commas between them; `None` if a word is none.
+pub(super) fn read_numbers(text: &str) -> Option<Vec<f64>> {
+    text.split(',').map(|n| n.trim().parse().ok()).collect()
+}

@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::light_source::{LightSource, Placement};
+use super::light_source::{LightSource, Placement, read_numbers};
 use super::{Emission, Light, LightSample, SkySampling};
-use crate::Result;
 use crate::color::Rgb;
+use crate::{Error, Result};
 
 /// A point that shines equally in all directions.
 ///
@@ -29,11 +29,38 @@ impl Point {
     }
 }
 
+impl Point {
+    /// "X,Y,Z" or "X,Y,Z,INTENSITY"; the intensity that is left out gives the subject an irradiance of 2π.
+    fn parse(text: &str, placement: &Placement) -> Result<Self> {
+        let placed = |x, y, z| Placement {
+            key: DVec3::new(x, y, z),
+            ..*placement
+        };
+        let light = match read_numbers(text).as_deref() {
+            Some(&[x, y, z]) => Some(Self::new_key(&placed(x, y, z))),
+            Some(&[x, y, z, intensity]) => Some(Self {
+                position: DVec3::new(x, y, z),
+                intensity: Rgb::splat(intensity as f32),
+            }),
+            _ => None,
+        };
+        light.filter(LightSource::is_valid).ok_or_else(|| {
+            Error::argument(
+                format!("\"{text}\" is no position of a point light"),
+                "give x, y and z, and perhaps an intensity ≥ 0, as in point:2,4,3 or point:2,4,3,50",
+            )
+        })
+    }
+}
+
 impl LightSource for Point {
-    const WORDS: &'static [&'static str] = &["point"];
+    const WORDS: &'static [&'static str] = &["point", "point:X,Y,Z[,INTENSITY]"];
 
     fn from_word(word: &str, placement: &Placement) -> Option<Result<Self>> {
-        (word == "point").then(|| Ok(Self::new_key(placement)))
+        if word == "point" {
+            return Some(Ok(Self::new_key(placement)));
+        }
+        Some(Self::parse(word.strip_prefix("point:")?, placement))
     }
 
     fn describe(&self) -> String {

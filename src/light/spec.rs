@@ -115,6 +115,10 @@ mod tests {
         for (word, description) in [
             ("point", "point"),
             ("directional", "directional"),
+            ("point:1,2,-3", "point"),
+            ("point:1, 2, -3, 0.5", "point"),
+            ("directional:30,-45", "directional"),
+            ("directional:30,-45,2", "directional"),
             ("area", "area"),
             ("environment", "environment (built-in studio)"),
             ("studio", "environment (built-in studio)"),
@@ -126,15 +130,39 @@ mod tests {
             let light = LightSpec::from_name(word, &PLACEMENT).unwrap();
             assert_eq!(light.describe(), description);
             assert!(light.is_valid() && !light.is_dark(), "{word}");
-            assert_eq!(light.is_delta(), word == "point" || word == "directional");
+            let is_delta = word.starts_with("point") || word.starts_with("directional");
+            assert_eq!(light.is_delta(), is_delta);
         }
-        for word in ["", "Point", "lamp", "uniform:", "uniform:-1", "area:2.5"] {
+        for word in [
+            "",
+            "Point",
+            "lamp",
+            "uniform:",
+            "uniform:-1",
+            "area:2.5",
+            "point:1,2",
+            "point:1,2,x",
+            "point:1,2,3,-4",
+            "point:1,2,nan",
+            "directional:30",
+            "directional:30,0,-1",
+            "directional:inf,0",
+        ] {
             assert!(LightSpec::from_name(word, &PLACEMENT).is_err(), "{word}");
         }
+        let LightSpec::Directional(right) =
+            LightSpec::from_name("directional:90,90,2", &PLACEMENT).unwrap()
+        else {
+            panic!("directional light");
+        };
+        assert!(right.towards.abs_diff_eq(DVec3::X, 1e-12) && right.irradiance.x == 2.0);
         let error = LightSpec::from_name("lamp", &PLACEMENT)
             .unwrap_err()
             .to_string();
-        assert!(error.contains("point, directional, area, "), "{error}");
+        assert!(
+            error.contains("point, point:X,Y,Z[,INTENSITY], directional"),
+            "{error}"
+        );
         assert!(error.contains("or FILE[:clamp[=MAX]]"), "{error}");
     }
 }

@@ -173,3 +173,51 @@ fn environments_have_the_same_words_in_every_command() {
         }
     }
 }
+
+/// The eye and the lights go where they are put.
+#[test]
+fn the_camera_and_the_lights_are_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    let render = |options: &[&str]| {
+        let quick = [
+            "render",
+            "lambert:reflectance=0.5",
+            "--size",
+            "33x33",
+            "--spp",
+            "16",
+        ];
+        let all = [&quick[..], &["--sampler", "cosine", "--force"], options].concat();
+        succeeds(run_in(folder.path(), &all, ""));
+        merlkit::image::read_exr(&folder.path().join("render.exr")).unwrap()
+    };
+    // Light from the right, then from the left: which half of the sphere is brighter.
+    for (light, right_is_brighter) in [
+        ("point:20,1,0", true),
+        ("point:-20,1,0,400", false),
+        ("directional:90,90", true),
+        ("directional:90,-90,1", false),
+    ] {
+        let image = render(&["--light", light]);
+        let [left, right] = [13, 19].map(|x| image.pixel(x, 16).x);
+        assert_eq!(right > left, right_is_brighter, "{light}: {left} {right}");
+    }
+    // Seen from above, light from above reaches all that is seen.
+    let above = render(&["--light", "directional:0,0", "--elevation", "89"]);
+    assert!(above.pixel(16, 16).x > 0.45, "{}", above.pixel(16, 16));
+    // The farther the eye, the flatter: the sphere keeps its size.
+    let [near, far] = ["60", "2"].map(|fov| render(&["--fov", fov, "--light", "uniform"]));
+    assert!((near.pixel(16, 16) - far.pixel(16, 16)).abs().max_element() < 0.05);
+    let behind = render(&["--eye", "0,1,-9", "--light", "directional:90,180"]);
+    assert!(behind.pixel(16, 16).x > 0.4, "{}", behind.pixel(16, 16));
+    for (options, complaint) in [
+        (["--fov", "0"], "from 1 to 120"),
+        (["--elevation", "90"], "from -89 to 89"),
+        (["--eye", "1,2"], "three numbers"),
+        (["--light", "point:1,2"], "point:2,4,3"),
+    ] {
+        let all = [&["render", "teflon"][..], &options].concat();
+        let message = fails(run_in(folder.path(), &all, ""));
+        assert!(message.contains(complaint), "{message}");
+    }
+}

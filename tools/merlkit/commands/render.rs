@@ -6,13 +6,14 @@ use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::distribution::Heuristic;
+use merlkit::glam::DVec3;
 use merlkit::light::LightSpec;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Budget, Decision, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings, SceneSpec,
-    Strategy,
+    Budget, Camera, Decision, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings,
+    SceneSpec, Strategy,
 };
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::report::Sheet;
@@ -42,6 +43,16 @@ pub struct Args {
     invalid: args::Invalid,
     #[arg(help_heading = "Scene", long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
     lights: Vec<String>,
+    /// Where the eye is, in units of the spheres' radius: x to the right, y up from the floor, z towards the viewer
+    /// [default: in front of the row, so far away that it fills the picture]
+    #[arg(help_heading = "Scene", long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with_all = ["elevation", "fov"], value_parser = position)]
+    eye: Option<DVec3>,
+    /// How high the eye is above the horizon, as seen from the middle of the row, -89 to 89 degrees [default: 12.4]
+    #[arg(help_heading = "Scene", long, value_name = "DEG", allow_negative_numbers = true, value_parser = within::<-89, 89>)]
+    elevation: Option<f64>,
+    /// Vertical field of view in degrees, 1 to 120; the distance follows so that the row fills the picture [default: 24]
+    #[arg(help_heading = "Scene", long, value_name = "DEG", value_parser = within::<1, 120>)]
+    fov: Option<f64>,
     /// Put the spheres on a grey floor
     #[arg(help_heading = "Scene", long = "ground")]
     ground: bool,
@@ -285,10 +296,57 @@ fn describe(
         .iter()
         .map(|name| spec.light(name))
         .collect::<Result<_, _>>()?;
+    spec.camera = camera(args, spec.camera);
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
     spec.strategy = strategy(args)?;
     Ok((spec, materials))
+}
+
+/// The camera that was asked for, where the scene has `framed`.
+fn camera(args: &Args, framed: Camera) -> Camera {
+    if let Some(eye) = args.eye {
+        return Camera { eye, ..framed };
+    }
+    let Camera {
+        eye,
+        target,
+        vertical_angle: framed_angle,
+    } = framed;
+    let vertical_angle = args.fov.map_or(framed_angle, f64::to_radians);
+    // The nearest points of the spheres, one radius before their centres, keep their size in the picture.
+    let zoom = (0.5 * framed_angle).tan() / (0.5 * vertical_angle).tan();
+    let distance = ((eye - target).length() - 1.0) * zoom + 1.0;
+    let towards = match args.elevation.map(f64::to_radians) {
+        Some(elevation) => DVec3::new(0.0, elevation.sin(), elevation.cos()),
+        None => (eye - target).normalize(),
+    };
+    Camera {
+        eye: target + towards * distance,
+        target,
+        vertical_angle,
+    }
+}
+
+/// "X,Y,Z" as a point.
+fn position(argument: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = argument.split(',').map(|n| n.trim().parse().ok()).collect();
+    let point = match numbers.as_deref() {
+        Some(&[x, y, z]) => Some(DVec3::new(x, y, z)),
+        _ => None,
+    };
+    point
+        .filter(|p| p.is_finite())
+        .ok_or_else(|| "expected three numbers, such as 0,2,8".into())
+}
+
+/// A number from `LEAST` to `MOST`.
+fn within<const LEAST: i32, const MOST: i32>(argument: &str) -> Result<f64, String> {
+    let domain = f64::from(LEAST)..=f64::from(MOST);
+    let number = argument.parse().ok();
+    number
+        .filter(|x| domain.contains(x))
+        .ok_or_else(|| format!("expected a number from {LEAST} to {MOST}"))
 }
 
 fn strategy(args: &Args) -> Result<Strategy, Error> {
