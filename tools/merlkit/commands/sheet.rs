@@ -324,7 +324,6 @@ impl TileFolder {
     fn open(args: &Args, files: &Files) -> Result<Self, Error> {
         let folder = files.exr.with_extension("tiles");
         let shown = folder.display();
-        files.check(output::overwrite(args.force))?;
         match (args.resume, folder.exists()) {
             (true, false) => {
                 return Err(Error::argument(
@@ -340,6 +339,7 @@ impl TileFolder {
             }
             _ => {}
         }
+        files.check(output::overwrite(args.force))?;
         let settings = describe_settings(args);
         let record = folder.join(SETTINGS);
         if args.resume {
