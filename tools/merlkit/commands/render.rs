@@ -39,7 +39,7 @@ pub struct Args {
     #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", hide_default_value = true, value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
-    invalid: args::Invalid,
+    tables: args::TableOptions,
     #[arg(help_heading = "Scene", long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
     lights: Vec<String>,
     /// Put the spheres on a grey floor
@@ -274,7 +274,7 @@ fn describe(
     settings: &RenderSettings,
 ) -> Result<(SceneSpec, Vec<Material>), Error> {
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
-    let materials = args::resolve(&spec.materials, &args.invalid)?;
+    let materials = args::resolve(&spec.materials, &args.tables)?;
     spec.lights = args
         .lights
         .iter()

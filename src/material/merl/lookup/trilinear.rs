@@ -8,6 +8,8 @@ use super::half_diff_tan2::HalfDiffTan2;
 use crate::color::Rgb;
 use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 use crate::material::merl::MerlTable;
+use crate::material::merl::cell_format::ReadCells;
+use crate::material::merl::cells::Cells;
 
 /// Two neighbouring bins and the weight of the second.
 #[derive(Clone, Copy)]
@@ -18,6 +20,7 @@ struct Pair {
 }
 
 impl Pair {
+    #[inline(always)]
     fn bins(&self) -> [u32; 2] {
         [self.low, self.high]
     }
@@ -100,11 +103,22 @@ impl CellNeighbours {
         if table.has_partial_cells() {
             return self.mean_by_channel(table);
         }
+        let bins = table.phi_d_bins();
+        match table.stored_cells() {
+            Cells::F32(cells) => self.mean_of_cells(cells, bins),
+            Cells::F16(cells) => self.mean_of_cells(cells, bins),
+            Cells::Rgb9e5(cells) => self.mean_of_cells(cells, bins),
+        }
+    }
+
+    /// [`Self::mean`] where every cell is valid in all of its channels or in none.
+    #[inline(always)]
+    pub fn mean_of_cells(&self, cells: &impl ReadCells, phi_d_bins: usize) -> Rgb {
         // Linear along φd, then θd, then θh: low · (1 − w) + high · w on each axis. An invalid cell is zero in all of its
         // numbers, so that the fourth sums the weights of the valid ones.
         let sum = mix(
-            self.mean_along_theta_d(table, self.theta_h.low),
-            self.mean_along_theta_d(table, self.theta_h.high),
+            self.mean_along_theta_d(cells, phi_d_bins, self.theta_h.low),
+            self.mean_along_theta_d(cells, phi_d_bins, self.theta_h.high),
             self.theta_h.weight,
         );
         if sum.w > 0.0 {
@@ -116,22 +130,31 @@ impl CellNeighbours {
 
     /// The weighted sum of the four neighbours in bin `h` of θh.
     #[inline(always)]
-    fn mean_along_theta_d(&self, table: &MerlTable, h: u32) -> Vec4 {
+    fn mean_along_theta_d(&self, cells: &impl ReadCells, phi_d_bins: usize, h: u32) -> Vec4 {
         mix(
-            self.mean_along_phi_d(table, h, self.theta_d.low),
-            self.mean_along_phi_d(table, h, self.theta_d.high),
+            self.mean_along_phi_d(cells, row(phi_d_bins, h, self.theta_d.low)),
+            self.mean_along_phi_d(cells, row(phi_d_bins, h, self.theta_d.high)),
             self.theta_d.weight,
         )
     }
 
-    /// The weighted sum of the two neighbours in bin `h` of θh and bin `d` of θd.
+    /// The weighted sum of two neighbours in a row, which begins at the cell `row`.
     #[inline(always)]
-    fn mean_along_phi_d(&self, table: &MerlTable, h: u32, d: u32) -> Vec4 {
-        let cells = table.cells();
-        let row = table.index(h as usize, d as usize, 0);
-        let low = cells[row + self.phi_d.low as usize];
-        let high = cells[row + self.phi_d.high as usize];
+    fn mean_along_phi_d(&self, cells: &impl ReadCells, row: usize) -> Vec4 {
+        let low = cells.get(row + self.phi_d.low as usize);
+        let high = cells.get(row + self.phi_d.high as usize);
         mix(low, high, self.phi_d.weight)
+    }
+
+    /// Bits of one neighbour in each of the four rows. The other one is nearly always in the same line of a cache.
+    #[inline(always)]
+    pub fn peek(&self, cells: &impl ReadCells, phi_d_bins: usize) -> u32 {
+        let p = self.phi_d.low as usize;
+        let ([h, next_h], [d, next_d]) = (self.theta_h.bins(), self.theta_d.bins());
+        cells.peek(row(phi_d_bins, h, d) + p)
+            ^ cells.peek(row(phi_d_bins, h, next_d) + p)
+            ^ cells.peek(row(phi_d_bins, next_h, d) + p)
+            ^ cells.peek(row(phi_d_bins, next_h, next_d) + p)
     }
 
     /// [`Self::mean`] of a table that keeps channels apart: each channel has weights of its own. The same bits where all neighbours
@@ -164,10 +187,16 @@ impl CellNeighbours {
     }
 }
 
+/// The cell of bin `h` of θh and bin `d` of θd at φd = 0.
+#[inline(always)]
+fn row(phi_d_bins: usize, h: u32, d: u32) -> usize {
+    phi_d_bins * (d as usize + THETA_D_BINS * h as usize)
+}
+
 /// A cell's value, and 1 for each of its channels that is valid.
 fn value_and_valid(table: &MerlTable, cell: usize) -> (Vec4, Vec4) {
     let valid = table.valid_channels(cell).map(|v| f32::from(u8::from(v)));
-    (table.cells()[cell], Vec3::from_array(valid).extend(0.0))
+    (table.cell(cell), Vec3::from_array(valid).extend(0.0))
 }
 
 /// [`mix`] of two pairs.
