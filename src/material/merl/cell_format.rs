@@ -30,7 +30,7 @@ pub enum CellFormat {
     /// 16 bits a channel, 8 bytes a cell: ten bits of mantissa, as IEEE's half precision has them, and six of exponent, since no
     /// value has a sign. Relative errors are at most 2⁻¹¹ down to 2⁻⁶¹ of the greatest value.
     F16,
-    /// Nine bits of mantissa a channel and five of an exponent that the channels share, 4 bytes a cell. Errors are at most 2⁻⁹ of
+    /// Nine bits of mantissa a channel and five of an exponent that the channels share, 4 bytes a cell. Errors are at most 0.2 % of
     /// the cell's greatest channel, down to 2⁻³¹ of the greatest value; a channel that is much darker than another of its
     /// cell loses digits.
     Rgb9e5,
