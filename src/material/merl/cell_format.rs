@@ -79,38 +79,26 @@ impl RoundingError {
     }
 }
 
-/// Cells in one of the formats.
+/// Cells that can be read one at a time.
 pub(super) trait ReadCells {
-    /// Whether reading ahead pays: whether fewer bytes are waited for than a lookup's instructions hide.
-    const READS_AHEAD: bool;
-
-    /// Cells there are.
-    fn count(&self) -> usize;
-
     /// RGB and validity of a cell, as [`MerlTable::cell`](super::MerlTable::cell) has them.
-    fn get(&self, cell: usize) -> Vec4;
-
-    /// Some bits of a cell, for their place in memory to be near when it is read.
-    fn peek(&self, cell: usize) -> u32;
+    fn read(&self, cell: usize) -> Vec4;
 }
 
-impl ReadCells for Vec<Vec4> {
-    const READS_AHEAD: bool = false;
-
+impl ReadCells for [Vec4] {
     #[inline(always)]
-    fn count(&self) -> usize {
-        self.len()
-    }
-
-    #[inline(always)]
-    fn get(&self, cell: usize) -> Vec4 {
+    fn read(&self, cell: usize) -> Vec4 {
         self[cell]
     }
+}
 
-    #[inline(always)]
-    fn peek(&self, cell: usize) -> u32 {
-        self[cell].x.to_bits()
-    }
+/// Cells of `WORDS` words, to be decoded without a branch or a look-up, so that loops over columns of words become vector code.
+pub(super) trait CompactCells<const WORDS: usize>: ReadCells {
+    /// The words of a cell.
+    fn words(&self, cell: usize) -> [u32; WORDS];
+
+    /// What [`ReadCells::read`] gives for a cell of these words.
+    fn decode(&self, words: [u32; WORDS]) -> [f32; 4];
 }
 
 /// The exponent of the greatest value that compact cells can hold: above, the scale of f16 is no f32.

@@ -57,9 +57,9 @@ impl Cells {
     #[inline(always)]
     pub fn get(&self, cell: usize) -> Vec4 {
         match self {
-            Self::F32(cells) => cells.get(cell),
-            Self::F16(cells) => cells.get(cell),
-            Self::Rgb9e5(cells) => cells.get(cell),
+            Self::F32(cells) => cells.read(cell),
+            Self::F16(cells) => cells.read(cell),
+            Self::Rgb9e5(cells) => cells.read(cell),
         }
     }
 

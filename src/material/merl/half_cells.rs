@@ -2,7 +2,9 @@
 
 use glam::Vec4;
 
-use super::cell_format::{GREATEST_EXPONENT, ReadCells, binary_exponent, power_of_two};
+use super::cell_format::{
+    CompactCells, GREATEST_EXPONENT, ReadCells, binary_exponent, power_of_two,
+};
 
 /// Bits of f32's mantissa that are rounded off.
 const DROPPED: u32 = 13;
@@ -11,7 +13,7 @@ const TOP: i32 = 62;
 /// Exponent field of 1 in f32.
 const BIAS: i32 = 127;
 /// The fourth number of a valid cell: 1 at the scale of validity, which is that of a table whose greatest value is 1.
-const VALID: u16 = (TOP as u16) << (23 - DROPPED);
+const VALID: u32 = (TOP as u32) << (23 - DROPPED);
 
 /// Cells of unsigned 16-bit numbers: six bits of exponent and ten of mantissa, to be multiplied by a power of two.
 ///
@@ -19,9 +21,10 @@ const VALID: u16 = (TOP as u16) << (23 - DROPPED);
 /// and the product is exact.
 #[derive(Clone)]
 pub(super) struct HalfCells {
-    words: Vec<[u16; 4]>,
-    /// What the four numbers of a cell are multiplied by; the last is the scale of validity.
-    scale: Vec4,
+    /// Red and green, blue and validity, the first of a pair in the low bits.
+    words: Vec<[u32; 2]>,
+    /// What channels are multiplied by, and what the validity is.
+    scales: [f32; 2],
 }
 
 impl HalfCells {
@@ -34,17 +37,15 @@ impl HalfCells {
         let inverse = power_of_two(-exponent);
         for cell in cells {
             let [red, green, blue, valid] = cell.to_array();
+            let valid = if valid == 1.0 { VALID } else { 0 };
             words.push([
-                encode(red * inverse),
-                encode(green * inverse),
-                encode(blue * inverse),
-                if valid == 1.0 { VALID } else { 0 },
+                encode(red * inverse) | encode(green * inverse) << 16,
+                encode(blue * inverse) | valid << 16,
             ]);
         }
-        let scale = power_of_two(exponent);
         Self {
             words,
-            scale: Vec4::new(scale, scale, scale, power_of_two(BIAS - TOP)),
+            scales: [power_of_two(exponent), power_of_two(BIAS - TOP)],
         }
     }
 
@@ -55,33 +56,34 @@ impl HalfCells {
 }
 
 /// The nearest 16-bit number of a value in [0, 2⁻⁶³), even ones first.
-fn encode(value: f32) -> u16 {
+fn encode(value: f32) -> u32 {
     let bits = value.to_bits();
     let odd = bits >> DROPPED & 1;
-    ((bits + (1 << (DROPPED - 1)) - 1 + odd) >> DROPPED) as u16
+    (bits + (1 << (DROPPED - 1)) - 1 + odd) >> DROPPED
 }
 
 impl ReadCells for HalfCells {
-    const READS_AHEAD: bool = true;
-
     #[inline(always)]
-    fn count(&self) -> usize {
-        self.words.len()
+    fn read(&self, cell: usize) -> Vec4 {
+        Vec4::from_array(self.decode(self.words(cell)))
+    }
+}
+
+impl CompactCells<2> for HalfCells {
+    #[inline(always)]
+    fn words(&self, cell: usize) -> [u32; 2] {
+        self.words[cell]
     }
 
     #[inline(always)]
-    fn get(&self, cell: usize) -> Vec4 {
-        let words = self.words[cell];
-        let mut values = [0.0; 4];
-        for i in 0..4 {
-            values[i] = f32::from_bits(u32::from(words[i]) << DROPPED);
-        }
-        Vec4::from_array(values) * self.scale
-    }
-
-    #[inline(always)]
-    fn peek(&self, cell: usize) -> u32 {
-        u32::from(self.words[cell][0])
+    fn decode(&self, [red_green, blue_valid]: [u32; 2]) -> [f32; 4] {
+        let [scale, scale_of_valid] = self.scales;
+        [
+            f32::from_bits((red_green & 0xffff) << DROPPED) * scale,
+            f32::from_bits((red_green >> 16) << DROPPED) * scale,
+            f32::from_bits((blue_valid & 0xffff) << DROPPED) * scale,
+            f32::from_bits((blue_valid >> 16) << DROPPED) * scale_of_valid,
+        ]
     }
 }
 
@@ -105,15 +107,15 @@ mod tests {
         let cells = values.map(|v| Vec4::new(v, v, v, 1.0));
         let found = HalfCells::round(&cells, 1023.9999);
         // Halfway goes to the even neighbour; the greatest value is carried to the next power of two.
-        assert_eq!(found.get(0), Vec4::new(0.0, 0.0, 0.0, 1.0));
-        assert_eq!(found.get(1), Vec4::ONE);
-        assert_eq!(found.get(2), Vec4::ONE);
-        assert_eq!(found.get(3).x, 1.0 + 2f32.powi(-9));
-        assert_eq!(found.get(4).x, 1.0 + 2f32.powi(-10));
-        assert_eq!(found.get(5).x, 1000.0);
-        assert_eq!(found.get(6).x, 1024.0);
-        assert_eq!(found.get(7).x, 2f32.powi(-51));
-        assert!((found.get(8).x / 0.3 - 1.0).abs() < 2f32.powi(-11));
+        assert_eq!(found.read(0), Vec4::new(0.0, 0.0, 0.0, 1.0));
+        assert_eq!(found.read(1), Vec4::ONE);
+        assert_eq!(found.read(2), Vec4::ONE);
+        assert_eq!(found.read(3).x, 1.0 + 2f32.powi(-9));
+        assert_eq!(found.read(4).x, 1.0 + 2f32.powi(-10));
+        assert_eq!(found.read(5).x, 1000.0);
+        assert_eq!(found.read(6).x, 1024.0);
+        assert_eq!(found.read(7).x, 2f32.powi(-51));
+        assert!((found.read(8).x / 0.3 - 1.0).abs() < 2f32.powi(-11));
     }
 
     #[test]
@@ -122,7 +124,7 @@ mod tests {
             let value = power_of_two(exponent);
             let cells = [Vec4::new(value, 0.0, value, 1.0), Vec4::ZERO];
             let found = HalfCells::round(&cells, value);
-            assert_eq!([found.get(0), found.get(1)], cells, "{exponent}");
+            assert_eq!([found.read(0), found.read(1)], cells, "{exponent}");
         }
     }
 }

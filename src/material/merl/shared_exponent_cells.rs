@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use super::cell_format::{ReadCells, binary_exponent};
+use super::cell_format::{CompactCells, ReadCells, binary_exponent};
 
 /// Bits of a channel's integer.
 const MANTISSA: u32 = 9;
@@ -12,10 +12,8 @@ const EXPONENT_SHIFT: u32 = 3 * MANTISSA;
 const TOP: i32 = 31;
 /// The word of an invalid cell: the greatest exponent without a value. A black cell has the exponent 0.
 const INVALID: u32 = (TOP as u32) << EXPONENT_SHIFT;
-/// The bits of each channel, in place, and none for the fourth number.
-const MASKS: [u32; 4] = [0x1ff, 0x1ff << MANTISSA, 0x1ff << (2 * MANTISSA), 0];
-/// What makes integers of the bits in place.
-const UNITS: Vec4 = Vec4::new(1.0, 1.0 / 512.0, 1.0 / 262_144.0, 0.0);
+/// The bits of a channel.
+const MASK: u32 = (1 << MANTISSA) - 1;
 /// Exponent field of 1 in f32.
 const BIAS: i32 = 127;
 
@@ -23,14 +21,14 @@ const BIAS: i32 = 127;
 #[derive(Clone)]
 pub(super) struct SharedExponentCells {
     words: Vec<u32>,
-    /// Exponent field of 2^lowest in f32, from 1 to 223.
+    /// The bits of 2^lowest in f32.
     lowest: u32,
 }
 
 impl SharedExponentCells {
     /// Rounds `cells`, whose greatest channel is `greatest`, to the nearest.
     pub fn round(cells: &[Vec4], greatest: f32) -> Self {
-        // The greatest value has the field TOP, unless it is so small that the lowest field would not be a normal f32.
+        // The greatest value has the field TOP, unless it is so small that the lowest unit would not be a normal f32.
         let lowest = (exponent_of_unit(greatest) - TOP).max(1 - BIAS);
         let mut words = Vec::with_capacity(cells.len());
         for &cell in cells {
@@ -41,7 +39,7 @@ impl SharedExponentCells {
         }
         Self {
             words,
-            lowest: (lowest + BIAS) as u32,
+            lowest: ((lowest + BIAS) as u32) << 23,
         }
     }
 
@@ -81,30 +79,31 @@ fn encode(cell: Vec4, lowest: i32) -> u32 {
 }
 
 impl ReadCells for SharedExponentCells {
-    const READS_AHEAD: bool = true;
-
     #[inline(always)]
-    fn count(&self) -> usize {
-        self.words.len()
+    fn read(&self, cell: usize) -> Vec4 {
+        Vec4::from_array(self.decode(self.words(cell)))
+    }
+}
+
+impl CompactCells<1> for SharedExponentCells {
+    #[inline(always)]
+    fn words(&self, cell: usize) -> [u32; 1] {
+        [self.words[cell]]
     }
 
     #[inline(always)]
-    fn get(&self, cell: usize) -> Vec4 {
-        let word = self.words[cell];
-        let mut integers = [0.0; 4];
-        for i in 0..4 {
-            // Signed integers are converted by one instruction; none of these is negative.
-            integers[i] = (word & MASKS[i]) as i32 as f32;
-        }
-        let unit = f32::from_bits(((word >> EXPONENT_SHIFT) + self.lowest) << 23);
-        let mut cell = Vec4::from_array(integers) * UNITS * unit;
-        cell.w = f32::from(u8::from(word != INVALID));
-        cell
-    }
-
-    #[inline(always)]
-    fn peek(&self, cell: usize) -> u32 {
-        self.words[cell]
+    fn decode(&self, [word]: [u32; 1]) -> [f32; 4] {
+        let unit = f32::from_bits((word >> EXPONENT_SHIFT << 23) + self.lowest);
+        // Signed integers are converted by one instruction; none of these is negative.
+        let red = (word & MASK) as i32;
+        let green = (word >> MANTISSA & MASK) as i32;
+        let blue = (word >> (2 * MANTISSA) & MASK) as i32;
+        [
+            red as f32 * unit,
+            green as f32 * unit,
+            blue as f32 * unit,
+            if word == INVALID { 0.0 } else { 1.0 },
+        ]
     }
 }
 
@@ -123,16 +122,16 @@ mod tests {
             Vec4::new(2f32.powi(-22), 2f32.powi(-23), 2f32.powi(-24), 1.0),
         ];
         let found = SharedExponentCells::round(&cells, 511.6);
-        assert_eq!(found.get(0), Vec4::new(1.0, 0.5, 0.0, 1.0));
+        assert_eq!(found.read(0), Vec4::new(1.0, 0.5, 0.0, 1.0));
         // Rounding carries it to 512, and the unit becomes 2.
-        assert_eq!(found.get(1), Vec4::new(512.0, 2.0, 0.0, 1.0));
-        assert_eq!(found.get(2), Vec4::new(0.0, 0.0, 0.0, 1.0));
-        assert_eq!(found.get(3), Vec4::ZERO);
+        assert_eq!(found.read(1), Vec4::new(512.0, 2.0, 0.0, 1.0));
+        assert_eq!(found.read(2), Vec4::new(0.0, 0.0, 0.0, 1.0));
+        assert_eq!(found.read(3), Vec4::ZERO);
         // Below the least unit, 2⁻³⁰, nothing is left but what is near it.
-        assert_eq!(found.get(4), cells[4]);
+        assert_eq!(found.read(4), cells[4]);
         let dark = [Vec4::new(2f32.powi(-31), 2f32.powi(-30), 0.0, 1.0)];
         let found = SharedExponentCells::round(&dark, 511.6);
-        assert_eq!(found.get(0), Vec4::new(0.0, 2f32.powi(-30), 0.0, 1.0));
+        assert_eq!(found.read(0), Vec4::new(0.0, 2f32.powi(-30), 0.0, 1.0));
     }
 
     #[test]
@@ -141,7 +140,7 @@ mod tests {
             let value = power_of_two(exponent);
             let cells = [Vec4::new(value, 0.0, value, 1.0), Vec4::ZERO];
             let found = SharedExponentCells::round(&cells, value);
-            assert_eq!([found.get(0), found.get(1)], cells, "{exponent}");
+            assert_eq!([found.read(0), found.read(1)], cells, "{exponent}");
         }
     }
 }

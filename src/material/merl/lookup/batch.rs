@@ -3,12 +3,11 @@
 //! Arithmetic runs over arrays, which the compiler turns into vector code; look-ups in the small tables follow; reading
 //! the large table comes last, so that many reads from memory wait at the same time instead of one after another.
 
-use std::hint::black_box;
-
 use fearless_simd::{Level, dispatch};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::bins::find_bins;
+use super::compact;
 use super::coordinates::CoordinateTables;
 use super::half_diff_tan2::HalfDiffTan2;
 use super::rule::LookupRule;
@@ -18,7 +17,6 @@ use crate::color::Rgb;
 use crate::geometry::merl_axes::AxisBins;
 use crate::lanes::{Columns, UnitDirections};
 use crate::material::merl::MerlTable;
-use crate::material::merl::cell_format::ReadCells;
 use crate::material::merl::cells::Cells;
 
 /// Pairs that go through the passes together: all their arrays stay in the first level of cache, and a call for 16 pairs clears
@@ -113,9 +111,9 @@ impl Block {
             }
         }
         match table.stored_cells() {
-            Cells::F32(stored) => read_cells(stored, &cells, out),
-            Cells::F16(stored) => read_cells(stored, &cells, out),
-            Cells::Rgb9e5(stored) => read_cells(stored, &cells, out),
+            Cells::F32(stored) => read(stored, &cells, out),
+            Cells::F16(stored) => compact::read(stored, table.header().cells(), &cells, out),
+            Cells::Rgb9e5(stored) => compact::read(stored, table.header().cells(), &cells, out),
         }
     }
 
@@ -134,52 +132,32 @@ impl Block {
             return;
         }
         match table.stored_cells() {
-            Cells::F32(cells) => interpolate(cells, bins, &neighbours, out),
-            Cells::F16(cells) => interpolate(cells, bins, &neighbours, out),
-            Cells::Rgb9e5(cells) => interpolate(cells, bins, &neighbours, out),
+            Cells::F32(cells) => interpolate(cells, &neighbours, out),
+            Cells::F16(cells) => compact::interpolate(cells, &neighbours, out),
+            Cells::Rgb9e5(cells) => compact::interpolate(cells, &neighbours, out),
         }
     }
 }
 
 /// RGB of each lane's cell; 0 past the end of the table.
 #[inline(always)]
-fn read_cells(stored: &impl ReadCells, cells: &[usize; LANES], out: &mut [Rgb]) {
+fn read(stored: &[Vec4], cells: &[usize; LANES], out: &mut [Rgb]) {
     for (out, &cell) in out.iter_mut().zip(cells) {
-        *out = if cell < stored.count() {
-            stored.get(cell).truncate()
-        } else {
-            Rgb::ZERO
+        *out = match stored.get(cell) {
+            Some(value) => value.truncate(),
+            None => Rgb::ZERO,
         };
     }
 }
 
 /// The mean of each lane's neighbours.
 #[inline(always)]
-fn interpolate(
-    cells: &impl ReadCells,
-    phi_d_bins: usize,
-    neighbours: &[Option<CellNeighbours>; LANES],
-    out: &mut [Rgb],
-) {
-    read_ahead(cells, phi_d_bins, &neighbours[..out.len().min(LANES)]);
+fn interpolate(cells: &[Vec4], neighbours: &[Option<CellNeighbours>; LANES], out: &mut [Rgb]) {
     for (out, n) in out.iter_mut().zip(neighbours) {
         *out = match n {
-            Some(n) => n.mean_of_cells(cells, phi_d_bins),
+            Some(n) => n.mean_of_cells(cells),
             None => Rgb::ZERO,
         };
-    }
-}
-
-/// Reads a word of each row that the lanes will need. These loads don't depend on each other and have little work between them, so that
-/// all wait for memory at the same time; the interpolation's own would wait a few at a time.
-#[inline(always)]
-fn read_ahead<C: ReadCells>(cells: &C, phi_d_bins: usize, neighbours: &[Option<CellNeighbours>]) {
-    if C::READS_AHEAD {
-        let mut bits = 0;
-        for n in neighbours.iter().flatten() {
-            bits ^= n.peek(cells, phi_d_bins);
-        }
-        black_box(bits);
     }
 }
 
