@@ -76,9 +76,8 @@ const CELL_FORMATS: &[(&str, CellFormat)] = &[
 pub struct TableOptions {
     #[command(flatten)]
     invalid: Invalid,
-    /// Keep a table in memory as f32 (as read, 16 bytes a cell), f16 (8 bytes, values off by at most 0.05 %) or rgb9e5 (4 bytes,
-    /// off by at most 0.2 % of the cell's greatest channel, which can be all of a dark one). Fewer bytes make lookups faster;
-    /// `merlkit info --table FORMAT` measures the error [default: f32]
+    /// Memory of a table cell: f32 16 bytes (as read), f16 8 bytes (off by at most 0.05 %), rgb9e5 4 bytes (off by at most 0.2 %
+    /// of its greatest channel) [default: f32]
     #[arg(long, value_name = "f32|f16|rgb9e5", hide_possible_values = true, value_parser = named(CELL_FORMATS))]
     table: Option<CellFormat>,
 }

@@ -27,7 +27,7 @@ pub struct Args {
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// How values between the samples of a table are interpolated
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
     tables: args::TableOptions,

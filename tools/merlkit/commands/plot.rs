@@ -92,7 +92,7 @@ pub struct Args {
     #[arg(help_heading = "Plot", long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
     /// How values between the samples of a table are interpolated [default: floor]
-    #[arg(help_heading = "Materials", long, value_name = "RULE", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
     #[command(flatten, next_help_heading = "Materials")]
     tables: args::TableOptions,

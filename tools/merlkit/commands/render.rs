@@ -36,7 +36,7 @@ pub struct Args {
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// How values between the samples of a table are interpolated [default: floor]
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", hide_default_value = true, value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", hide_default_value = true, value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
     tables: args::TableOptions,
@@ -89,7 +89,7 @@ pub struct Args {
     #[arg(help_heading = "Sampling", long, value_name = "HOW", default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
     strategy: String,
     /// MIS heuristic of --strategy mis [default: power]
-    #[arg(help_heading = "Sampling", long, value_name = "NAME", value_parser = args::named(&HEURISTICS))]
+    #[arg(help_heading = "Sampling", long, value_name = "power|balance", hide_possible_values = true, value_parser = args::named(&HEURISTICS))]
     heuristic: Option<Heuristic>,
     /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
     #[arg(help_heading = "Sampling", long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]

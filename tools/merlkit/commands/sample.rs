@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(help_heading = "Materials", long, value_name = "MATERIAL")]
     material: Option<String>,
     /// How values between the samples of a table are interpolated [default: floor, or the rule in the sampler file]
-    #[arg(help_heading = "Materials", long, value_name = "RULE", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
     #[command(flatten, next_help_heading = "Materials")]
     tables: args::TableOptions,

@@ -50,7 +50,7 @@ pub struct Args {
     #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     shared_by: u64,
     /// How values between the samples of a table are interpolated
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
     tables: args::TableOptions,

@@ -116,14 +116,10 @@ fn table_lines(table: &TableFacts, line: &mut dyn FnMut(&str, String)) {
 
 /// How far compact cells are from the values that were read, by channel.
 fn rounding_lines(errors: [RoundingError; 3], line: &mut dyn FnMut(&str, String)) {
-    let figures: [(&str, fn(RoundingError) -> f32); 3] = [
-        ("  relative error, median", |e| e.median),
-        ("  exceeded by one value in 1000", |e| e.permille),
-        ("  greatest", |e| e.greatest),
-    ];
-    for (name, figure) in figures {
-        line(name, rgb(errors.map(figure)));
-    }
+    line("  relative error, median", rgb(errors.map(|e| e.median)));
+    let permille = rgb(errors.map(|e| e.permille));
+    line("  exceeded by one value in 1000", permille);
+    line("  greatest", rgb(errors.map(|e| e.greatest)));
     let [red, green, blue] = errors.map(|e| e.zeroed);
     line("  values that became 0", format!("{red} {green} {blue}"));
 }
