@@ -93,7 +93,9 @@ impl Subject {
 
     fn describe(self, lookup: LookupRule) -> Result<Description, Error> {
         match self {
-            Self::Material(material) => measure(&material, lookup).map(Description::Material),
+            Self::Material(material) => {
+                Ok(Description::Material(Box::new(measure(&material, lookup)?)))
+            }
             Self::Sampler(sampler) => Ok(Description::Sampler(sampler)),
         }
     }
@@ -103,7 +105,7 @@ impl Subject {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Description {
-    Material(Info),
+    Material(Box<Info>),
     Sampler(SamplerDescription),
 }
 
