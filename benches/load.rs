@@ -19,7 +19,7 @@ fn main() {
     // A file that is open for writing is read.
     let writer = std::fs::OpenOptions::new().append(true).open(&read);
     for path in [&mapped, &read] {
-        assert!(load(path).unwrap().cells() == table.cells());
+        assert!(load(path).unwrap().cells().eq(table.cells()));
     }
     let mut harness = Harness::new("load");
     let mut group = Group::new("load", "table");

@@ -1,6 +1,7 @@
 //! Evaluation by each lookup rule, for pairs anywhere, pairs near the mirror direction and pairs drawn for the material: one at
 //! a time, each waiting for the one before, many at once, and the bins alone. Then evaluation of a `.bsdf` file that is made of
-//! the same material, and draws and densities by the sampler that it holds. `cargo bench --bench lookup`.
+//! the same material, and draws and densities by the sampler that it holds. Tables in each format of cells are read by pairs so few that
+//! their cells stay in the caches, and so many that they don't. `cargo bench --bench lookup`.
 
 mod harness;
 
@@ -15,13 +16,15 @@ use merlkit::brdf::Brdf;
 use merlkit::color::Rgb;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{cosine_hemisphere, reflect_about, spherical};
-use merlkit::material::merl::{BinIndex, LookupRule, MerlBrdf};
+use merlkit::material::merl::{BinIndex, CellFormat, LookupRule, MerlBrdf};
 use merlkit::material::merl::{MerlTable, decode_embedded};
 use merlkit::material::rgl::{BsdfSize, RglBrdf, tabulate};
 use merlkit::points::PointSet;
 use merlkit::sampler::{HalfVectorSettings, HalfVectorTable};
 
 const PAIRS: u64 = 4096;
+/// Pairs whose cells are most of a table, so that few of them are in a cache when they are read.
+const MANY_PAIRS: u64 = 1 << 18;
 
 /// `wo` and `wi` of some pairs, and the place they come from.
 struct Pairs {
@@ -31,10 +34,10 @@ struct Pairs {
 }
 
 impl Pairs {
-    fn anywhere() -> Self {
+    fn anywhere(count: u64) -> Self {
         let direction = |pair| {
             let u = move |i| PointSet::Random.point(1, i, pair).as_dvec2();
-            (0..PAIRS)
+            (0..count)
                 .map(|i| cosine_hemisphere(u(i)).as_vec3())
                 .collect()
         };
@@ -62,7 +65,7 @@ impl Pairs {
     }
 
     /// As paths of a renderer ask: viewers nearly equal within each 64, lights drawn from a half-vector table.
-    fn drawn(brdf: &MerlBrdf) -> Self {
+    fn drawn(brdf: &MerlBrdf, count: u64) -> Self {
         let table = HalfVectorTable::build(brdf, HalfVectorSettings::default()).unwrap();
         let pair = |i| {
             let pixel = PointSet::Random.point(3, i / 64, 0).as_dvec2();
@@ -79,7 +82,7 @@ impl Pairs {
                     .wi,
             )
         };
-        let (wo, wi) = (0..PAIRS).map(pair).unzip();
+        let (wo, wi) = (0..count).map(pair).unzip();
         Self {
             place: "drawn",
             wo,
@@ -170,9 +173,9 @@ fn lookups(harness: &mut Harness) {
     let rules = LookupRule::ALL.map(|rule| MerlBrdf::new(table.clone(), rule));
     let floor = MerlBrdf::new(table.clone(), LookupRule::Floor);
     for pairs in [
-        Pairs::anywhere(),
+        Pairs::anywhere(PAIRS),
         Pairs::near_the_mirror(),
-        Pairs::drawn(&floor),
+        Pairs::drawn(&floor, PAIRS),
     ] {
         let mut group = Group::new(format!("lookup, {}", pairs.place), "pair");
         for brdf in &rules {
@@ -206,7 +209,7 @@ fn measured_file() -> RglBrdf {
 
 fn measured(harness: &mut Harness) {
     let rgl = measured_file();
-    for pairs in [Pairs::anywhere(), Pairs::near_the_mirror()] {
+    for pairs in [Pairs::anywhere(PAIRS), Pairs::near_the_mirror()] {
         assert_batches(&rgl, &pairs);
         let mut group = Group::new(format!("measured file, {}", pairs.place), "pair");
         add_evaluation(&mut group, &rgl, &pairs);
@@ -248,8 +251,40 @@ fn add_own_sampler<'a>(group: &mut Group<'a>, rgl: &'a RglBrdf, pairs: &'a Pairs
     });
 }
 
+/// Each format of cells in turn, so that all meet the same caches.
+fn cell_formats(harness: &mut Harness) {
+    for name in ["nickel", "red-plastic"] {
+        let exact = decode_embedded(name).unwrap();
+        let tables =
+            CellFormat::ALL.map(|format| Arc::new(exact.clone().with_cell_format(format).unwrap()));
+        let floor = MerlBrdf::new(tables[0].clone(), LookupRule::Floor);
+        for (heat, count) in [("warm", PAIRS), ("cold", MANY_PAIRS)] {
+            for pairs in [Pairs::anywhere(count), Pairs::drawn(&floor, count)] {
+                let mut group = Group::new(format!("{name} {heat}, {}", pairs.place), "pair");
+                for rule in [LookupRule::Linear, LookupRule::Floor] {
+                    for table in &tables {
+                        add_format(&mut group, MerlBrdf::new(table.clone(), rule), &pairs);
+                    }
+                }
+                harness.run(group);
+            }
+        }
+    }
+}
+
+fn add_format<'a>(group: &mut Group<'a>, brdf: MerlBrdf, pairs: &'a Pairs) {
+    assert_batches(&brdf, pairs);
+    let mut out = vec![Rgb::ZERO; pairs.wi.len()];
+    let format = brdf.table().cell_format().name();
+    let name = format!("{} {format}", brdf.rule().name());
+    group.add(name, pairs.wi.len(), move || {
+        brdf.eval_batch(Wo::Each(black_box(&pairs.wo)), &pairs.wi, &mut out);
+    });
+}
+
 fn main() {
     let mut harness = Harness::new("lookup");
     lookups(&mut harness);
+    cell_formats(&mut harness);
     measured(&mut harness);
 }

@@ -169,7 +169,7 @@ fn cells(brdf: &MerlBrdf) -> Vec<u8> {
     let table = brdf.table();
     let mut bytes = Vec::new();
     for (h, d, p) in (0..90 * 90 * 180).map(|i| (i / (90 * 180), i / 180 % 90, i % 180)) {
-        let cell = table.cells()[table.index(h, d, p)].truncate();
+        let cell = table.rgb(h, d, p);
         cell.to_array()
             .iter()
             .for_each(|v| bytes.extend(v.to_le_bytes()));

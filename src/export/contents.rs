@@ -60,7 +60,7 @@ impl Export {
     pub fn values(&self) -> impl Iterator<Item = f32> + '_ {
         let table = self.merl();
         (0..table.cells().len()).flat_map(move |cell| {
-            let rgb = table.cells()[cell];
+            let rgb = table.cell(cell);
             let valid = table.valid_channels(cell);
             [0, 1, 2].map(|channel| if valid[channel] { rgb[channel] } else { -1.0 })
         })

@@ -99,10 +99,8 @@ pub fn sin_cos_turns(turns: f64) -> (f64, f64) {
 ///
 /// Zeros count by their signs, as the library's do. Multiples of π/4 are exact to rounding. For lengths about
 /// `f64::MIN_POSITIVE` it only stays in bounds; infinite ones give NaN.
-///
-/// See [`acos`] for an example.
 #[inline(always)]
-pub fn fine_atan2(y: f64, x: f64) -> f64 {
+pub(crate) fn fine_atan2(y: f64, x: f64) -> f64 {
     const C: [f64; 8] = [
         1.0,
         -0.333_333_333_314_815_7,
@@ -132,10 +130,8 @@ pub fn fine_atan2(y: f64, x: f64) -> f64 {
 }
 
 /// Sine and cosine of `turns` full turns, in [−1, 1], to 10⁻¹²; their squares sum to 1 within 10⁻¹².
-///
-/// See [`acos`] for an example.
 #[inline(always)]
-pub fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
+pub(crate) fn fine_sin_cos_turns(turns: f64) -> (f64, f64) {
     // To this, numbers are added as integers: rounding without a call, and vector code on the oldest x86-64.
     const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
     // Step 1: the quarter k nearest to 4·turns, in the low bits of the sum, and x = 2π(turns − k/4) in [−π/4, π/4].

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::facts::MaterialFacts;
 use super::loaded::Loaded;
-use super::merl::LookupRule;
+use super::merl::{CellFormat, LookupRule};
 use crate::Result;
 
 /// How a table is read; other formats have no use for it.
@@ -14,6 +14,8 @@ pub(super) struct TableReading {
     pub rule: LookupRule,
     /// Whether a channel can be invalid alone.
     pub channels_apart: bool,
+    /// How its cells are kept in memory.
+    pub cell_format: CellFormat,
 }
 
 /// How one kind of material is recognised and loaded.

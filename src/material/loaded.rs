@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::facts::{MaterialFacts, no_table};
-use super::merl::{LookupRule, MerlBrdf};
+use super::merl::{CellFormat, LookupRule, MerlBrdf, RoundingError};
 use crate::Result;
 use crate::brdf::Brdf;
 use crate::direction_sampler::DirectionSampler;
@@ -34,6 +34,7 @@ impl Loaded {
                 gap_note(&measured),
                 mixed_note(&measured),
                 filled_note(&measured),
+                rounding_note(&measured),
             ]
             .into_iter()
             .flatten()
@@ -152,11 +153,16 @@ impl Loaded {
         self.table.as_ref().map(|table| table.rule())
     }
 
-    /// How its values are come by, for legends: "floor lookup", "values of the file", "values of a formula".
+    /// How its values are come by, for legends: "floor lookup", "floor lookup in f16 cells", "values of the file", "values of a
+    /// formula".
     pub fn reading(&self) -> String {
-        match self.rule() {
-            Some(rule) => format!("{} lookup", rule.name()),
-            None => self.reading.into(),
+        let Some(measured) = &self.table else {
+            return self.reading.into();
+        };
+        let rule = measured.rule().name();
+        match measured.table().cell_format() {
+            CellFormat::F32 => format!("{rule} lookup"),
+            format => format!("{rule} lookup in {} cells", format.name()),
         }
     }
 
@@ -188,7 +194,7 @@ fn gap_note(measured: &MerlBrdf) -> Option<String> {
             "takes the mean of their valid neighbours, and 0 where there is none"
         }
     };
-    let percent = 100.0 * count as f64 / table.cells().len() as f64;
+    let percent = 100.0 * count as f64 / table.header().cells() as f64;
     (count > 0).then(|| {
         format!(
             "{count} cells above the horizon ({percent:.2} % of the table) have no value; the {} rule {reading}",
@@ -201,7 +207,7 @@ fn gap_note(measured: &MerlBrdf) -> Option<String> {
 fn mixed_note(measured: &MerlBrdf) -> Option<String> {
     let (table, rule) = (measured.table(), measured.rule());
     let count = table.mixed_cells();
-    let percent = 100.0 * count as f64 / table.cells().len() as f64;
+    let percent = 100.0 * count as f64 / table.header().cells() as f64;
     let reading = match (table.keeps_channels_apart(), rule) {
         (false, _) => {
             "are invalid as a whole, as --invalid cell says; --invalid channel keeps the other channels".into()
@@ -222,14 +228,31 @@ fn mixed_note(measured: &MerlBrdf) -> Option<String> {
 /// How much of a table was filled in; `None` if nothing was.
 fn filled_note(measured: &MerlBrdf) -> Option<String> {
     let filled = measured.table().filled();
-    let cells = measured.table().cells();
-    let percent = 100.0 * filled.len() as f64 / cells.len() as f64;
+    let cells = measured.table().header().cells();
+    let percent = 100.0 * filled.len() as f64 / cells as f64;
     (!filled.is_empty()).then(|| {
         format!(
             "{} cells ({percent:.2} % of the table) were filled in from others, not measured",
             filled.len()
         )
     })
+}
+
+/// How far compact cells are from what was read; `None` for others.
+fn rounding_note(measured: &MerlBrdf) -> Option<String> {
+    let table = measured.table();
+    let worst = RoundingError::worst(table.rounding_errors()?);
+    let [median, permille, greatest] =
+        [worst.median, worst.permille, worst.greatest].map(|error| 100.0 * error);
+    let lost = match worst.zeroed {
+        0 => String::new(),
+        count => format!("; {count} values above 0 became 0"),
+    };
+    Some(format!(
+        "the table is kept in {} cells, which move the values of its worst channel by {median:.2e} % in the median, by more than \
+         {permille:.2e} % one in a thousand, and by at most {greatest:.2e} %{lost}",
+        table.cell_format().name()
+    ))
 }
 
 impl fmt::Debug for Loaded {

@@ -27,7 +27,7 @@ pub use rgl::RglBrdf;
 use crate::files::RegularFile;
 use crate::{Error, Result};
 use format::{MaterialFormat, TableReading};
-use merl::embedded;
+use merl::{CellFormat, embedded};
 
 /// All formats: the first that recognises an origin reads it. What none recognises is read as a MERL binary, which begins
 /// with no magic number and whose reader says what is wrong.
@@ -59,6 +59,7 @@ pub struct Material {
     name: String,
     origin: Origin,
     channels_apart: bool,
+    cell_format: CellFormat,
 }
 
 impl Material {
@@ -76,6 +77,7 @@ impl Material {
                 name: argument.into(),
                 origin: Origin::Embedded(argument.into()),
                 channels_apart: false,
+                cell_format: CellFormat::F32,
             });
         }
         let path = Path::new(argument);
@@ -84,6 +86,7 @@ impl Material {
                 name: text.replace([':', ',', '/'], "-"),
                 origin: Origin::Formula(text),
                 channels_apart: false,
+                cell_format: CellFormat::F32,
             }),
             // A file may be called like a formula that is none.
             Err(error) if !path.exists() => Err(error),
@@ -100,6 +103,7 @@ impl Material {
                 name,
                 origin: Origin::File(path.to_owned()),
                 channels_apart: false,
+                cell_format: CellFormat::F32,
             });
         }
         if path.extension().is_some() || path.components().count() > 1 {
@@ -135,6 +139,20 @@ impl Material {
         self.channels_apart
     }
 
+    /// The same material, whose table will be kept in memory in `format`, rather than as it was read by default. Other materials
+    /// have no use for it.
+    pub fn with_cell_format(self, format: CellFormat) -> Self {
+        Self {
+            cell_format: format,
+            ..self
+        }
+    }
+
+    /// How its table will be kept in memory, as [`Self::with_cell_format`] says.
+    pub fn cell_format(&self) -> CellFormat {
+        self.cell_format
+    }
+
     /// What it is, without loading its values; a `.bsdf` file is read to know.
     ///
     /// # Errors
@@ -146,11 +164,12 @@ impl Material {
     /// Loads it: a MERL table with `rule`, for which other materials have no use. A `.bsdf` file is evaluated as it is.
     ///
     /// # Errors
-    /// As [`merl::load`], or as [`rgl::BsdfFile::open`].
+    /// As [`merl::load`] and [`MerlTable::with_cell_format`], or as [`rgl::BsdfFile::open`].
     pub fn load(&self, rule: LookupRule) -> Result<Loaded> {
         let reading = TableReading {
             rule,
             channels_apart: self.channels_apart,
+            cell_format: self.cell_format,
         };
         let loaded = self.format().load(&self.origin, reading)?;
         Ok(loaded.named(&self.name))

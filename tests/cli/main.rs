@@ -4,6 +4,7 @@ mod anisotropic;
 mod batch;
 #[path = "../support/anisotropic.rs"]
 mod brushed;
+mod cells;
 mod compare;
 mod diff;
 mod environments;

@@ -99,6 +99,7 @@ fn refuse_all_else(folder: &Path) {
             "-o p --resume --invalid channel",
             "invalid was cell, and is channel",
         ),
+        ("-o p --resume --table f16", "table was f32, and is f16"),
         (
             "-o p --resume --light lamps",
             "lights was [Environment(Studio)], and is [Environment(BroadLamps)]",

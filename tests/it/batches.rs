@@ -13,7 +13,7 @@ use merlkit::brdf::Brdf;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::Symmetry;
 use merlkit::material::merl::decode_embedded;
-use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::merl::{CellFormat, LookupRule, MerlBrdf};
 use merlkit::material::rgl::{BsdfSize, RglBrdf, tabulate};
 use merlkit::points::{PointSet, Stream};
 use merlkit::sampler::{
@@ -261,8 +261,14 @@ fn every_brdf_gives_the_bits_of_single_calls() {
     let ward = formula("ward:sx=0.2,sy=0.4");
     let (wo, wi) = difficult_pairs();
     let channels = |v: Vec3| v.to_array().map(f32::to_bits);
+    let mut compact = Vec::new();
+    for format in [CellFormat::F16, CellFormat::Rgb9e5] {
+        let table = Arc::new((*table).clone().with_cell_format(format).unwrap());
+        compact.extend(LookupRule::ALL.map(|rule| MerlBrdf::new(table.clone(), rule)));
+    }
     let measured = measured.iter().map(|m| m as &dyn Brdf);
     for (i, brdf) in measured
+        .chain(compact.iter().map(|m| m as &dyn Brdf))
         .chain([&file as &dyn Brdf, &isotropic, &*lambert, &*ward])
         .enumerate()
     {

@@ -84,7 +84,7 @@ fn each_number_of_a_file_lands_in_its_cell_and_channel() {
         for (c, rgb) in table.rgb(h, d, p).to_array().into_iter().enumerate() {
             let raw = number as f64 + c as f64 * f64::from(cells);
             assert_eq!(rgb, (raw * scale[c]) as f32, "{h} {d} {p} {c}");
-            let flat = table.cells()[number];
+            let flat = table.cell(number);
             assert_eq!([flat[c], flat.w], [rgb, 1.0]);
         }
     }
@@ -102,7 +102,7 @@ fn a_written_table_loads_to_the_same_bits() {
         let loaded = load(&path).unwrap();
         assert_eq!(loaded.header(), table.header());
         assert_eq!(loaded.census(), table.census());
-        assert!(loaded.cells() == table.cells(), "{bins}");
+        assert!(loaded.cells().eq(table.cells()), "{bins}");
         let refused = write(&table, &path, Overwrite::Refuse)
             .unwrap_err()
             .to_string();
@@ -224,7 +224,6 @@ fn unusable_cells_are_counted_by_kind_and_marked() {
     assert!(
         table
             .cells()
-            .iter()
             .all(|c| c.is_finite() && c.min_element() >= 0.0)
     );
 }
@@ -239,5 +238,5 @@ fn a_loaded_table_outlives_its_file() {
     std::fs::write(&path, b"something else").unwrap();
     File::create(&path).unwrap().set_len(0).unwrap();
     std::fs::remove_file(&path).unwrap();
-    assert!(loaded.cells() == table.cells());
+    assert!(loaded.cells().eq(table.cells()));
 }

@@ -80,7 +80,7 @@ fn a_polarised_lambertian_comes_back() {
     );
     let (table, notes) = list.to_table();
     assert_eq!(table.count_gaps(), 0);
-    for cell in table.cells().iter().filter(|cell| cell.w == 1.0) {
+    for cell in table.cells().filter(|cell| cell.w == 1.0) {
         let error = (cell.truncate().as_dvec3() - DVec3::splat(FRAC_1_PI)).abs();
         assert!(error.max_element() < 1e-6, "{cell}");
     }
@@ -113,8 +113,8 @@ fn polarised_files_keep_lobes_orders_and_colours() {
     );
     let (_folder, path) = file(text.as_bytes());
     let expected = Measurements::read(&path, None).unwrap().to_table().0;
-    let cell = expected.cells().iter().position(|c| c.w == 1.0).unwrap();
-    let (found, expected) = (table.cells()[cell], expected.cells()[cell]);
+    let cell = expected.cells().position(|c| c.w == 1.0).unwrap();
+    let (found, expected) = (table.cell(cell), expected.cell(cell));
     assert!(expected.x > 2.0 * expected.z, "{expected}");
     assert!((found - expected).abs().max_element() < 1e-5, "{found}");
 }
@@ -234,7 +234,7 @@ fn a_utia_lambertian_comes_back_and_ends_at_75_degrees() {
         "{notes}"
     );
     let table = list.to_table().0;
-    for cell in table.cells().iter().filter(|cell| cell.w == 1.0) {
+    for cell in table.cells().filter(|cell| cell.w == 1.0) {
         let error = (cell.truncate().as_dvec3() - DVec3::splat(FRAC_1_PI)).abs();
         assert!(error.max_element() < 1e-6, "{cell}");
     }
@@ -248,7 +248,7 @@ fn a_utia_lambertian_comes_back_and_ends_at_75_degrees() {
     }
     let filled = fill_gaps(&table);
     assert_eq!(filled.count_gaps(), 0);
-    for cell in filled.cells().iter().filter(|cell| cell.w == 1.0) {
+    for cell in filled.cells().filter(|cell| cell.w == 1.0) {
         assert!((f64::from(cell.x) - FRAC_1_PI).abs() < 1e-5, "{cell}");
     }
 }
@@ -270,7 +270,7 @@ fn utia_files_keep_lobes_orders_handedness_and_colours() {
     let (median, largest) = difference(table, expected);
     assert!(median < 0.01 && largest < 0.1, "{median} {largest}");
     let table = grid(&|_, _| [0.1, 0.2, 0.4]);
-    let cell = table.cells().iter().find(|c| c.w == 1.0).unwrap();
+    let cell = table.cells().find(|c| c.w == 1.0).unwrap();
     assert!(
         (cell.truncate() - Vec3::new(0.1, 0.2, 0.4))
             .abs()

@@ -8,6 +8,7 @@ mod architecture;
 mod baselines;
 mod batches;
 mod bsdf;
+mod cell_formats;
 mod compare;
 mod disc_mass;
 mod examples;

@@ -205,7 +205,7 @@ fn arrays_of_both_layouts_and_precisions_are_tables() {
         let table = read_array(&path, false).unwrap();
         assert_eq!(table.census().nan, 1);
         for cell in [0usize, 8, 999, 1_457_999] {
-            let found = table.cells()[cell];
+            let found = table.cell(cell);
             assert_eq!(found.x, value(cell, 0) as f32);
             assert_eq!(found.z, value(cell, 2) as f32);
         }
@@ -241,13 +241,13 @@ fn gaps_are_filled_marked_and_told() {
     let filled = fill_gaps(&table);
     assert_eq!(filled.count_gaps(), 0);
     let mut errors = Vec::new();
-    for (cell, (found, had)) in filled.cells().iter().zip(table.cells()).enumerate() {
+    for (cell, (found, had)) in filled.cells().zip(table.cells()).enumerate() {
         let is_filled = filled.filled().binary_search(&(cell as u32)).is_ok();
         assert_eq!(is_filled, had.w == 0.0 && found.w == 1.0);
         if had.w == 1.0 {
             assert_eq!(found, had);
-        } else if is_filled && nickel.cells()[cell].w == 1.0 {
-            let expected = nickel.cells()[cell];
+        } else if is_filled && nickel.cell(cell).w == 1.0 {
+            let expected = nickel.cell(cell);
             errors.push((found.x / expected.x - 1.0).abs());
         }
     }
@@ -274,7 +274,7 @@ fn gaps_are_filled_marked_and_told() {
     drop(writer);
     for read in [mapped, copied] {
         assert_eq!(read.filled(), filled.filled());
-        assert_eq!(read.cells(), filled.cells());
+        assert!(read.cells().eq(filled.cells()));
         let measured = MerlBrdf::new(Arc::new(read), LookupRule::Floor);
         let notes = Loaded::from_table(Arc::new(measured)).notes().join("; ");
         assert!(
@@ -292,7 +292,7 @@ fn nothing_can_be_filled_from_nothing() {
     let empty = MerlTable::from_fn(HEADER, |_, _, _| [-1.0; 3]);
     let filled = fill_gaps(&empty);
     assert!(filled.filled().is_empty());
-    assert_eq!(filled.cells(), empty.cells());
+    assert!(filled.cells().eq(empty.cells()));
 }
 
 /// Real scattered measurements, where they are.

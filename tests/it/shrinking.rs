@@ -86,7 +86,7 @@ fn a_merl_binary_that_is_rewritten_is_whole_or_an_error() {
             match material.load(LookupRule::Floor) {
                 Ok(loaded) if loaded.file_access() == Some("mapped") => {
                     let table = loaded.table().unwrap().table();
-                    assert!(table.cells() == nickel.cells());
+                    assert!(table.cells().eq(nickel.cells()));
                     mapped.store(true, Ordering::Relaxed);
                 }
                 Ok(_) | Err(Error::Invalid { .. } | Error::Unsupported { .. }) => {}

@@ -129,17 +129,19 @@ impl Resumable<'_> {
     fn facts(&self, sources: &Sources) -> Result<Vec<(String, String)>, Error> {
         let picture = self.picture;
         let scene = picture.scene;
-        let mut invalid = Vec::new();
+        let (mut invalid, mut cells) = (Vec::new(), Vec::new());
         for material in picture.materials {
             invalid.push(match material.keeps_channels_apart() {
                 true => "channel",
                 false => "cell",
             });
+            cells.push(material.cell_format().name());
         }
         let mut facts = vec![
             ("sampler".into(), picture.sampler.to_string()),
             ("lookup".into(), picture.lookup.name().into()),
             ("invalid".into(), invalid.join(", ")),
+            ("table".into(), cells.join(", ")),
             ("effects".into(), format!("{:?}", picture.effects)),
             ("spheres".into(), format!("{:?}", scene.spheres)),
             ("floor".into(), format!("{:?}", scene.floor)),

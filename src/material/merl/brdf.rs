@@ -64,7 +64,8 @@ impl MerlBrdf {
     fn floor(&self, wo: Vec3, wi: Vec3) -> Rgb {
         match BinIndex::find(wo, wi, self.table.phi_d_bins()) {
             Some(b) => {
-                self.table.cells()[self.table.index(b.theta_h, b.theta_d, b.phi_d)].truncate()
+                let cell = self.table.index(b.theta_h, b.theta_d, b.phi_d);
+                self.table.cell(cell).truncate()
             }
             None => Rgb::ZERO,
         }

@@ -154,11 +154,11 @@ mod tests {
         let mut file = RegularFile::open(&path).unwrap();
         let header = read_header(&mut file).unwrap();
         let read = decode_read(&mut file, header, false).unwrap();
-        assert!(read.cells() == nickel.cells());
+        assert!(read.cells().eq(nickel.cells()));
         let access = load_with_access(&path, false).unwrap().1;
         match decode_mapped(&file, header, false) {
             Ok(mapped) => {
-                assert!(mapped.cells() == read.cells() && mapped.census() == read.census());
+                assert!(mapped.cells().eq(read.cells()) && mapped.census() == read.census());
                 assert_eq!(access, "mapped");
             }
             Err(why) => assert_eq!(access, format!("copied ({why})")),
@@ -168,7 +168,7 @@ mod tests {
             .open(&path)
             .unwrap();
         let (copied, access) = load_with_access(&path, false).unwrap();
-        assert!(copied.cells() == nickel.cells());
+        assert!(copied.cells().eq(nickel.cells()));
         assert!(access.starts_with("copied ("), "{access}");
         drop(writer);
     }

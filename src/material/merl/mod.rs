@@ -1,12 +1,16 @@
 //! MERL data (Matusik et al. 2003): binary files, the embedded materials, the decoded table and its lookup rules.
 
 mod brdf;
+mod cell_format;
+mod cells;
 mod decode;
 pub(super) mod embedded;
+mod half_cells;
 mod hard;
 mod header;
 mod import;
 mod lookup;
+mod shared_exponent_cells;
 mod table;
 mod write;
 
@@ -14,6 +18,7 @@ use std::sync::Arc;
 
 pub use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 pub use brdf::MerlBrdf;
+pub use cell_format::{CellFormat, RoundingError};
 use decode::{check_file, load_with_access};
 pub use decode::{decode_cells, load};
 pub use embedded::{decode as decode_embedded, names as embedded_names};
@@ -53,7 +58,7 @@ impl MaterialFormat for MerlBinary {
 
     fn load(&self, origin: &Origin, reading: TableReading) -> Result<Loaded> {
         let (table, access) = load_with_access(origin.path(), reading.channels_apart)?;
-        Ok(with_rule(table, reading.rule).with_file_access(access))
+        Ok(read_as(table, reading)?.with_file_access(access))
     }
 }
 
@@ -72,7 +77,7 @@ impl MaterialFormat for EmbeddedNetworks {
     fn load(&self, origin: &Origin, reading: TableReading) -> Result<Loaded> {
         let name = origin.path().to_string_lossy();
         match decode_embedded(&name) {
-            Some(table) => Ok(with_rule(table, reading.rule)),
+            Some(table) => read_as(table, reading),
             None => Err(Error::argument(
                 format!("no built-in material is called \"{name}\""),
                 "choose one of `merlkit list`",
@@ -81,6 +86,10 @@ impl MaterialFormat for EmbeddedNetworks {
     }
 }
 
-fn with_rule(table: MerlTable, rule: LookupRule) -> Loaded {
-    Loaded::from_table(Arc::new(MerlBrdf::new(Arc::new(table), rule)))
+fn read_as(table: MerlTable, reading: TableReading) -> Result<Loaded> {
+    let table = Arc::new(table.with_cell_format(reading.cell_format)?);
+    Ok(Loaded::from_table(Arc::new(MerlBrdf::new(
+        table,
+        reading.rule,
+    ))))
 }

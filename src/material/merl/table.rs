@@ -2,9 +2,12 @@
 
 use glam::{Vec3, Vec4};
 
+use super::cell_format::{CellFormat, RoundingError};
+use super::cells::Cells;
 use super::header::{Header, SCALE};
 use crate::color::Rgb;
 use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS, theta_d, theta_h_edge};
+use crate::{Error, Result};
 
 /// The last 16 bits of a raw value that was filled in, in all three channels: they are far below the precision of f32, and three
 /// measured values end in them once in 3·10¹⁴ cells.
@@ -67,7 +70,9 @@ impl Census {
 pub struct MerlTable {
     header: Header,
     /// x, y, z = RGB; w as [`validity`] has it.
-    cells: Vec<Vec4>,
+    cells: Cells,
+    /// Of compact cells, how far each channel is from what was read.
+    rounding: Option<[RoundingError; 3]>,
     census: Census,
     /// Cells with usable and unusable channels.
     mixed: u64,
@@ -111,28 +116,81 @@ impl MerlTable {
         self.header.phi_d_bins
     }
 
+    /// The same table with its cells in `format`, rounded to the nearest. It says how far that moved its values
+    /// ([`Self::rounding_errors`]); a table that is compact already is rounded again, and measured against what it held.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a compact format if a cell has a value in some channels only, which needs `f32`, or a value is 2⁶³ or more.
+    pub fn with_cell_format(self, format: CellFormat) -> Result<Self> {
+        if format == self.cell_format() {
+            return Ok(self);
+        }
+        if self.has_partial_cells() && format != CellFormat::F32 {
+            return Err(Error::argument(
+                format!(
+                    "{} cells hold a value in some channels only, which {} cells can't say",
+                    self.mixed,
+                    format.name()
+                ),
+                "keep the table as f32 (--table f32), or drop these cells as a whole (--invalid cell)",
+            ));
+        }
+        let exact: Vec<Vec4> = self.cells().collect();
+        let cells = Cells::round(&exact, format)?;
+        let rounding = match format {
+            CellFormat::F32 => None,
+            CellFormat::F16 | CellFormat::Rgb9e5 => Some(cells.measure_rounding(&exact)),
+        };
+        Ok(Self {
+            cells,
+            rounding,
+            ..self
+        })
+    }
+
+    /// How its cells are kept in memory.
+    pub fn cell_format(&self) -> CellFormat {
+        self.cells.format()
+    }
+
+    /// How far red, green and blue of compact cells are from the values that were read; `None` for those as they were read.
+    pub fn rounding_errors(&self) -> Option<[RoundingError; 3]> {
+        self.rounding
+    }
+
     /// Position of a bin in [`Self::cells`].
     #[inline]
     pub fn index(&self, theta_h: usize, theta_d: usize, phi_d: usize) -> usize {
         phi_d + self.header.phi_d_bins * (theta_d + THETA_D_BINS * theta_h)
     }
 
-    /// All cells in file order: φd fastest, then θd, then θh; `xyz` is RGB, `w` is 1 where valid, 0 where invalid, and in between
+    /// A cell by its position in [`Self::cells`]: `xyz` is RGB, `w` is 1 where valid, 0 where invalid, and in between
     /// where [`Self::valid_channels`] are some of the three.
-    #[inline]
-    pub fn cells(&self) -> &[Vec4] {
+    #[inline(always)]
+    pub fn cell(&self, cell: usize) -> Vec4 {
+        self.cells.get(cell)
+    }
+
+    /// All cells in file order: φd fastest, then θd, then θh. Each is as [`Self::cell`] has it.
+    pub fn cells(&self) -> impl ExactSizeIterator<Item = Vec4> + '_ {
+        (0..self.header.cells()).map(|cell| self.cell(cell))
+    }
+
+    /// The cells as they are kept, for those who read many.
+    #[inline(always)]
+    pub(super) fn stored_cells(&self) -> &Cells {
         &self.cells
     }
 
     /// RGB of a bin; 0 where invalid.
     pub fn rgb(&self, theta_h: usize, theta_d: usize, phi_d: usize) -> Rgb {
-        self.cells[self.index(theta_h, theta_d, phi_d)].truncate()
+        self.cell(self.index(theta_h, theta_d, phi_d)).truncate()
     }
 
     /// Whether each channel of a cell, by its position in [`Self::cells`], holds a value.
     #[inline]
     pub fn valid_channels(&self, cell: usize) -> [bool; 3] {
-        valid_channels(self.cells[cell].w)
+        valid_channels(self.cell(cell).w)
     }
 
     /// Whether in a cell of which some channels are negative, NaN or infinite only these are invalid, rather than all three.
@@ -154,7 +212,7 @@ impl MerlTable {
 
     /// Whether a bin holds a measured value, in one channel at least.
     pub fn is_valid(&self, theta_h: usize, theta_d: usize, phi_d: usize) -> bool {
-        self.cells[self.index(theta_h, theta_d, phi_d)].w != 0.0
+        self.cell(self.index(theta_h, theta_d, phi_d)).w != 0.0
     }
 
     /// The same table, of which these cells, in rising order, were filled in rather than measured.
@@ -178,13 +236,14 @@ impl MerlTable {
             .map(|p| (p as f64).to_radians().cos())
             .collect();
         let mut count = 0;
-        for (row, cells) in self.cells.chunks_exact(self.phi_d_bins()).enumerate() {
+        for row in 0..THETA_H_BINS * THETA_D_BINS {
             let (sin_h, cos_h) = theta_h_edge(row / THETA_D_BINS).sin_cos();
             let (sin_d, cos_d) = theta_d((row % THETA_D_BINS) as f64).sin_cos();
-            for (cell, cos_phi) in cells.iter().zip(&cos_phi) {
+            for (p, cos_phi) in cos_phi.iter().enumerate() {
                 // The lower direction has the height cosθh·cosθd − sinθh·sinθd·|cosφd|.
                 let height = cos_h * cos_d - sin_h * sin_d * cos_phi.abs();
-                count += u64::from(cell.w == 0.0 && height > LEAST_HEIGHT);
+                let is_invalid = self.cell(row * self.phi_d_bins() + p).w == 0.0;
+                count += u64::from(is_invalid && height > LEAST_HEIGHT);
             }
         }
         count
@@ -192,12 +251,12 @@ impl MerlTable {
 
     /// Bytes of memory that the table holds.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.cells.as_slice())
+        self.cells.bytes()
     }
 
     /// The raw value that a file stores for a channel of a cell: −1 where invalid, with [`FILLED_MARK`] where filled in.
     pub(super) fn raw(&self, cell: usize, channel: usize) -> f64 {
-        let c = self.cells[cell];
+        let c = self.cell(cell);
         if !valid_channels(c.w)[channel] {
             return -1.0;
         }
@@ -308,7 +367,8 @@ impl TableBuilder {
         debug_assert_eq!(self.cells.len(), self.header.cells());
         MerlTable {
             header: self.header,
-            cells: self.cells,
+            cells: Cells::F32(self.cells),
+            rounding: None,
             census: self.census,
             mixed: self.mixed,
             channels_apart: self.channels_apart,

@@ -37,7 +37,7 @@ struct Range {
 /// RGB of a cell of which some channels alone are invalid, those replaced by the greatest value of the adjacent cells; of any other
 /// cell as it is.
 fn with_greatest_neighbours(table: &MerlTable, cell: usize) -> Rgb {
-    let mut rgb = table.cells()[cell].truncate();
+    let mut rgb = table.cell(cell).truncate();
     let valid = table.valid_channels(cell);
     if valid[0] == valid[1] && valid[1] == valid[2] {
         return rgb;
@@ -69,7 +69,7 @@ impl MaxTable {
         let is_bounded_by_neighbours =
             table.has_partial_cells() && brdf.rule() != LookupRule::Floor;
         let mut values = Vec::with_capacity(table.cells().len());
-        for (cell, rgba) in table.cells().iter().enumerate() {
+        for (cell, rgba) in table.cells().enumerate() {
             let bound = match is_bounded_by_neighbours {
                 true => with_greatest_neighbours(table, cell),
                 false => rgba.truncate(),

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::{Sampler, SamplerSpec};
 use crate::files::{Overwrite, RegularFile, write_new};
 use crate::material::Loaded;
-use crate::material::merl::LookupRule;
+use crate::material::merl::{CellFormat, LookupRule};
 use crate::material::{Material, Origin};
 use crate::{Error, Result};
 
@@ -50,19 +50,33 @@ pub struct Record {
     /// Whether channels of the material's table could be invalid alone ([`Material::with_channels_apart`]).
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub channels_apart: bool,
+    /// How the cells of the material's table were kept ([`Material::with_cell_format`]).
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub cell_format: CellFormat,
     /// SHA-256 over all tensors.
     payload_sha256: String,
 }
 
 impl Record {
+    /// The material, of which a table will be read as the sampler's was.
+    fn read_alike(&self, material: Material) -> Material {
+        material
+            .with_channels_apart(self.channels_apart)
+            .with_cell_format(self.cell_format)
+    }
+
     /// The material that the file names, not loaded yet.
     ///
     /// # Errors
     /// As [`Material::resolve`].
     pub fn material(&self) -> Result<Material> {
         let material = Material::resolve(self.path.as_deref().unwrap_or(&self.material))?;
-        Ok(material.with_channels_apart(self.channels_apart))
+        Ok(self.read_alike(material))
     }
+}
+
+fn is_default(format: &CellFormat) -> bool {
+    *format == CellFormat::default()
 }
 
 /// A sampler file that has been read but waits for its material.
@@ -134,6 +148,10 @@ pub fn encode(sampler: &Sampler, material: &Material) -> Result<Vec<u8>> {
         source_sha256: material.sha256()?,
         lookup: sampler.rule(),
         channels_apart: material.keeps_channels_apart(),
+        cell_format: match sampler.rule() {
+            Some(_) => material.cell_format(),
+            None => CellFormat::default(),
+        },
         payload_sha256: out.sha256(),
     };
     let json = serde_json::to_string(&record)
@@ -190,7 +208,7 @@ impl SamplerFile {
     /// The sampler, for the material that is recorded, loaded with the lookup rule that is recorded.
     ///
     /// # Errors
-    /// [`Error::Argument`] if the lookup rule or the reading of cells with invalid channels differs, or the material is not of a kind that the sampler can be used for;
+    /// [`Error::Argument`] if the lookup rule, the reading of cells with invalid channels or the format of cells differs, or the material is not of a kind that the sampler can be used for;
     /// [`Error::Invalid`] if a tensor breaks an invariant.
     pub fn into_sampler(self, material: &Loaded) -> Result<Sampler> {
         if material.rule() != self.record.lookup {
@@ -203,6 +221,15 @@ impl SamplerFile {
             return Err(Error::argument(
                 "the sampler was built with a different treatment of cells in which some channels are invalid",
                 "load the material as the file records it, or build the sampler again",
+            ));
+        }
+        if let Some(measured) = material.table()
+            && measured.table().cell_format() != self.record.cell_format
+        {
+            let format = self.record.cell_format.name();
+            return Err(Error::argument(
+                format!("the sampler was built for a table of {format} cells"),
+                format!("pass --table {format}, or build it again"),
             ));
         }
         self.record.spec.check_supports(&material.facts())?;
@@ -242,8 +269,9 @@ impl SamplerFile {
                 "build the sampler again, or name the material it was built from",
             ));
         }
-        let material = material
-            .with_channels_apart(self.record.channels_apart)
+        let material = self
+            .record
+            .read_alike(material)
             .load(self.record.lookup.unwrap_or_default())?;
         Ok((self.into_sampler(&material)?, material))
     }

@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(help_heading = "Sampler", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
     sampler: SamplerSpec,
     /// How values between the samples of a table are interpolated
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// File to write. For several materials: folder for files named NAME.SAMPLER.safetensors
     #[arg(help_heading = "Output", short, long, value_name = "PATH")]

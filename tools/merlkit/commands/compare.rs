@@ -54,10 +54,10 @@ pub struct Args {
     #[arg(help_heading = "Output", long)]
     resume: bool,
     /// How values between the samples of a table are interpolated
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
-    invalid: args::Invalid,
+    tables: args::TableOptions,
     #[command(flatten, next_help_heading = "Comparison")]
     sky: SkyArgs,
     /// Seed of the draws
@@ -159,7 +159,7 @@ fn materials(args: &Args) -> Result<(Vec<String>, Vec<Material>), Error> {
         true => default.iter().map(|&name| name.to_owned()).collect(),
         false => args.materials.clone(),
     };
-    let materials = args::resolve(&names, &args.invalid)?;
+    let materials = args::resolve(&names, &args.tables)?;
     args::refuse_repeated(&materials)?;
     Ok((names, materials))
 }
@@ -189,9 +189,7 @@ impl Run {
         (mut names, materials): (Vec<String>, Vec<Material>),
     ) -> Result<Self, Error> {
         // What is resumed must have been read alike.
-        if args.invalid.is_by_channel() {
-            names.push("--invalid channel".into());
-        }
+        names.extend(args.tables.words());
         let plan = plan(args);
         let path = args.output.join(JOURNAL);
         if path.exists() && !args.resume && !args.force {

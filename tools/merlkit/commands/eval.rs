@@ -27,10 +27,10 @@ pub struct Args {
     #[arg(value_name = "MATERIAL")]
     material: String,
     /// How values between the samples of a table are interpolated
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
-    invalid: args::Invalid,
+    tables: args::TableOptions,
     /// View direction as polar angle (0 to 180) and azimuth in degrees, instead of standard input [default: none]
     #[arg(help_heading = "Directions", long, value_name = "T,P", allow_hyphen_values = true, requires = "wi", value_parser = angles)]
     wo: Option<DVec3>,
@@ -40,7 +40,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let loaded = args::load(&args.invalid.resolve(&args.material)?, args.lookup)?;
+    let loaded = args::load(&args.tables.resolve(&args.material)?, args.lookup)?;
     let brdf = &**loaded.brdf();
     let mut failure = None;
     output::stdout(|out| {

@@ -52,7 +52,7 @@ pub struct Args {
     sampler: Option<SamplerSpec>,
     /// How values between the samples of a table are interpolated. A written .bsdf file is always linear [default: linear for
     /// bsdf, floor otherwise]
-    #[arg(help_heading = "Materials", long, value_name = "RULE", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
     /// Folder for the files; created if missing
     #[arg(help_heading = "Output", short, long, value_name = "DIR")]

@@ -45,7 +45,7 @@ pub struct Args {
     #[arg(value_name = "FILE")]
     file: String,
     /// Lookup rule that the table will be used with: linear puts values at the bins' lower edges, the others at their centres
-    #[arg(help_heading = "Table", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Table", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Table")]
     invalid: args::Invalid,

@@ -29,10 +29,10 @@ pub struct Args {
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
     sources: Vec<String>,
     /// How values between the samples of a table are interpolated
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
-    invalid: args::Invalid,
+    tables: args::TableOptions,
     /// Also write JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
     #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     json: Option<Destination>,
@@ -44,7 +44,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let (mut subjects, mut unreadable) = (Vec::new(), Unreadable::default());
     for source in batch::expand_folders(&args.sources)? {
-        match Subject::resolve(&source, &args.invalid)? {
+        match Subject::resolve(&source, &args.tables)? {
             Ok(subject) => subjects.push(subject),
             Err(reason) => unreadable.push(reason),
         }
@@ -79,12 +79,12 @@ enum Subject {
 
 impl Subject {
     /// Fails for an argument that names nothing; holds the reason where it names a file that can't be read.
-    fn resolve(argument: &str, invalid: &args::Invalid) -> Result<Result<Self, Error>, Error> {
+    fn resolve(argument: &str, tables: &args::TableOptions) -> Result<Result<Self, Error>, Error> {
         let path = Path::new(argument);
         if path.is_file() && looks_like_sampler_file(path) {
             return Ok(SamplerDescription::read(path).map(Self::Sampler));
         }
-        let material = invalid.resolve(argument)?;
+        let material = tables.resolve(argument)?;
         Ok(match material.facts() {
             Ok(_) => Ok(Self::Material(material)),
             Err(reason) => Err(reason),
@@ -93,7 +93,9 @@ impl Subject {
 
     fn describe(self, lookup: LookupRule) -> Result<Description, Error> {
         match self {
-            Self::Material(material) => measure(&material, lookup).map(Description::Material),
+            Self::Material(material) => {
+                Ok(Description::Material(Box::new(measure(&material, lookup)?)))
+            }
             Self::Sampler(sampler) => Ok(Description::Sampler(sampler)),
         }
     }
@@ -103,7 +105,7 @@ impl Subject {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Description {
-    Material(Info),
+    Material(Box<Info>),
     Sampler(SamplerDescription),
 }
 
@@ -152,6 +154,7 @@ impl SamplerDescription {
             ("material", format!("{} ({source})", self.record.material)),
             ("lookup", lookup.to_owned()),
             ("invalid", invalid.to_owned()),
+            ("table", self.record.cell_format.name().to_owned()),
             ("bytes", self.file_bytes.to_string()),
             ("layout version", self.record.version.to_string()),
             ("SHA-256 of the material", self.record.source_sha256.clone()),

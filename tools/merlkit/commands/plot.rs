@@ -92,10 +92,10 @@ pub struct Args {
     #[arg(help_heading = "Plot", long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
     /// How values between the samples of a table are interpolated [default: floor]
-    #[arg(help_heading = "Materials", long, value_name = "RULE", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
     #[command(flatten, next_help_heading = "Materials")]
-    invalid: args::Invalid,
+    tables: args::TableOptions,
     /// disc: number of directions to draw, 0 to 100000 [default: 1000]
     #[arg(help_heading = "Plot", long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     samples: Option<u32>,
@@ -115,7 +115,7 @@ pub fn run(args: &Args) -> Outcome {
     args.refuse_idle()?;
     let thetas = args.thetas()?;
     let spec = args.spec()?;
-    let material = args.invalid.resolve(&args.material)?;
+    let material = args.tables.resolve(&args.material)?;
     let file = || Destination::File(format!("{}-{}.svg", material.name(), kind.name()).into());
     let destination = args.output.clone().unwrap_or_else(file);
     let format = Format::from_extension(&destination)?;

@@ -37,10 +37,10 @@ pub struct Args {
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// How values between the samples of a table are interpolated [default: floor]
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", hide_default_value = true, value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", hide_default_value = true, value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
-    invalid: args::Invalid,
+    tables: args::TableOptions,
     #[arg(help_heading = "Scene", long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
     lights: Vec<String>,
     /// Where the eye is, in units of the spheres' radius: x to the right, y up from the floor, z towards the viewer
@@ -100,7 +100,7 @@ pub struct Args {
     #[arg(help_heading = "Sampling", long, value_name = "HOW", default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
     strategy: String,
     /// MIS heuristic of --strategy mis [default: power]
-    #[arg(help_heading = "Sampling", long, value_name = "NAME", value_parser = args::named(&HEURISTICS))]
+    #[arg(help_heading = "Sampling", long, value_name = "power|balance", hide_possible_values = true, value_parser = args::named(&HEURISTICS))]
     heuristic: Option<Heuristic>,
     /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
     #[arg(help_heading = "Sampling", long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
@@ -285,7 +285,7 @@ fn describe(
     settings: &RenderSettings,
 ) -> Result<(SceneSpec, Vec<Material>), Error> {
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
-    let materials = args::resolve(&spec.materials, &args.invalid)?;
+    let materials = args::resolve(&spec.materials, &args.tables)?;
     for (i, material) in materials.iter().enumerate() {
         if material.facts()?.has_mirror {
             spec.mirrors.push(i);

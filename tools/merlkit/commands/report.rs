@@ -38,7 +38,7 @@ pub struct Args {
     #[arg(help_heading = "Measurement", long = "sampler", value_name = sampler_args::VALUE)]
     samplers: Vec<SamplerSpec>,
     /// How values between the samples of a table are interpolated
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     /// Number of draws per angle for estimating the bias
     #[arg(

@@ -40,10 +40,10 @@ pub struct Args {
     #[arg(help_heading = "Materials", long, value_name = "MATERIAL")]
     material: Option<String>,
     /// How values between the samples of a table are interpolated [default: floor, or the rule in the sampler file]
-    #[arg(help_heading = "Materials", long, value_name = "RULE", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
     #[command(flatten, next_help_heading = "Materials")]
-    invalid: args::Invalid,
+    tables: args::TableOptions,
     /// Polar angle of wo in degrees, from 0 to below 90
     #[arg(
         help_heading = "Draws",
@@ -132,7 +132,7 @@ fn load(args: &Args) -> Result<(String, Sampler, Loaded), Error> {
             "omit it",
         ));
     }
-    let material = args.invalid.resolve(&args.source)?;
+    let material = args.tables.resolve(&args.source)?;
     let spec = match &args.sampler {
         Some(spec) => spec.clone(),
         None => sampler_args::DEFAULT.parse()?,
@@ -150,10 +150,10 @@ fn refuse_other_sampler(args: &Args, record: &Record) -> Result<(), Error> {
             "omit --sampler",
         ));
     }
-    if args.invalid.contradicts(record.channels_apart) {
+    if let Some(option) = args.tables.contradiction(record) {
         return Err(Error::argument(
-            format!("{} was built with another --invalid", args.source),
-            "omit --invalid, or rebuild the sampler",
+            format!("{} was built with another {option}", args.source),
+            format!("omit {option}, or rebuild the sampler"),
         ));
     }
     match (record.lookup, args.lookup) {

@@ -381,10 +381,10 @@ fn describe_settings(args: &Args) -> String {
         ..
     } = args;
     format!(
-        "merlkit {}\nsampler {sampler}\nlookup {}\ninvalid by channel {}\nlights {}\nsize {size}\npaths {spp}\nseed {seed}\n",
+        "merlkit {}\nsampler {sampler}\nlookup {}\ntables {}\nlights {}\nsize {size}\npaths {spp}\nseed {seed}\n",
         env!("CARGO_PKG_VERSION"),
         lookup.name(),
-        args.materials.keep_channels_apart(),
+        args.materials.tables().words().join(" "),
         lights.join(" "),
     )
 }

@@ -50,10 +50,10 @@ pub struct Args {
     #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     shared_by: u64,
     /// How values between the samples of a table are interpolated
-    #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
+    #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
-    invalid: args::Invalid,
+    tables: args::TableOptions,
     #[command(flatten, next_help_heading = "Search")]
     sky: SkyArgs,
     /// Seed of the draws
@@ -80,7 +80,7 @@ fn seconds(argument: &str) -> Result<f64, String> {
 
 pub fn run(args: &Args) -> Outcome {
     let overwrite = output::overwrite(args.force);
-    let material = args.invalid.resolve(&args.material)?;
+    let material = args.tables.resolve(&args.material)?;
     if let Some(path) = &args.output {
         Destination::File(path.clone()).check(overwrite)?;
     }

@@ -4,9 +4,10 @@
 //! the large table comes last, so that many reads from memory wait at the same time instead of one after another.
 
 use fearless_simd::{Level, dispatch};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::bins::find_bins;
+use super::compact;
 use super::coordinates::CoordinateTables;
 use super::half_diff_tan2::HalfDiffTan2;
 use super::rule::LookupRule;
@@ -16,6 +17,7 @@ use crate::color::Rgb;
 use crate::geometry::merl_axes::AxisBins;
 use crate::lanes::{Columns, UnitDirections};
 use crate::material::merl::MerlTable;
+use crate::material::merl::cells::Cells;
 
 /// Pairs that go through the passes together: all their arrays stay in the first level of cache, and a call for 16 pairs clears
 /// few that it has no use for.
@@ -108,11 +110,10 @@ impl Block {
                 *cell = table.index(b.theta_h, b.theta_d, b.phi_d);
             }
         }
-        for (out, &cell) in out.iter_mut().zip(&cells) {
-            *out = match table.cells().get(cell) {
-                Some(value) => value.truncate(),
-                None => Rgb::ZERO,
-            };
+        match table.stored_cells() {
+            Cells::F32(stored) => read(stored, &cells, out),
+            Cells::F16(stored) => compact::read(stored, table.header().cells(), &cells, out),
+            Cells::Rgb9e5(stored) => compact::read(stored, table.header().cells(), &cells, out),
         }
     }
 
@@ -126,12 +127,52 @@ impl Block {
         for (lane, n) in neighbours[..count].iter_mut().enumerate() {
             *n = CellNeighbours::find(tables, self.tangents(lane), self.wi.get(lane), bins, offset);
         }
-        for (out, n) in out.iter_mut().zip(&neighbours) {
-            *out = match n {
-                Some(n) => n.mean(table),
-                None => Rgb::ZERO,
-            };
+        if table.has_partial_cells() {
+            read_partial_cells(table, &neighbours, out);
+            return;
         }
+        match table.stored_cells() {
+            Cells::F32(cells) => interpolate(cells, &neighbours, out),
+            Cells::F16(cells) => compact::interpolate(cells, &neighbours, out),
+            Cells::Rgb9e5(cells) => compact::interpolate(cells, &neighbours, out),
+        }
+    }
+}
+
+/// RGB of each lane's cell; 0 past the end of the table.
+#[inline(always)]
+fn read(stored: &[Vec4], cells: &[usize; LANES], out: &mut [Rgb]) {
+    for (out, &cell) in out.iter_mut().zip(cells) {
+        *out = match stored.get(cell) {
+            Some(value) => value.truncate(),
+            None => Rgb::ZERO,
+        };
+    }
+}
+
+/// The mean of each lane's neighbours.
+#[inline(always)]
+fn interpolate(cells: &[Vec4], neighbours: &[Option<CellNeighbours>; LANES], out: &mut [Rgb]) {
+    for (out, n) in out.iter_mut().zip(neighbours) {
+        *out = match n {
+            Some(n) => n.mean_of_cells(cells),
+            None => Rgb::ZERO,
+        };
+    }
+}
+
+/// [`interpolate`] for a table some cells of which are valid in some channels only.
+#[cold]
+fn read_partial_cells(
+    table: &MerlTable,
+    neighbours: &[Option<CellNeighbours>; LANES],
+    out: &mut [Rgb],
+) {
+    for (out, n) in out.iter_mut().zip(neighbours) {
+        *out = match n {
+            Some(n) => n.mean(table),
+            None => Rgb::ZERO,
+        };
     }
 }
 
@@ -139,7 +180,7 @@ impl Block {
 mod tests {
     use super::*;
     use crate::geometry::spherical;
-    use crate::material::merl::decode_embedded;
+    use crate::material::merl::{CellFormat, decode_embedded};
     use crate::points::Stream;
 
     /// What is compiled for the oldest processor and what is compiled for this one give the same bits.
@@ -154,11 +195,14 @@ mod tests {
                 directions.push(spherical(theta, phi).as_vec3());
             }
         }
-        for rule in [LookupRule::Floor, LookupRule::Linear, LookupRule::Centred] {
-            let (mut oldest, mut newest) = (vec![Rgb::ZERO; 2000], vec![Rgb::ZERO; 2000]);
-            evaluate_blocks(&table, rule, Wo::Each(&wo), &wi, &mut oldest);
-            evaluate(&table, rule, Wo::Each(&wo), &wi, &mut newest);
-            assert_eq!(oldest, newest, "{rule:?}");
+        for format in CellFormat::ALL {
+            let table = table.clone().with_cell_format(format).unwrap();
+            for rule in LookupRule::ALL {
+                let (mut oldest, mut newest) = (vec![Rgb::ZERO; 2000], vec![Rgb::ZERO; 2000]);
+                evaluate_blocks(&table, rule, Wo::Each(&wo), &wi, &mut oldest);
+                evaluate(&table, rule, Wo::Each(&wo), &wi, &mut newest);
+                assert_eq!(oldest, newest, "{rule:?} {format:?}");
+            }
         }
     }
 }

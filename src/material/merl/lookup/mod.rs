@@ -2,6 +2,7 @@
 
 pub(super) mod batch;
 mod bins;
+mod compact;
 pub(super) mod coordinates;
 pub(super) mod half_diff_tan2;
 mod rule;

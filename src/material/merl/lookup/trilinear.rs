@@ -8,6 +8,8 @@ use super::half_diff_tan2::HalfDiffTan2;
 use crate::color::Rgb;
 use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
 use crate::material::merl::MerlTable;
+use crate::material::merl::cell_format::ReadCells;
+use crate::material::merl::cells::Cells;
 
 /// Two neighbouring bins and the weight of the second.
 #[derive(Clone, Copy)]
@@ -18,10 +20,6 @@ struct Pair {
 }
 
 impl Pair {
-    fn bins(&self) -> [u32; 2] {
-        [self.low, self.high]
-    }
-
     /// Neighbours of a coordinate in units of bins, clamped at both ends of the axis.
     #[inline(always)]
     fn clamped(x: f64, bins: usize) -> Self {
@@ -63,12 +61,15 @@ fn split(x: f64) -> (u32, f32) {
     ((bits >> 32) as u32 & 0xffff, fraction)
 }
 
-/// The eight bins about a pair of directions and their weights.
+/// The eight cells about a pair of directions and their weights.
 #[derive(Clone, Copy)]
 pub(in crate::material::merl) struct CellNeighbours {
-    theta_h: Pair,
-    theta_d: Pair,
-    phi_d: Pair,
+    /// The nearer of two cells along φd in each row: low and high θd at low θh, then at high θh.
+    rows: [u32; 4],
+    /// From these to the others along φd, modulo 2³²: 1, or back to the row's start.
+    phi_d_step: u32,
+    /// Weights of the second neighbour along θh, θd and φd.
+    weights: [f32; 3],
 }
 
 impl CellNeighbours {
@@ -86,10 +87,21 @@ impl CellNeighbours {
             return None;
         }
         let x = tables.compute(tan2, phi_d_bins, || azimuth(wi.x, wi.y, phi_d_bins));
+        let h = Pair::clamped(x.theta_h - offset, THETA_H_BINS);
+        let d = Pair::clamped(x.theta_d - offset, THETA_D_BINS);
+        let p = Pair::periodic(x.phi_d - offset, phi_d_bins);
+        let bins = phi_d_bins as u32;
+        let low = h.low * (THETA_D_BINS as u32 * bins) + p.low;
+        let high = h.high * (THETA_D_BINS as u32 * bins) + p.low;
         Some(Self {
-            theta_h: Pair::clamped(x.theta_h - offset, THETA_H_BINS),
-            theta_d: Pair::clamped(x.theta_d - offset, THETA_D_BINS),
-            phi_d: Pair::periodic(x.phi_d - offset, phi_d_bins),
+            rows: [
+                low + d.low * bins,
+                low + d.high * bins,
+                high + d.low * bins,
+                high + d.high * bins,
+            ],
+            phi_d_step: p.high.wrapping_sub(p.low),
+            weights: [h.weight, d.weight, p.weight],
         })
     }
 
@@ -100,13 +112,30 @@ impl CellNeighbours {
         if table.has_partial_cells() {
             return self.mean_by_channel(table);
         }
+        match table.stored_cells() {
+            Cells::F32(cells) => self.mean_of_cells(cells.as_slice()),
+            Cells::F16(cells) => self.mean_of_cells(cells),
+            Cells::Rgb9e5(cells) => self.mean_of_cells(cells),
+        }
+    }
+
+    /// [`Self::mean`] where every cell is valid in all of its channels or in none.
+    #[inline(always)]
+    pub fn mean_of_cells(&self, cells: &(impl ReadCells + ?Sized)) -> Rgb {
         // Linear along φd, then θd, then θh: low · (1 − w) + high · w on each axis. An invalid cell is zero in all of its
         // numbers, so that the fourth sums the weights of the valid ones.
-        let sum = mix(
-            self.mean_along_theta_d(table, self.theta_h.low),
-            self.mean_along_theta_d(table, self.theta_h.high),
-            self.theta_h.weight,
+        let [theta_h, theta_d, _] = self.weights;
+        let low = mix(
+            self.mean_along_phi_d(cells, self.rows[0]),
+            self.mean_along_phi_d(cells, self.rows[1]),
+            theta_d,
         );
+        let high = mix(
+            self.mean_along_phi_d(cells, self.rows[2]),
+            self.mean_along_phi_d(cells, self.rows[3]),
+            theta_d,
+        );
+        let sum = mix(low, high, theta_h);
         if sum.w > 0.0 {
             (sum / sum.w).truncate().min(Rgb::splat(f32::MAX))
         } else {
@@ -114,24 +143,29 @@ impl CellNeighbours {
         }
     }
 
-    /// The weighted sum of the four neighbours in bin `h` of θh.
+    /// The weighted sum of the two neighbours in a row.
     #[inline(always)]
-    fn mean_along_theta_d(&self, table: &MerlTable, h: u32) -> Vec4 {
-        mix(
-            self.mean_along_phi_d(table, h, self.theta_d.low),
-            self.mean_along_phi_d(table, h, self.theta_d.high),
-            self.theta_d.weight,
-        )
+    fn mean_along_phi_d(&self, cells: &(impl ReadCells + ?Sized), near: u32) -> Vec4 {
+        let low = cells.read(near as usize);
+        let high = cells.read(near.wrapping_add(self.phi_d_step) as usize);
+        mix(low, high, self.weights[2])
     }
 
-    /// The weighted sum of the two neighbours in bin `h` of θh and bin `d` of θd.
+    /// The eight cells, those of a row together.
     #[inline(always)]
-    fn mean_along_phi_d(&self, table: &MerlTable, h: u32, d: u32) -> Vec4 {
-        let cells = table.cells();
-        let row = table.index(h as usize, d as usize, 0);
-        let low = cells[row + self.phi_d.low as usize];
-        let high = cells[row + self.phi_d.high as usize];
-        mix(low, high, self.phi_d.weight)
+    pub fn cells(&self) -> [u32; 8] {
+        let mut cells = [0; 8];
+        for row in 0..4 {
+            cells[2 * row] = self.rows[row];
+            cells[2 * row + 1] = self.rows[row].wrapping_add(self.phi_d_step);
+        }
+        cells
+    }
+
+    /// Weights of the second neighbour along θh, θd and φd.
+    #[inline(always)]
+    pub fn weights(&self) -> [f32; 3] {
+        self.weights
     }
 
     /// [`Self::mean`] of a table that keeps channels apart: each channel has weights of its own. The same bits where all neighbours
@@ -139,21 +173,16 @@ impl CellNeighbours {
     #[cold]
     fn mean_by_channel(&self, table: &MerlTable) -> Rgb {
         // Sums of the values, and of 1 for each channel that is valid: along φd, then θd, then θh.
-        let mut along_theta_h = [(Vec4::ZERO, Vec4::ZERO); 2];
-        for (mean, h) in along_theta_h.iter_mut().zip(self.theta_h.bins()) {
-            let mut along_theta_d = [(Vec4::ZERO, Vec4::ZERO); 2];
-            for (mean, d) in along_theta_d.iter_mut().zip(self.theta_d.bins()) {
-                let row = table.index(h as usize, d as usize, 0);
-                let [low, high] = self.phi_d.bins().map(|p| row + p as usize);
-                let low = value_and_valid(table, low);
-                let high = value_and_valid(table, high);
-                *mean = mix_both(low, high, self.phi_d.weight);
-            }
-            let [low, high] = along_theta_d;
-            *mean = mix_both(low, high, self.theta_d.weight);
+        let [theta_h, theta_d, phi_d] = self.weights;
+        let mut along_phi_d = [(Vec4::ZERO, Vec4::ZERO); 4];
+        for (mean, near) in along_phi_d.iter_mut().zip(self.rows) {
+            let low = value_and_valid(table, near as usize);
+            let high = value_and_valid(table, near.wrapping_add(self.phi_d_step) as usize);
+            *mean = mix_both(low, high, phi_d);
         }
-        let [low, high] = along_theta_h;
-        let (sum, weights) = mix_both(low, high, self.theta_h.weight);
+        let [a, b, c, d] = along_phi_d;
+        let (low, high) = (mix_both(a, b, theta_d), mix_both(c, d, theta_d));
+        let (sum, weights) = mix_both(low, high, theta_h);
         let mut out = Rgb::ZERO;
         for channel in 0..3 {
             if weights[channel] > 0.0 {
@@ -167,7 +196,7 @@ impl CellNeighbours {
 /// A cell's value, and 1 for each of its channels that is valid.
 fn value_and_valid(table: &MerlTable, cell: usize) -> (Vec4, Vec4) {
     let valid = table.valid_channels(cell).map(|v| f32::from(u8::from(v)));
-    (table.cells()[cell], Vec3::from_array(valid).extend(0.0))
+    (table.cell(cell), Vec3::from_array(valid).extend(0.0))
 }
 
 /// [`mix`] of two pairs.

@@ -7,7 +7,7 @@ use merlkit::brdf::Importance;
 use merlkit::color::Rgb;
 use merlkit::geometry::Symmetry;
 use merlkit::geometry::merl_axes::{theta_d, theta_h_edge};
-use merlkit::material::merl::{Census, THETA_D_BINS, THETA_H_BINS};
+use merlkit::material::merl::{CellFormat, Census, RoundingError, THETA_D_BINS, THETA_H_BINS};
 use merlkit::material::{Loaded, LookupRule, MerlTable};
 
 /// Angles of `wo`, in degrees, at which [`facts`] gives the albedo.
@@ -43,6 +43,10 @@ pub struct TableFacts {
     pub dimensions: [usize; 3],
     /// Bytes of the decoded table in memory, counted.
     pub table_bytes: usize,
+    /// How the cells are kept in memory.
+    pub cell_format: CellFormat,
+    /// How far red, green and blue are from the values that were read; `None` for cells that are as they were read.
+    pub rounding_errors: Option<[RoundingError; 3]>,
     /// Bytes of a MERL binary of these dimensions.
     pub file_bytes: u64,
     /// Invalid cells by kind.
@@ -128,6 +132,8 @@ pub fn table_facts(table: &MerlTable) -> TableFacts {
     TableFacts {
         dimensions: [THETA_H_BINS, THETA_D_BINS, table.phi_d_bins()],
         table_bytes: table.bytes(),
+        cell_format: table.cell_format(),
+        rounding_errors: table.rounding_errors(),
         file_bytes: table.header().file_bytes(),
         invalid: table.census(),
         mixed_cells: table.mixed_cells(),
@@ -142,7 +148,7 @@ pub fn table_facts(table: &MerlTable) -> TableFacts {
 /// Least and greatest valid value of each channel; 0 without any.
 fn range(table: &MerlTable) -> (Rgb, Rgb) {
     let (mut least, mut greatest) = ([None::<f32>; 3], [0.0f32; 3]);
-    for (cell, value) in table.cells().iter().enumerate() {
+    for (cell, value) in table.cells().enumerate() {
         let valid = table.valid_channels(cell);
         for channel in 0..3 {
             if valid[channel] {

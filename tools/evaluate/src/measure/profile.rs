@@ -8,6 +8,7 @@ use merlkit::Result;
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, Symmetry, spherical};
+use merlkit::material::merl::RoundingError;
 use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::{Sampler, SamplerSpec, store};
 
@@ -117,6 +118,8 @@ pub struct MaterialFigures {
     pub load: Seconds,
     /// Bytes of the loaded tables.
     pub material_bytes: usize,
+    /// How far the channels of a table in compact cells are from what was read, as [`merlkit::material::MerlTable::rounding_errors`].
+    pub rounding_errors: Option<[RoundingError; 3]>,
     /// What was measured, and how much of it.
     pub settings: ProfileSettings,
     /// The samplers, in the order asked for.
@@ -169,6 +172,7 @@ pub fn profile(
         symmetry: brdf.symmetry(),
         load,
         material_bytes: brdf.bytes(),
+        rounding_errors: brdf.table().and_then(|m| m.table().rounding_errors()),
         settings: *settings,
         samplers,
         notes,

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::Sheet;
 use crate::measure::{Albedo, Facts, TableFacts};
 use merlkit::geometry::Symmetry;
+use merlkit::material::merl::RoundingError;
 
 /// The facts of a named material.
 #[derive(Clone, Debug, Serialize)]
@@ -79,6 +80,10 @@ fn table_lines(table: &TableFacts, line: &mut dyn FnMut(&str, String)) {
     let invalid = table.invalid;
     line("bins θh × θd × φd", format!("{h} × {d} × {p}"));
     line("bytes in memory", table.table_bytes.to_string());
+    line("cells in memory", table.cell_format.name().into());
+    if let Some(errors) = table.rounding_errors {
+        rounding_lines(errors, line);
+    }
     line("bytes as MERL binary", table.file_bytes.to_string());
     let fraction = percent(invalid.invalid() as f64 / (h * d * p) as f64);
     line(
@@ -107,6 +112,16 @@ fn table_lines(table: &TableFacts, line: &mut dyn FnMut(&str, String)) {
     line("least value, sr⁻¹", rgb(table.min));
     line("greatest value, sr⁻¹", rgb(table.max));
     line("peak / mean", format!("{:.1}", table.peak_to_mean));
+}
+
+/// How far compact cells are from the values that were read, by channel.
+fn rounding_lines(errors: [RoundingError; 3], line: &mut dyn FnMut(&str, String)) {
+    line("  relative error, median", rgb(errors.map(|e| e.median)));
+    let permille = rgb(errors.map(|e| e.permille));
+    line("  exceeded by one value in 1000", permille);
+    line("  greatest", rgb(errors.map(|e| e.greatest)));
+    let [red, green, blue] = errors.map(|e| e.zeroed);
+    line("  values that became 0", format!("{red} {green} {blue}"));
 }
 
 /// Which turns and mirror images leave the material as it is.

@@ -9,6 +9,7 @@ use crate::measure::cost::ROUNDS;
 use crate::measure::profile::{MaterialFigures, SamplerFigures};
 use merlkit::geometry::Symmetry;
 use merlkit::material::LookupRule;
+use merlkit::material::merl::RoundingError;
 
 /// The figures of a material's samplers, and the thesis's for the same material.
 #[derive(Clone, Debug, Serialize)]
@@ -63,7 +64,7 @@ impl SamplerReport {
         };
         let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
-            "{}: {}; loaded (or decoded) in {:.1} ms, {:.1} MB. Samplers are built on {threads} threads. Draws and densities are \
+            "{}: {}{}; loaded (or decoded) in {:.1} ms, {:.1} MB. Samplers are built on {threads} threads. Draws and densities are \
              timed on one thread by CPU time, with samplers alternating: the lower quartile of {ROUNDS} rounds over 7 angles, \
              with its 95 % confidence interval in brackets. 1 KB = 1000 bytes. relstd: relative standard deviation of the sample \
              weight (mean RGB), by quadrature, mean and worst angle{azimuths}; holes: fraction of the albedo where the \
@@ -71,6 +72,7 @@ impl SamplerReport {
              standard errors (±) from 0; failed: fraction of draws that give no direction.",
             m.material,
             m.reading,
+            m.rounding_errors.map(rounding_text).unwrap_or_default(),
             1e3 * m.load.wall,
             m.material_bytes as f64 / 1e6,
             m.settings.draws,
@@ -161,6 +163,16 @@ impl SamplerReport {
             sheet.push(row);
         }
     }
+}
+
+/// What compact cells cost in accuracy, in brackets.
+fn rounding_text(channels: [RoundingError; 3]) -> String {
+    let worst = RoundingError::worst(channels);
+    format!(
+        " (relative errors of its worst channel: {:.1e} in the median, above {:.1e} for one value in 1000, at most {:.1e}; {} values \
+         became 0)",
+        worst.median, worst.permille, worst.greatest, worst.zeroed
+    )
 }
 
 fn number_or_empty(x: Option<f64>) -> String {
