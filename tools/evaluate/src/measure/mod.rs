@@ -12,6 +12,7 @@ pub mod convergence;
 pub mod cost;
 mod expected;
 mod facts;
+pub mod fit;
 pub mod hard;
 mod probe;
 pub mod profile;
