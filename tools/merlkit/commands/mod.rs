@@ -8,6 +8,7 @@ mod decode;
 mod demo;
 mod eval;
 mod export;
+mod fit;
 mod import;
 mod info;
 mod list;
@@ -41,6 +42,7 @@ pub enum Command {
     Check(check::Args),
     Compare(compare::Args),
     Tune(tune::Args),
+    Fit(fit::Args),
     Render(Box<render::Args>),
     Completions(completions::Args),
     Man(man::Args),
@@ -66,6 +68,7 @@ impl Command {
             Self::Check(args) => check::run(&args),
             Self::Compare(args) => compare::run(&args),
             Self::Tune(args) => tune::run(&args),
+            Self::Fit(args) => fit::run(&args),
             Self::Render(args) => render::run(&args),
             Self::Completions(args) => completions::run(&args, cli),
             Self::Man(args) => man::run(&args, cli),

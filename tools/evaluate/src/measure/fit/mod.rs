@@ -4,6 +4,8 @@
 //! shapes best are solved for at every step ([`weights`]). Errors are those of the result as its text has it, over pairs that
 //! the fit did not see.
 
+mod drawn;
+mod metal_rough;
 mod metric;
 mod pairs;
 mod pinning;
@@ -14,10 +16,12 @@ mod weights;
 
 use merlkit::Result;
 use merlkit::brdf::Brdf;
+use merlkit::image::{encode_png, encode_srgb};
 use merlkit::material::analytic::ModelFacts;
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use metal_rough::MetalRough;
 pub use metric::FitMetric;
 pub use pairs::LARGEST_ANGLE;
 pub use pinning::{ALLOWED_GROWTH, Pinned, PinnedParameter};
@@ -101,6 +105,8 @@ pub struct ModelFit {
     pub lobes: Vec<FittedLobe>,
     /// All parameters and how far they are known.
     pub parameters: Vec<PinnedParameter>,
+    /// The same as a metallic-roughness material, and its error in the metric; for one or two lobes of GGX.
+    pub metal_rough: Option<(MetalRough, f64)>,
 }
 
 /// All models fitted to one material.
@@ -151,6 +157,40 @@ pub fn fit_models(
     })
 }
 
+/// A sphere of the material and of each fit as PNG, for people.
+#[derive(Clone, Debug)]
+pub struct FitPictures {
+    /// The material.
+    pub measured: Vec<u8>,
+    /// Each fit, and its absolute difference in 8-bit values, times four.
+    pub fitted: Vec<[Vec<u8>; 2]>,
+}
+
+/// Draws the spheres of a material and its fits, `side` pixels wide.
+///
+/// # Errors
+/// Those of encoding.
+pub fn draw_fits(brdf: &dyn Brdf, fit: &MaterialFit, side: usize) -> Result<FitPictures> {
+    let measured = encode_srgb(&sphere_image(brdf, side)?, 0.0);
+    let mut fitted = Vec::with_capacity(fit.fits.len());
+    for model in &fit.fits {
+        let found = ModelFacts::brdf(&model.material)?;
+        let bytes = encode_srgb(&sphere_image(&*found, side)?, 0.0);
+        let mut difference = Vec::with_capacity(bytes.len());
+        for (a, b) in measured.iter().zip(&bytes) {
+            difference.push(a.abs_diff(*b).saturating_mul(4));
+        }
+        fitted.push([
+            encode_png(side, side, &bytes)?,
+            encode_png(side, side, &difference)?,
+        ]);
+    }
+    Ok(FitPictures {
+        measured: encode_png(side, side, &measured)?,
+        fitted,
+    })
+}
+
 /// Fits one model and measures the result as its text has it.
 fn fit_model(
     model: &FitModel,
@@ -167,6 +207,9 @@ fn fit_model(
     let fitted = ModelFacts::brdf(&material)?;
     let error = validation.error(&*fitted);
     // A black material has no error to relate to.
+    let lobes = fitted_lobes(model, &search, &found);
+    let diffuse = part_colour(&found, 0);
+    let metal_rough = MetalRough::convert(diffuse, &lobes);
     let relative_error = error / validation.root_mean_square().max(f64::MIN_POSITIVE);
     Ok(ModelFit {
         model: model.name().to_owned(),
@@ -175,8 +218,9 @@ fn fit_model(
         relative_error,
         sphere_levels: sphere_difference(sphere, &sphere_image(&*fitted, SPHERE_SIDE)?),
         holds: relative_error <= HELD,
-        diffuse: part_colour(&found, 0),
-        lobes: fitted_lobes(model, &search, &found),
+        metal_rough: metal_rough.map(|converted| (converted, validation.error(&converted))),
+        diffuse,
+        lobes,
         parameters,
         material,
     })
@@ -208,9 +252,9 @@ fn material_text(model: &FitModel, search: &ShapeSearch<'_>, found: &Found) -> S
     text
 }
 
-/// The weights of a part in the three channels.
+/// The weights of a part in the three channels, in the digits that are printed.
 fn part_colour(found: &Found, part: usize) -> [f64; 3] {
-    found.weights.map(|weights| weights[part])
+    found.weights.map(|weights| round_digits(weights[part], 6))
 }
 
 fn fitted_lobes(model: &FitModel, search: &ShapeSearch<'_>, found: &Found) -> Vec<FittedLobe> {
@@ -226,7 +270,7 @@ fn fitted_lobes(model: &FitModel, search: &ShapeSearch<'_>, found: &Found) -> Ve
         lobes.push(FittedLobe {
             model: recipe.name.to_owned(),
             shapes,
-            colour: part_colour(found, i + 1).map(|w| round_digits(w, 6)),
+            colour: part_colour(found, i + 1),
         });
     }
     lobes
