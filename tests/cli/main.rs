@@ -8,6 +8,7 @@ mod compare;
 mod environments;
 mod eval;
 mod every_material;
+mod fit;
 #[path = "../support/grids.rs"]
 mod grid_files;
 mod hard;

@@ -11,6 +11,7 @@ mod bsdf;
 mod compare;
 mod disc_mass;
 mod examples;
+mod fitted_files;
 mod foreign_files;
 mod format;
 #[path = "../support/grids.rs"]

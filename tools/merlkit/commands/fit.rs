@@ -112,6 +112,7 @@ pub fn run(args: &Args) -> Outcome {
     let models = args.models()?;
     let (materials, unreadable) = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
+    args.check_format(&models)?;
     let overwrite = output::overwrite(args.force);
     args.check_files(&materials, overwrite)?;
     let plan = FitPlan {
@@ -199,7 +200,22 @@ impl Args {
         Ok(models)
     }
 
-    /// Says before the work which files can't be written, or can't hold any of the models.
+    /// Refuses a format before the work that can hold none of the models.
+    fn check_format(&self, models: &[FitModel]) -> Result<(), Error> {
+        let held: &[&str] = match self.format() {
+            Format::Json => return Ok(()),
+            Format::Sampler => &["ggx", "ward", "blinn", "ashikhmin"],
+            Format::Renderer(_) => &["ggx", "ggx+ggx"],
+        };
+        let is_held = models.iter().any(|model| held.contains(&model.name()));
+        if is_held {
+            Ok(())
+        } else {
+            Err(no_model_is_held())
+        }
+    }
+
+    /// Says before the work which files can't be written, or would be replaced.
     fn check_files(&self, materials: &[Material], overwrite: Overwrite) -> Result<(), Error> {
         let mut files: Vec<Destination> = self.json.iter().cloned().collect();
         files.extend(self.page.iter().cloned().map(Destination::File));
@@ -286,7 +302,11 @@ impl Args {
             }
             Format::Sampler => self.write_sampler(material, fit, path)?,
             Format::Renderer(format) => {
-                let chosen = best_of(fit, |model| model.metal_rough.is_some())?;
+                let error = match format {
+                    FitFormat::MaterialX | FitFormat::Gltf => converted_error,
+                    FitFormat::Mitsuba | FitFormat::Pbrt => own_error,
+                };
+                let chosen = best_of(fit, error)?;
                 let text = fitted_text(format, material.name(), chosen)?;
                 destination.write(overwrite, |out| out.write_all(text.as_bytes()))?;
             }
@@ -302,7 +322,7 @@ impl Args {
         fit: &MaterialFit,
         path: &Path,
     ) -> Result<(), Error> {
-        let chosen = best_of(fit, |model| matches!(model.sampler(), Ok(Some(_))))?;
+        let chosen = best_of(fit, drawn_error)?;
         let Some(spec) = chosen.sampler()? else {
             return Ok(());
         };
@@ -313,18 +333,40 @@ impl Args {
     }
 }
 
-/// The fit of the least error of those that a format can hold.
-fn best_of(fit: &MaterialFit, holds: fn(&ModelFit) -> bool) -> Result<&ModelFit, Error> {
-    let mut best: Option<&ModelFit> = None;
-    for model in fit.fits.iter().filter(|model| holds(model)) {
-        if best.is_none_or(|best| model.error < best.error) {
-            best = Some(model);
+/// The fit of the least error, the first of equals, of those that a format can hold. `error` is `None` for the others.
+fn best_of(fit: &MaterialFit, error: fn(&ModelFit) -> Option<f64>) -> Result<&ModelFit, Error> {
+    let mut best: Option<(f64, &ModelFit)> = None;
+    for model in &fit.fits {
+        if let Some(error) = error(model)
+            && best.is_none_or(|best| error < best.0)
+        {
+            best = Some((error, model));
         }
     }
-    best.ok_or_else(|| {
-        Error::argument(
-            "the format can hold none of these models",
-            "choose --model ggx, or --format json",
-        )
-    })
+    best.map(|best| best.1).ok_or_else(no_model_is_held)
+}
+
+/// The error as a metallic-roughness material, which MaterialX and glTF hold.
+fn converted_error(model: &ModelFit) -> Option<f64> {
+    model.metal_rough.map(|converted| converted.1)
+}
+
+/// The error of lobes that Mitsuba and pbrt have too.
+fn own_error(model: &ModelFit) -> Option<f64> {
+    model.metal_rough.map(|_| model.error)
+}
+
+/// The error of a lobe that there is a sampler of.
+fn drawn_error(model: &ModelFit) -> Option<f64> {
+    match model.sampler() {
+        Ok(Some(_)) => Some(model.error),
+        _ => None,
+    }
+}
+
+fn no_model_is_held() -> Error {
+    Error::argument(
+        "the format can hold none of these models",
+        "choose --model ggx, or --format json",
+    )
 }

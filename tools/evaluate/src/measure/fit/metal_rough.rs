@@ -29,16 +29,17 @@ pub struct MetalRough {
 }
 
 impl MetalRough {
-    /// The parameters whose reflectances along the normal are those of the fit, on average over the channels; `None` for a fit of
+    /// Where the search for the parameters starts: those whose reflectances along the normal are those of the fit, on average over the channels; `None` for a fit of
     /// other lobes than one or two of GGX.
     ///
     /// With d the diffuse colour, s the highlight's colour along the normal and t = 1 − metallic, t·B = d and 0.04·t + (1 − t)·B = s
     /// give 0.04·t² − (d + s)·t + d = 0.
     pub(super) fn convert(diffuse: [f64; 3], lobes: &[FittedLobe]) -> Option<Self> {
-        // Of two lobes the smoother one, which comes first, is the coat.
+        // Of two lobes the smoother one is the coat.
         let (coat, base) = match lobes {
             [base] => (None, base),
-            [coat, base] => (Some(coat), base),
+            [a, b] if a.shape("ax")? <= b.shape("ax")? => (Some(a), b),
+            [a, b] => (Some(b), a),
             _ => return None,
         };
         let highlight = base.along_normal()?;
@@ -71,6 +72,11 @@ impl MetalRough {
             },
             coat,
         })
+    }
+
+    /// Whether x and y have one roughness.
+    pub(super) fn is_one_roughness(&self) -> bool {
+        self.alpha[0] == self.alpha[1]
     }
 
     /// The α of equal area, which isotropic formats take.
@@ -135,7 +141,7 @@ impl Brdf for MetalRough {
     }
 
     fn is_isotropic(&self) -> bool {
-        self.alpha[0] == self.alpha[1]
+        self.is_one_roughness()
     }
 
     fn symmetry(&self) -> merlkit::geometry::Symmetry {

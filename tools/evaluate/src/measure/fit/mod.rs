@@ -10,6 +10,7 @@ mod metric;
 mod pairs;
 mod pinning;
 mod recipe;
+mod refine;
 mod search;
 mod sphere;
 mod weights;
@@ -31,6 +32,7 @@ pub use sphere::{sphere_difference, sphere_image};
 use pairs::FitPairs;
 use pinning::pin_parameters;
 use recipe::{colour_text, round_digits};
+use refine::refine;
 use search::{Found, ShapeSearch, Target};
 
 /// Pixels of a side of the spheres whose difference is measured.
@@ -209,7 +211,8 @@ fn fit_model(
     // A black material has no error to relate to.
     let lobes = fitted_lobes(model, &search, &found);
     let diffuse = part_colour(&found, 0);
-    let metal_rough = MetalRough::convert(diffuse, &lobes);
+    let converted = MetalRough::convert(diffuse, &lobes);
+    let metal_rough = converted.map(|start| refine(start, target));
     let relative_error = error / validation.root_mean_square().max(f64::MIN_POSITIVE);
     Ok(ModelFit {
         model: model.name().to_owned(),
@@ -218,7 +221,7 @@ fn fit_model(
         relative_error,
         sphere_levels: sphere_difference(sphere, &sphere_image(&*fitted, SPHERE_SIDE)?),
         holds: relative_error <= HELD,
-        metal_rough: metal_rough.map(|converted| (converted, validation.error(&converted))),
+        metal_rough: metal_rough.map(|found| (found, validation.error(&found))),
         diffuse,
         lobes,
         parameters,

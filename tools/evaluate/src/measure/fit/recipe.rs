@@ -195,8 +195,9 @@ impl FitModel {
                 format!("fit at most {MOST_LOBES}"),
             ));
         }
+        let names: Vec<&str> = lobes.iter().map(|recipe| recipe.name).collect();
         Ok(Self {
-            name: text.to_owned(),
+            name: names.join("+"),
             lobes,
         })
     }

@@ -62,6 +62,7 @@ fn anisotropy(ax: f64, ay: f64) -> Value {
     json!({ "anisotropyStrength": round(strength), "anisotropyRotation": rotation })
 }
 
+/// Six digits after the point.
 fn round(value: f64) -> f64 {
-    (1e6 * value).round() * 1e-6
+    (1e6 * value).round() / 1e6
 }
