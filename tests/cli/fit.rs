@@ -58,6 +58,10 @@ fn files_are_written_and_never_replaced_unasked() {
         assert!(text.contains(word), "{format}: {text}");
         assert!(fails(run_in(folder.path(), &arguments, "")).contains("--force"));
     }
+    // Stored as JSON a fit is a material itself.
+    let pair = ["--wo", "30,0", "--wi", "30,180"];
+    let stored = run_in(folder.path(), &[&["eval", "json"][..], &pair].concat(), "");
+    assert!(!succeeds(stored).is_empty());
     let arguments = [&common[..], &["--format", "sampler", "-o", "lobe"]].concat();
     assert_eq!(run_in(folder.path(), &arguments, "").status.code(), Some(0));
     let shown = succeeds(run_in(folder.path(), &["info", "lobe"], ""));

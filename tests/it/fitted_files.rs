@@ -11,6 +11,7 @@ use std::sync::LazyLock;
 use glam::{DVec3, Vec3};
 use merlkit::geometry::{cosine_hemisphere, reflect_about, spherical};
 use merlkit::material::analytic::ModelFacts;
+use merlkit::material::{LookupRule, Material};
 use merlkit::points::PointSet;
 use merlkit_evaluate::measure::fit::{FitModel, FitPlan, ModelFit, fit_models};
 use merlkit_evaluate::report::{FitFormat, fitted_text};
@@ -180,6 +181,39 @@ fn materialx_validates_the_file_and_makes_shaders_of_it() {
         let names = succeeds(command.current_dir(folder.path()).output().unwrap());
         let names: Vec<&str> = names.lines().collect();
         assert_eq!(names, ["a_sample_openpbr", "a_sample_standard"]);
+    }
+}
+
+/// Nickel in MaterialX's own renderer; Xvfb is display enough.
+#[test]
+fn materialx_renders_nickel() {
+    if !has_mitsuba() || !*HAS_MATERIALX && !skip("no python3 with MaterialX") {
+        return;
+    }
+    if std::env::var_os("DISPLAY").is_none() {
+        skip("no display with OpenGL for MaterialX's renderer");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let nickel = Material::resolve("nickel").unwrap();
+    let nickel = nickel.load(LookupRule::Linear).unwrap();
+    let models = [FitModel::parse("ggx").unwrap()];
+    let found = fit_models("nickel", &**nickel.brdf(), &models, &FitPlan::default()).unwrap();
+    let text = fitted_text(FitFormat::MaterialX, "nickel", &found.fits[0]).unwrap();
+    std::fs::write(folder.path().join("nickel.mtlx"), text).unwrap();
+    for name in ["nickel_openpbr", "nickel_standard"] {
+        let mut command = Command::new(PYTHON.as_ref().unwrap());
+        let picture = folder.path().join(name).with_extension("png");
+        let picture = picture.to_str().unwrap();
+        command.args(["-B", SCRIPT, "render", "nickel.mtlx", name, picture]);
+        let values = succeeds(command.current_dir(folder.path()).output().unwrap());
+        let (largest, mean) = values.trim().split_once(' ').unwrap();
+        // A highlight on a dark metal.
+        assert!(largest.parse::<f64>().unwrap() > 240.0, "{name}: {values}");
+        assert!(
+            (20.0..90.0).contains(&mean.parse::<f64>().unwrap()),
+            "{name}: {values}"
+        );
     }
 }
 
