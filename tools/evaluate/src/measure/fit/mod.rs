@@ -1,7 +1,7 @@
 //! Analytic models fitted to a material: one or several lobes over a diffuse part.
 //!
-//! The pairs of directions are fixed ([`pairs`]), the shapes are searched for ([`search`]), and the colours that suit given
-//! shapes best are solved for at every step ([`weights`]). Errors are those of the result as its text has it, over pairs that
+//! The pairs of directions are fixed (`pairs`), the shapes are searched for (`search`), and the colours that suit given shapes
+//! best are solved for at every step (`weights`). Errors are those of the result as its text has it, over pairs that
 //! the fit did not see.
 
 mod drawn;
