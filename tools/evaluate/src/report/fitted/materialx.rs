@@ -10,32 +10,70 @@ pub(super) fn write(export: &FitExport<'_>) -> String {
         "<?xml version=\"1.0\"?>\n<!-- {} -->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n",
         export.xml_comment()
     );
+    let base = SurfaceBase::choose(export);
+    let coat = export.material.coat;
     shader(
         &mut text,
-        export,
-        "openpbr",
+        &format!("{}_openpbr", export.name),
         "open_pbr_surface",
-        &openpbr(export),
+        &openpbr(&base, coat),
     );
     shader(
         &mut text,
-        export,
-        "standard",
+        &format!("{}_standard", export.name),
         "standard_surface",
-        &standard(export),
+        &standard(&base, coat),
     );
     text + "</materialx>\n"
 }
 
+/// What lies below the coat.
+struct SurfaceBase {
+    color: [f64; 3],
+    metalness: f64,
+    specular: f64,
+    specular_color: [f64; 3],
+    ior: f64,
+    alpha: [f64; 2],
+}
+
+impl SurfaceBase {
+    /// One lobe is a dielectric of the fitted index: both surfaces multiply the whole highlight by a colour, as the fit does. Of two
+    /// lobes the base is the metallic-roughness one.
+    fn choose(export: &FitExport<'_>) -> Self {
+        let material = &export.material;
+        if let [lobe] = export.lobes()
+            && let (Some(ax), Some(ay)) = (lobe.shape("ax"), lobe.shape("ay"))
+            && let Some(ior) = lobe.shape("nreal")
+        {
+            return Self {
+                color: export.fit.diffuse,
+                metalness: 0.0,
+                specular: 1.0,
+                specular_color: lobe.colour,
+                ior,
+                alpha: [ax, ay],
+            };
+        }
+        Self {
+            color: material.base_color,
+            metalness: material.metallic,
+            specular: material.specular,
+            specular_color: [1.0; 3],
+            ior: 1.5,
+            alpha: material.alpha,
+        }
+    }
+
+    /// The smaller α over the larger one.
+    fn ratio(&self) -> f64 {
+        let [ax, ay] = self.alpha;
+        ax.min(ay) / ax.max(ay)
+    }
+}
+
 /// A shader with its inputs, each a name, a type and a value, and the material that refers to it.
-fn shader(
-    text: &mut String,
-    export: &FitExport<'_>,
-    suffix: &str,
-    node: &str,
-    inputs: &[(&str, &str, String)],
-) {
-    let name = format!("{}_{suffix}", export.name);
+fn shader(text: &mut String, name: &str, node: &str, inputs: &[(&str, &str, String)]) {
     let _ = writeln!(
         text,
         "  <{node} name=\"{name}_shader\" type=\"surfaceshader\">"
@@ -54,29 +92,26 @@ fn shader(
 }
 
 /// OpenPBR: α along the rougher axis is r²·√(2/(1 + q²)) and q times that along the other, q = 1 − anisotropy.
-fn openpbr<'a>(export: &FitExport<'_>) -> Vec<(&'a str, &'a str, String)> {
-    let material = &export.material;
-    let [ax, ay] = material.alpha;
-    let (smooth, rough) = (ax.min(ay), ax.max(ay));
-    let ratio = smooth / rough;
+fn openpbr<'a>(base: &SurfaceBase, coat: Option<[f64; 2]>) -> Vec<(&'a str, &'a str, String)> {
+    let ratio = base.ratio();
+    let rough = base.alpha[0].max(base.alpha[1]);
     let square = rough * (0.5 * (1.0 + ratio * ratio)).sqrt();
+    let roughness = show_number(square.sqrt());
+    let anisotropy = show_number(1.0 - ratio);
     let mut inputs = vec![
+        ("base_color", "color3", join_numbers(&base.color, ", ")),
+        ("base_metalness", "float", show_number(base.metalness)),
+        ("specular_weight", "float", show_number(base.specular)),
         (
-            "base_color",
+            "specular_color",
             "color3",
-            join_numbers(&material.base_color, ", "),
+            join_numbers(&base.specular_color, ", "),
         ),
-        ("base_metalness", "float", show_number(material.metallic)),
-        ("specular_weight", "float", show_number(material.specular)),
-        ("specular_roughness", "float", show_number(square.sqrt())),
-        ("specular_ior", "float", "1.5".into()),
-        (
-            "specular_roughness_anisotropy",
-            "float",
-            show_number(1.0 - ratio),
-        ),
+        ("specular_roughness", "float", roughness),
+        ("specular_ior", "float", show_number(base.ior)),
+        ("specular_roughness_anisotropy", "float", anisotropy),
     ];
-    if let Some([weight, alpha]) = material.coat {
+    if let Some([weight, alpha]) = coat {
         inputs.push(("coat_weight", "float", show_number(weight)));
         inputs.push(("coat_roughness", "float", show_number(alpha.sqrt())));
         inputs.push(("coat_ior", "float", "1.5".into()));
@@ -86,31 +121,28 @@ fn openpbr<'a>(export: &FitExport<'_>) -> Vec<(&'a str, &'a str, String)> {
 }
 
 /// The standard surface: α are r²/a and r²·a, a = √(1 − 0.98·anisotropy).
-fn standard<'a>(export: &FitExport<'_>) -> Vec<(&'a str, &'a str, String)> {
-    let material = &export.material;
-    let [ax, ay] = material.alpha;
-    let ratio = ax.min(ay) / ax.max(ay);
-    let anisotropy = ((1.0 - ratio) / 0.98).min(1.0);
+fn standard<'a>(base: &SurfaceBase, coat: Option<[f64; 2]>) -> Vec<(&'a str, &'a str, String)> {
+    let [ax, ay] = base.alpha;
+    let anisotropy = ((1.0 - base.ratio()) / 0.98).min(1.0);
     let rotation = if ay > ax { "0.25" } else { "0" };
+    // r² is the geometric mean of both α.
+    let roughness = show_number((ax * ay).powf(0.25));
     let mut inputs = vec![
         ("base", "float", "1".into()),
+        ("base_color", "color3", join_numbers(&base.color, ", ")),
+        ("metalness", "float", show_number(base.metalness)),
+        ("specular", "float", show_number(base.specular)),
         (
-            "base_color",
+            "specular_color",
             "color3",
-            join_numbers(&material.base_color, ", "),
+            join_numbers(&base.specular_color, ", "),
         ),
-        ("metalness", "float", show_number(material.metallic)),
-        ("specular", "float", show_number(material.specular)),
-        (
-            "specular_roughness",
-            "float",
-            show_number(material.mean_alpha().sqrt()),
-        ),
-        ("specular_IOR", "float", "1.5".into()),
+        ("specular_roughness", "float", roughness),
+        ("specular_IOR", "float", show_number(base.ior)),
         ("specular_anisotropy", "float", show_number(anisotropy)),
         ("specular_rotation", "float", rotation.into()),
     ];
-    if let Some([weight, alpha]) = material.coat {
+    if let Some([weight, alpha]) = coat {
         inputs.push(("coat", "float", show_number(weight)));
         inputs.push(("coat_roughness", "float", show_number(alpha.sqrt())));
     }
