@@ -252,18 +252,20 @@ fn invert_diagonal(matrix: &[Vec<f64>]) -> Vec<f64> {
             };
         }
     }
-    let mut diagonal = vec![0.0; n];
+    let mut diagonal = Vec::with_capacity(n);
     for i in 0..n {
         // Column i of L⁻¹, by forward substitution.
         let mut column = vec![0.0; n];
+        let mut squares = 0.0;
         for k in i..n {
             let mut sum = if k == i { 1.0 } else { 0.0 };
             for m in i..k {
                 sum -= lower[k][m] * column[m];
             }
             column[k] = sum / lower[k][k];
-            diagonal[i] += column[k] * column[k];
+            squares += column[k] * column[k];
         }
+        diagonal.push(squares);
     }
     diagonal
 }
