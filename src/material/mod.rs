@@ -17,6 +17,7 @@ mod loaded;
 pub mod measurements;
 pub mod merl;
 pub mod rgl;
+mod stored_fit;
 
 pub use facts::MaterialFacts;
 pub use format::Origin;
@@ -31,8 +32,9 @@ use merl::{CellFormat, embedded};
 
 /// All formats: the first that recognises an origin reads it. What none recognises is read as a MERL binary, which begins
 /// with no magic number and whose reader says what is wrong.
-const FORMATS: [&dyn MaterialFormat; 3] = [
+const FORMATS: [&dyn MaterialFormat; 4] = [
     &rgl::RglFormat,
+    &stored_fit::StoredFits,
     &merl::EmbeddedNetworks,
     &analytic::Formulas,
 ];

@@ -12,6 +12,7 @@ mod cell_formats;
 mod compare;
 mod disc_mass;
 mod examples;
+mod fitted_files;
 mod foreign_files;
 mod format;
 #[path = "../support/grids.rs"]

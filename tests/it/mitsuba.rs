@@ -28,7 +28,7 @@ use merlkit_evaluate::measure::{directional_albedo, value_errors};
 const ASK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/mitsuba/ask.py");
 
 /// A Python with Mitsuba, if there is one.
-static PYTHON: LazyLock<Option<PathBuf>> = LazyLock::new(|| {
+pub static PYTHON: LazyLock<Option<PathBuf>> = LazyLock::new(|| {
     let works = |python: &Path| {
         let asked = Command::new(python)
             .args(["-c", "import mitsuba, numpy"])

@@ -31,7 +31,7 @@ use failure::{Failure, Outcome};
     long_version = version::long(),
     max_term_width = 100,
     after_help = "A MATERIAL is a path to a MERL binary or .bsdf file, the name of a built-in material (`merlkit list`), or an \
-                  analytic model such as lambert:reflectance=0.5 or ward:sx=0.2,sy=0.4 (`merlkit models`).\n\
+                  analytic model such as lambert:reflectance=0.5 or ward:sx=0.2,sy=0.4 (`merlkit models`), or several models with + between them.\n\
                   Exit status: 0 success, 1 a check failed or tune found no sampler, 2 invalid usage or input, 130 or 143 interrupted."
 )]
 struct Cli {

@@ -71,13 +71,13 @@ const POINTS: usize = 34;
 /// Albedos that exceed 1 by less may do so by the error of the quadrature alone.
 const SLACK: f64 = 5e-3;
 
-/// The note of a formula that reflects more light than it receives; `None` for all others.
-pub(super) fn excess_note(parsed: &Parsed) -> Option<String> {
-    let bound = parsed.formula.properties().albedo_bound;
+/// The note of a formula that reflects more light than it receives; `None` for all others. `bound` is the bound that is known
+/// of its albedo in white.
+pub(super) fn excess_note(brdf: &dyn Brdf, bound: Option<f64>) -> Option<String> {
     if bound.is_some_and(|bound| bound <= 1.0 + 1e-9) {
         return None;
     }
-    let (albedo, angle) = find_largest_albedo(&*parsed.brdf());
+    let (albedo, angle) = find_largest_albedo(brdf);
     (albedo > 1.0 + SLACK).then(|| {
         format!(
             "it reflects more light than it receives: its albedo is {albedo:.2} at {angle}\u{b0}; values are not clamped"

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::fresnel::{conductor, dielectric, diffuse_dielectric};
+use super::fresnel::{dielectric, diffuse_dielectric, exact_conductor};
 use super::model::{Formula, Model, Properties};
 use super::pair::UpperPair;
 use super::parameters::{Parameters, declare};
@@ -112,7 +112,7 @@ impl Facets {
 
 impl Formula for Metal {
     fn value(&self, pair: &UpperPair, rgb: DVec3) -> DVec3 {
-        rgb * (conductor(self.eta, self.kappa, pair.cos_d) * self.facets.lobe(pair))
+        rgb * (exact_conductor(self.eta, self.kappa, pair.cos_d) * self.facets.lobe(pair))
     }
 
     fn properties(&self) -> Properties {

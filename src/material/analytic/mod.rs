@@ -2,7 +2,8 @@
 //!
 //! A model is one file here and one line in `MODELS`. Its text is its name and its parameters, `name:key=value,key=value`;
 //! parameters that are left out keep the model's defaults. Keys are in any case. Every model has a colour `rgb`, white unless
-//! it is given. Models whose printed formula in Montes's thesis differs from the sound one have `form=printed`.
+//! it is given. Models whose printed formula in Montes's thesis differs from the sound one have `form=printed`. Several
+//! formulas with `+` between them are their sum.
 
 mod ashikhmin;
 mod beardmaxwell;
@@ -30,6 +31,7 @@ mod schlick;
 mod special;
 mod specular;
 mod strauss;
+mod sum;
 #[cfg(test)]
 mod sweep;
 mod torrance;
@@ -42,10 +44,13 @@ pub use parameters::ParameterFacts;
 
 use super::format::{MaterialFormat, Origin, TableReading};
 use super::{Loaded, MaterialFacts};
+use crate::brdf::Brdf;
 use crate::{Error, Result};
 use facts::excess_note;
 use model::Model;
 use parse::{Parsed, parse_formula};
+use std::sync::Arc;
+use sum::{SumBrdf, split_terms};
 use words::nearest_words;
 
 /// All models.
@@ -83,13 +88,14 @@ impl MaterialFormat for Formulas {
 
     fn facts(&self, origin: &Origin) -> Result<MaterialFacts> {
         // Building a formula takes no time.
-        Ok(Loaded::from_brdf(parse(&origin.path().to_string_lossy())?.brdf()).facts())
+        let (brdf, _) = read_sum(&origin.path().to_string_lossy())?;
+        Ok(Loaded::from_brdf(brdf).facts())
     }
 
     fn load(&self, origin: &Origin, _: TableReading) -> Result<Loaded> {
-        let parsed = parse(&origin.path().to_string_lossy())?;
-        let notes = excess_note(&parsed).into_iter().collect();
-        let loaded = Loaded::from_brdf(parsed.brdf());
+        let (brdf, albedo_bound) = read_sum(&origin.path().to_string_lossy())?;
+        let notes = excess_note(&*brdf, albedo_bound).into_iter().collect();
+        let loaded = Loaded::from_brdf(brdf);
         Ok(loaded.with_reading("values of a formula").with_notes(notes))
     }
 }
@@ -110,7 +116,21 @@ impl ModelFacts {
     /// [`Error::Argument`] for a name that is no model, with the nearest names, and for a parameter that is unknown, given
     /// twice or outside its domain.
     pub fn parse(text: &str) -> Result<Self> {
+        if split_terms(text).len() > 1 {
+            return Err(Error::argument(
+                format!("\"{text}\" is a sum of models"),
+                "name one model alone",
+            ));
+        }
         Ok(Self::describe(parse(text)?))
+    }
+
+    /// The BRDF of a formula or of a sum of them, without the search for albedos above 1 that loading a material includes.
+    ///
+    /// # Errors
+    /// As [`Self::parse`], for each formula.
+    pub fn brdf(text: &str) -> Result<Arc<dyn Brdf>> {
+        Ok(read_sum(text)?.0)
     }
 }
 
@@ -120,13 +140,38 @@ impl ModelFacts {
 /// [`Error::Argument`] for `name:key=value` of a name that is no model, and for a parameter that is unknown, given twice or
 /// outside its domain.
 pub(super) fn canonical_text(argument: &str) -> Result<Option<String>> {
-    let is_formula = argument
-        .split_once(':')
-        .is_some_and(|(_, s)| s.contains('='));
-    if !is_formula && find_model(argument).is_none() {
+    let terms = split_terms(argument);
+    if !terms.iter().any(|term| is_formula(term)) {
         return Ok(None);
     }
-    Ok(Some(parse(argument)?.text))
+    let mut texts = Vec::with_capacity(terms.len());
+    for term in terms {
+        texts.push(parse(term)?.text);
+    }
+    Ok(Some(texts.join("+")))
+}
+
+/// Whether a text is meant as a formula: a model's name, or anything that sets a parameter.
+fn is_formula(text: &str) -> bool {
+    let sets_a_parameter = text.split_once(':').is_some_and(|(_, s)| s.contains('='));
+    sets_a_parameter || find_model(text).is_some()
+}
+
+/// The BRDF of a formula or of a sum, and a bound of its albedo in white where one is known.
+fn read_sum(text: &str) -> Result<(Arc<dyn Brdf>, Option<f64>)> {
+    let mut terms = Vec::new();
+    let mut bound = Some(0.0);
+    for term in split_terms(text) {
+        let parsed = parse(term)?;
+        let properties = parsed.formula.properties();
+        bound = bound.zip(properties.albedo_bound).map(|(a, b)| a + b);
+        terms.push(parsed.brdf());
+    }
+    let brdf = match <[_; 1]>::try_from(terms) {
+        Ok([only]) => only,
+        Err(terms) => Arc::new(SumBrdf { terms }),
+    };
+    Ok((brdf, bound))
 }
 
 /// The names of all models.
@@ -163,7 +208,6 @@ fn unknown_model(argument: &str) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::Brdf;
     use glam::Vec3;
 
     fn refusal(text: &str) -> String {
@@ -217,6 +261,27 @@ mod tests {
         let spelt = "phong:n=50,ks=0.4,kd=0.6,form=printed,rgb=0.5/0.25/1";
         assert_eq!(text.as_deref(), Some(spelt));
         assert_eq!(canonical_text(spelt).unwrap(), text);
+    }
+
+    #[test]
+    fn a_sum_adds_its_terms_and_is_written_in_full() {
+        let text = canonical_text("lambert:reflectance=0.2+ward:SX=0.1,sy=0.1").unwrap();
+        let text = text.unwrap();
+        assert_eq!(
+            text,
+            "lambert:reflectance=0.2+ward:sx=0.1,sy=0.1,ks=0.05,kd=0.4"
+        );
+        let (wo, wi) = (Vec3::new(0.1, 0.0, 1.0), Vec3::new(-0.2, 0.1, 1.0));
+        let value = |text: &str| ModelFacts::brdf(text).unwrap().eval(wo, wi);
+        let terms = value("lambert:reflectance=0.2") + value("ward:sx=0.1,sy=0.1");
+        assert!((value(&text) - terms).abs().max_element() < 1e-6);
+        assert!(ModelFacts::brdf(&text).unwrap().is_isotropic());
+        let brushed = ModelFacts::brdf("lambert+ward:sx=0.1,sy=0.2").unwrap();
+        assert!(!brushed.is_isotropic());
+        let message = canonical_text("lambert:reflectance=0.2+wrad:sx=0.1")
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains("ward"), "{message}");
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod demo;
 mod diff;
 mod eval;
 mod export;
+mod fit;
 mod import;
 mod info;
 mod list;
@@ -43,6 +44,7 @@ pub enum Command {
     Check(check::Args),
     Compare(compare::Args),
     Tune(tune::Args),
+    Fit(fit::Args),
     Render(Box<render::Args>),
     Sheet(Box<sheet::Args>),
     Diff(diff::Args),
@@ -70,6 +72,7 @@ impl Command {
             Self::Check(args) => check::run(&args),
             Self::Compare(args) => compare::run(&args),
             Self::Tune(args) => tune::run(&args),
+            Self::Fit(args) => fit::run(&args),
             Self::Render(args) => render::run(&args),
             Self::Sheet(args) => sheet::run(&args),
             Self::Diff(args) => diff::run(&args),

@@ -13,6 +13,7 @@ pub mod cost;
 pub mod difference;
 mod expected;
 mod facts;
+pub mod fit;
 pub mod hard;
 mod probe;
 pub mod profile;

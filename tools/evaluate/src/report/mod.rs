@@ -9,6 +9,8 @@ mod check;
 mod compare;
 mod cost;
 mod export;
+mod fit;
+mod fitted;
 mod hard;
 mod import;
 mod info;
@@ -26,11 +28,15 @@ pub use charts::{ChartSubject, SLICE};
 pub use check::CheckResult;
 pub use compare::{ComparisonDocument, comparison_csv, targets};
 pub use export::{drawn_row, export_row, export_sheet, table_sheet};
+pub use fit::{
+    FitDocument, fit_matrix, fit_ranking, fit_summary, fit_text, fits_sheet, parameters_sheet,
+};
+pub use fitted::{FitFormat, fitted_text};
 pub use hard::HardSheets;
 pub use import::resampling_sheet;
 pub use info::Info;
 pub use material_charts::material_charts;
-pub use page::comparison_page;
+pub use page::{comparison_page, fit_page};
 pub use profile::{SamplerReport, thesis_legend};
 pub use sheet::Sheet;
 pub use summary::summary;

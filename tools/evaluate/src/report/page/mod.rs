@@ -1,7 +1,8 @@
-//! A page that shows a comparison.
+//! Pages that show a comparison of samplers, and fits.
 
 mod definitions;
 mod families;
+mod fits;
 mod html;
 mod needs;
 mod pictures;
@@ -10,6 +11,8 @@ mod settings;
 mod shapes;
 mod thesis;
 mod top;
+
+pub use fits::fit_page;
 
 use crate::measure::compare::Comparison;
 
@@ -29,23 +32,28 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     .into_iter()
     .flatten()
     .collect();
+    whole_page(TITLE, &top::measured(comparison), &sections)
+}
+
+/// A page with a head and sections; its own contents come first.
+fn whole_page(title: &str, head: &str, sections: &[Section]) -> String {
     let mut contents = String::new();
     let mut body = String::new();
     for Section {
         id,
         title,
         body: text,
-    } in &sections
+    } in sections
     {
         contents += &format!("<li><a href=\"#{id}\">{}</a></li>\n", html::escape(title));
         body += &html::section(id, title, text);
     }
+    let title = html::escape(title);
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n\
-         <title>{TITLE}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{TITLE}</h1>\n{}</header>\n\
-         <nav aria-label=\"Contents\">\n<ul>\n{contents}</ul>\n</nav>\n<main>\n{body}</main>\n</body>\n</html>\n",
-        top::measured(comparison)
+         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n{head}</header>\n\
+         <nav aria-label=\"Contents\">\n<ul>\n{contents}</ul>\n</nav>\n<main>\n{body}</main>\n</body>\n</html>\n"
     )
 }
 

@@ -68,7 +68,7 @@ fn result(title: &str, result: &PictureResult) -> String {
 }
 
 /// A picture that grows when it is clicked; nothing if there is none.
-fn image(png: &[u8], alt: &str) -> String {
+pub(super) fn image(png: &[u8], alt: &str) -> String {
     if png.is_empty() {
         return String::new();
     }
