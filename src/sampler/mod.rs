@@ -4,6 +4,7 @@
 //! with its settings, as text, and builds it.
 
 mod adaptive_disc;
+mod azimuth_knots;
 mod cascade_cdf;
 mod cosine;
 mod draws;
