@@ -7,7 +7,6 @@ use super::{Field, Settings};
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::geometry::Symmetry;
-use crate::material::MaterialFacts;
 use crate::{Error, Result};
 
 /// Azimuths of `wo` that have tables where no number is given.
@@ -173,8 +172,8 @@ pub(super) fn azimuths_field<S: Settings>(
 ///
 /// # Errors
 /// [`Error::Argument`] for a number of azimuths and an isotropic material.
-pub(super) fn check_azimuths(azimuths: Option<usize>, facts: &MaterialFacts) -> Result<()> {
-    if facts.is_isotropic() && azimuths.is_some() {
+pub(super) fn check_azimuths(azimuths: Option<usize>, symmetry: Symmetry) -> Result<()> {
+    if symmetry == Symmetry::Isotropic && azimuths.is_some() {
         return Err(azimuths_of_isotropic());
     }
     Ok(())

@@ -7,6 +7,7 @@ mod adaptive_disc;
 mod azimuth_knots;
 mod cascade_cdf;
 mod cosine;
+mod direction_knots;
 mod draws;
 mod factored;
 mod half_vector_table;

@@ -16,8 +16,8 @@ use super::warp::{self, TableBounds, USABLE, WarpGrower, Warps};
 use crate::brdf::Brdf;
 use crate::geometry::concentric_square;
 use crate::material::Loaded;
-use crate::sampler::azimuth_knots::{AzimuthKnots, TurnedBrdf};
-use crate::sampler::knots::ThetaKnots;
+use crate::sampler::azimuth_knots::TurnedBrdf;
+use crate::sampler::direction_knots::DirectionKnots;
 
 /// What the differences of two rules for ∫ f may add up to in all bins. Every density is divided by ∫ f, and what that is off by
 /// is a bias of every mean weight; it is less than a tenth of the differences, which are those of the poorer rule.
@@ -45,16 +45,13 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Builds the trees of all knots, in parallel over knots: those of the first azimuth, then those of the next.
+/// Builds the trees of all knots, in parallel over knots.
 pub(super) fn trees(
     subject: &Subject<'_>,
     settings: &AdaptiveDiscSettings,
-    knots: ThetaKnots,
-    azimuths: AzimuthKnots,
+    knots: DirectionKnots,
 ) -> Trees {
-    let angles: Vec<[f64; 2]> = (0..azimuths.count())
-        .flat_map(|j| (0..knots.count()).map(move |k| [knots.theta(k), azimuths.azimuth(j)]))
-        .collect();
+    let angles: Vec<[f64; 2]> = (0..knots.count()).map(|k| knots.angles(k)).collect();
     if settings.leaves == LeafChoice::Warp {
         let trees: Vec<warp::Tree> = angles
             .par_iter()
@@ -200,20 +197,23 @@ fn needs_too_many_trials(leaves: &[Grown], integral: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
+    use crate::geometry::Symmetry;
     use crate::material::MerlBrdf;
     use crate::material::merl::LookupRule;
     use crate::material::merl::decode_embedded;
     use crate::points::Stream;
     use crate::sampler::TableChoice;
     use crate::sampler::adaptive_disc::tree::{Drawn, Leaf, WHOLE};
+    use crate::sampler::knots::ThetaKnots;
+    use glam::DVec2;
     use std::sync::Arc;
 
     fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
         let material = Loaded::from_table(Arc::new(brdf.clone()));
         let subject = Subject::new(&material, settings);
-        let azimuths = AzimuthKnots::new(material.symmetry(), None);
-        match trees(&subject, settings, knots, azimuths) {
+        let (tables, choice) = (knots.count(), TableChoice::Mixture);
+        let knots = DirectionKnots::new(tables, choice, Symmetry::Isotropic, None).unwrap();
+        match trees(&subject, settings, knots) {
             Trees::Rejecting(forest) => forest,
             Trees::Warped(_) => panic!("trees without bounds"),
         }

@@ -14,9 +14,10 @@ use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::geometry::{cosine_hemisphere, is_upper, unit_upper};
 use crate::material::Loaded;
 use crate::points::Stream;
-use crate::sampler::azimuth_knots::{AzimuthKnots, check_azimuths};
-use crate::sampler::knots::{ThetaKnots, split_unit};
-use crate::sampler::{Settings, TableChoice};
+use crate::sampler::Settings;
+use crate::sampler::azimuth_knots::check_azimuths;
+use crate::sampler::direction_knots::DirectionKnots;
+use crate::sampler::knots::split_unit;
 
 /// Quadtrees on the disc and the BRDF that draws are accepted under.
 ///
@@ -25,8 +26,7 @@ use crate::sampler::{Settings, TableChoice};
 pub struct AdaptiveDisc {
     material: Loaded,
     pub(super) settings: AdaptiveDiscSettings,
-    pub(super) knots: ThetaKnots,
-    azimuths: AzimuthKnots,
+    pub(super) knots: DirectionKnots,
     /// Sine and cosine of each knot's angle.
     directions: Vec<[f32; 2]>,
     pub(super) trees: Trees,
@@ -91,6 +91,17 @@ fn turned_up_sum(wo: DVec3, wi: DVec3) -> Option<DVec3> {
     (sum.length_squared() > LEAST_SUM * LEAST_SUM).then_some(sum)
 }
 
+/// The directions that have trees.
+fn knots(settings: &AdaptiveDiscSettings, material: &Loaded) -> Result<DirectionKnots> {
+    let AdaptiveDiscSettings {
+        tables,
+        choice,
+        azimuths,
+        ..
+    } = *settings;
+    DirectionKnots::new(tables, choice, material.symmetry(), azimuths)
+}
+
 /// The foot of `wi` on the disc in the frame of a tree, whose direction has the azimuth 0 there.
 #[inline]
 fn turned_back(tree: PlacedTree, wi: Vec3) -> DVec2 {
@@ -104,15 +115,13 @@ impl AdaptiveDisc {
     /// [`crate::Error::Argument`] for settings outside their domains, and for azimuths of an isotropic material.
     pub fn build(material: &Loaded, settings: AdaptiveDiscSettings) -> Result<Self> {
         settings.check()?;
-        check_azimuths(settings.azimuths, &material.facts())?;
-        let azimuths = AzimuthKnots::new(material.symmetry(), settings.azimuths);
+        check_azimuths(settings.azimuths, material.symmetry())?;
+        let knots = knots(&settings, material)?;
         let settings = AdaptiveDiscSettings {
-            azimuths: azimuths.setting(),
+            azimuths: knots.azimuths.setting(),
             ..settings
         };
-        let knots = ThetaKnots::new(settings.tables, settings.choice)?;
-        let subject = Subject::new(material, &settings);
-        let trees = build::trees(&subject, &settings, knots, azimuths);
+        let trees = build::trees(&Subject::new(material, &settings), &settings, knots);
         Self::from_parts(material, settings, trees)
     }
 
@@ -122,14 +131,13 @@ impl AdaptiveDisc {
         settings: AdaptiveDiscSettings,
         trees: Trees,
     ) -> Result<Self> {
-        let knots = ThetaKnots::new(settings.tables, settings.choice)?;
-        let mut directions = Vec::with_capacity(knots.count());
-        for k in 0..knots.count() {
-            let (sin, cos) = knots.theta(k).sin_cos();
+        let knots = knots(&settings, material)?;
+        let mut directions = Vec::with_capacity(knots.polar.count());
+        for k in 0..knots.polar.count() {
+            let (sin, cos) = knots.polar.theta(k).sin_cos();
             directions.push([sin as f32, cos as f32]);
         }
         Ok(Self {
-            azimuths: AzimuthKnots::new(material.symmetry(), settings.azimuths),
             material: material.clone(),
             settings,
             knots,
@@ -166,35 +174,24 @@ impl AdaptiveDisc {
     }
 
     pub(super) fn view(&self, wo: Vec3) -> TreeView {
-        // Step 1: the two azimuths about wo. Azimuths of an isotropic material count from that of wo.
-        let around = self.azimuths.neighbours(wo);
         let near = self.knots.neighbours(wo);
-        let turns = if self.azimuths.is_isotropic() {
-            let xy = wo.truncate().as_dvec2();
-            [xy.try_normalize().unwrap_or(DVec2::X); 2]
-        } else {
-            [around.first, around.second]
-                .map(|j| DVec2::from_angle(self.azimuths.azimuth(j)))
-        };
-        // Step 2: at each the two polar angles.
-        let mut trees = [[near.first, near.second].map(|knot| PlacedTree {
-            index: around.first * self.knots.count() + knot,
+        let turns = near
+            .axes
+            .map(|axis| axis.try_normalize().unwrap_or(DVec2::X));
+        let mut trees = [[near.polar.first, near.polar.second].map(|knot| PlacedTree {
+            index: near.starts[0] + knot,
             knot,
             turn: turns[0],
         }); 2];
         for tree in &mut trees[1] {
-            tree.index = around.second * self.knots.count() + tree.knot;
+            tree.index = near.starts[1] + tree.knot;
             tree.turn = turns[1];
         }
-        let weight = match self.settings.choice {
-            TableChoice::Mixture => around.weight,
-            TableChoice::Nearest => around.weight.round(),
-        };
         TreeView {
-            wo: around.wo.as_dvec3(),
-            signs: around.signs,
+            wo: near.wo.as_dvec3(),
+            signs: near.signs,
             trees,
-            weights: [weight, near.share],
+            weights: [near.weight, near.polar.share],
         }
     }
 
@@ -397,11 +394,7 @@ impl DirectionSampler for AdaptiveDisc {
             let pair = view.trees[usize::from(!first)];
             let (first, y) = split_unit(u.y, 1.0 - view.weights[1]);
             let tree = pair[usize::from(!first)];
-            self.carried(
-                tree,
-                &view,
-                self.draw(tree, DVec2::new(x, y), &mut random)?,
-            )?
+            self.carried(tree, &view, self.draw(tree, DVec2::new(x, y), &mut random)?)?
         };
         self.finish(&view, wi)
     }

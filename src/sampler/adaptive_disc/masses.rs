@@ -143,10 +143,7 @@ fn add_polar(square: QuadCell, rule: &[[f64; 2]], sum: &mut PartialMasses<'_>) {
     // Step 1: the square mirrored into the first quadrant.
     let middle = square.corner + 0.5 * square.side;
     let sign = DVec2::new(1f64.copysign(middle.x), 1f64.copysign(middle.y));
-    let (a, b) = (
-        square.corner * sign,
-        (square.corner + square.side) * sign,
-    );
+    let (a, b) = (square.corner * sign, (square.corner + square.side) * sign);
     let (low, high) = (a.min(b).max(DVec2::ZERO), a.max(b));
     // Step 2: the azimuths at which a ray from the centre enters or leaves it by another side, ascending.
     let azimuths = azimuth_cuts(low, high);

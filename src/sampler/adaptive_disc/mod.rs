@@ -50,7 +50,7 @@ impl Method for AdaptiveDisc {
     type Settings = AdaptiveDiscSettings;
 
     fn check_facts(settings: &AdaptiveDiscSettings, facts: &MaterialFacts) -> Result<()> {
-        check_azimuths(settings.azimuths, facts)
+        check_azimuths(settings.azimuths, facts.symmetry)
     }
 
     fn build(material: &Loaded, settings: &AdaptiveDiscSettings) -> Result<Self> {

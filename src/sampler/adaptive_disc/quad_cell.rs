@@ -50,7 +50,10 @@ impl QuadCell {
     pub fn z_range(code: u32) -> (u32, u32) {
         let up = DEEPEST - (code >> 28);
         let (column, row) = (code >> 14 & 0x3fff, code & 0x3fff);
-        ((spread(column) | spread(row) << 1) << (2 * up), 1 << (2 * up))
+        (
+            (spread(column) | spread(row) << 1) << (2 * up),
+            1 << (2 * up),
+        )
     }
 
     /// The square of a code.

@@ -132,8 +132,7 @@ impl Batch<'_> {
     fn trial(&mut self, tree: PlacedTree, leaf: &Drawn) -> Option<DirectionSample> {
         let point = DVec2::new(self.random.next_f64(), self.random.next_f64());
         let wi = leaf.direction(point, tree.turn)?;
-        let accepted =
-            self.random.next_f64() * f64::from(leaf.bound) < self.disc.value(tree, wi);
+        let accepted = self.random.next_f64() * f64::from(leaf.bound) < self.disc.value(tree, wi);
         let wi = if accepted {
             self.disc.carried(tree, &self.view, wi)?
         } else {

@@ -79,12 +79,7 @@ pub(super) struct Drawn {
 
 impl Forest {
     /// Leaves, starts and integrals; the guide is made here.
-    pub fn new(
-        leaves: Vec<Leaf>,
-        starts: Vec<u32>,
-        integrals: Vec<f32>,
-        excess: Vec<f32>,
-    ) -> Self {
+    pub fn new(leaves: Vec<Leaf>, starts: Vec<u32>, integrals: Vec<f32>, excess: Vec<f32>) -> Self {
         let guide = starts
             .windows(2)
             .flat_map(|w| guide(&leaves[w[0] as usize..w[1] as usize]))
@@ -124,7 +119,12 @@ impl Forest {
         }
         let integrals = trees.iter().map(|t| t.integral as f32).collect();
         let excess = trees.iter().filter_map(|t| t.excess);
-        Self::new(leaves, starts, integrals, excess.map(|e| e as f32).collect())
+        Self::new(
+            leaves,
+            starts,
+            integrals,
+            excess.map(|e| e as f32).collect(),
+        )
     }
 
     /// Bytes held by the arrays.
@@ -159,7 +159,11 @@ impl Forest {
             return 0.0;
         };
         let (first, count) = QuadCell::z_range(leaf.code);
-        if place - first < count { leaf.bound } else { 0.0 }
+        if place - first < count {
+            leaf.bound
+        } else {
+            0.0
+        }
     }
 
     /// Trials that a draw from tree `k` takes on average, ΣV/∫f with V = M·A of a leaf; 0 for a tree without leaves.
@@ -168,7 +172,11 @@ impl Forest {
         for leaf in self.tree(k) {
             volume += f64::from(leaf.bound) * Drawn::new(leaf, 0.0).rect.area();
         }
-        if volume > 0.0 { volume / self.integral(k) } else { 0.0 }
+        if volume > 0.0 {
+            volume / self.integral(k)
+        } else {
+            0.0
+        }
     }
 
     /// The leaf of tree `k` at probability `u` in [0, 1). The tree must have leaves.

@@ -64,7 +64,7 @@ impl Method for HalfVector {
     type Settings = HalfVectorSettings;
 
     fn check_facts(settings: &HalfVectorSettings, facts: &MaterialFacts) -> Result<()> {
-        check_azimuths(settings.azimuths, facts)
+        check_azimuths(settings.azimuths, facts.symmetry)
     }
 
     fn build(material: &Loaded, settings: &HalfVectorSettings) -> Result<Self> {
