@@ -369,20 +369,27 @@ fn materials_are_refused_with_what_is_needed_and_what_there_is() {
     let of_tables = names(&table);
     assert!(of_tables.contains(&"adaptive-disc") && !of_tables.contains(&"file"));
     let of_formulas = names(&formula);
-    assert!(of_formulas.contains(&"cascade-cdf") && !of_formulas.contains(&"adaptive-disc"));
+    assert!(of_formulas.contains(&"cascade-cdf") && of_formulas.contains(&"adaptive-disc"));
     let of_files = names(&brushed);
-    assert!(of_files.contains(&"file") && !of_files.contains(&"cascade-cdf"));
+    assert!(of_files.contains(&"file") && of_files.contains(&"cascade-cdf"));
     for names in [of_tables, of_formulas, of_files] {
         assert!(names.contains(&"half-vector") && names.contains(&"cosine"));
     }
     let refused = |text: &str, facts: &MaterialFacts| {
         parse(text).check_supports(facts).unwrap_err().to_string()
     };
-    let message = refused("cascade-cdf", &brushed);
-    assert!(message.contains("an isotropic material"), "{message}");
-    assert!(message.contains("half-vector, cosine or file"), "{message}");
-    let message = refused("adaptive-disc", &formula);
-    assert!(message.contains("a MERL table"), "{message}");
+    let message = refused("file", &formula);
+    assert!(message.contains("a .bsdf file"), "{message}");
+    assert!(
+        message.contains("choose half-vector, adaptive-disc"),
+        "{message}"
+    );
+    for text in ["adaptive-disc", "cascade-cdf", "factored"] {
+        let azimuths = format!("{text}:azimuths=4");
+        let message = refused(&azimuths, &formula);
+        assert!(message.contains("leave the azimuths out"), "{message}");
+        assert!(parse(&azimuths).check_supports(&brushed).is_ok());
+    }
     let message = refused("half-vector:azimuths=4", &table);
     assert!(message.contains("leave the azimuths out"), "{message}");
     assert!(
