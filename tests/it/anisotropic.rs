@@ -18,9 +18,7 @@ use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::material::rgl::{Colour, RglBrdf, Tensor};
 use merlkit::points::Stream;
 use merlkit::sampler::store::{SamplerFile, save};
-use merlkit::sampler::{
-    ByAzimuth, CascadeCdfSettings, Cosine, HalfVectorSettings, OwnSamplerSettings, SamplerSpec,
-};
+use merlkit::sampler::{ByAzimuth, Cosine, HalfVectorSettings, OwnSamplerSettings, SamplerSpec};
 use merlkit::{Error, Wo};
 use merlkit_evaluate::measure::accuracy::weight_spread;
 use merlkit_evaluate::measure::check::{Check, CheckSettings, check_sampler};
