@@ -48,7 +48,7 @@ const MODELS: [&str; 6] = [
     "phong:n=1000",
     "ward:sx=0.1,sy=0.4,ks=0.5,kd=0.1",
     "beardmaxwell",
-    "poulin:d=2,h=0.01,n=100,ks=0.8,kd=0.2",
+    "ashikhmin:ex=10,ey=200",
 ];
 
 #[test]
@@ -123,9 +123,9 @@ fn discs_say_how_much_exceeds_their_bounds() {
 /// Finer settings give more memory and fewer trials.
 #[test]
 fn smaller_n_max_costs_memory_and_saves_trials() {
-    let material = load("blinn");
+    let material = load("phong:n=200");
     let mut last: Option<(usize, f64)> = None;
-    for n_max in ["1.3", "2", "3"] {
+    for n_max in ["1.2", "2", "4"] {
         let sampler = build(&format!("adaptive-disc:tables=4,n-max={n_max}"), &material);
         let trials = sampler.downcast::<AdaptiveDisc>().unwrap().mean_trials();
         if let Some((bytes, fewer)) = last {

@@ -20,7 +20,7 @@ fn refusal(text: &str) -> String {
 }
 
 /// A value of every setting of every method that is not the default.
-const CHANGED: [&str; 32] = [
+const CHANGED: [&str; 36] = [
     "half-vector:tables=3",
     "half-vector:rows=50",
     "half-vector:segments=5",
@@ -28,6 +28,7 @@ const CHANGED: [&str; 32] = [
     "half-vector:azimuths=12",
     "half-vector:luminance",
     "adaptive-disc:tables=7",
+    "adaptive-disc:azimuths=4",
     "adaptive-disc:depth=10",
     "adaptive-disc:n-max=1.3",
     "adaptive-disc:waste=0",
@@ -39,6 +40,7 @@ const CHANGED: [&str; 32] = [
     "adaptive-disc:floor=0.5",
     "adaptive-disc:luminance",
     "cascade-cdf:tables=32",
+    "cascade-cdf:azimuths=4",
     "cascade-cdf:cells=90x32",
     "cascade-cdf:tolerance=none",
     "cascade-cdf:tolerance=0.0000001",
@@ -50,7 +52,9 @@ const CHANGED: [&str; 32] = [
     "lobe:ward",
     "lobe:ggx,parameters=0.1/0.1/0.05",
     "lobe:blinn,luminance",
+    "lobe:ward,axes=surface",
     "factored:tables=20",
+    "factored:azimuths=4",
     "factored:factors=8x4/64x32/half-vector/0.01",
     "factored:luminance",
 ];
@@ -315,7 +319,7 @@ fn values_outside_their_domains_are_answered_with_the_domain() {
         ("cascade-cdf:tables=4096,cells=8192x8192", "4·10⁹"),
         ("lobe:ggx,parameters=3/3/0.5", "0.0001 to 2"),
         ("lobe:ggx,parameters=0.1/0.2/0.5", "same shape"),
-        ("lobe:blinn,parameters=10/10/0", "diffuse"),
+        ("lobe:blinn,parameters=10/10/-0.1", "diffuse"),
     ] {
         let message = refusal(text);
         assert!(message.contains(word), "{text}: {message}");

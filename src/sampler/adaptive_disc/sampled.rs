@@ -14,8 +14,8 @@ use super::slice::Slice;
 /// Margin of a bound as a fraction of the range of values at the points of a square. A parabola has its top between points that
 /// are a quarter of the square apart, at most an eighth of the range above the largest.
 const MARGIN: f64 = 0.25;
-/// Squares above this depth are split unseen.
-const COARSEST: u32 = 3;
+/// Squares above this depth are split unseen: scouts are two degrees apart, and meet what the points of a square miss.
+const COARSEST: u32 = 1;
 /// Points along each side of a square at the rim, midpoints.
 const RIM_POINTS: usize = 4;
 /// Squares at the rim are split only where they waste this part of all trials: f may rise without end there, and with it the
