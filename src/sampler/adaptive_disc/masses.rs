@@ -56,7 +56,7 @@ impl MassRule<'_> {
     /// The integrals over the part of `square` inside the disc.
     pub fn integrate(&self, square: QuadCell, bound: f64) -> Masses {
         let depth = square.code() >> 28;
-        let deepest = (depth + FINER).max(FINE).min(DEEPEST);
+        let deepest = (depth + FINER).clamp(FINE, DEEPEST);
         self.refine(square, bound, depth, deepest)
     }
 
@@ -217,6 +217,8 @@ mod tests {
         }
     }
 
+    type ValueAndIntegral = (fn(Vec3) -> f32, f64);
+
     fn total(value: fn(Vec3) -> f32, bound: f64) -> Masses {
         let settings = AdaptiveDiscSettings::default();
         let brdf: Arc<dyn Brdf> = Arc::new(Sky(value));
@@ -232,7 +234,7 @@ mod tests {
     /// ∫ z^k dx dy = 2π/(k + 2), and ∫ min(1/z, b) dx dy = 2π (1 − 1/(2b)).
     #[test]
     fn closed_forms_are_met_at_the_rim_too() {
-        let cases: [(fn(Vec3) -> f32, f64); 5] = [
+        let cases: [ValueAndIntegral; 5] = [
             (|_| 1.0, PI),
             (|wi| wi.z, 2.0 * PI / 3.0),
             (|wi| 1.0 / wi.z.max(1e-20), 2.0 * PI),
