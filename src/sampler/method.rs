@@ -25,10 +25,6 @@ use crate::{Error, Result};
 pub enum Needs {
     /// Nothing.
     AnyMaterial,
-    /// That turning both directions about the normal leaves its values as they are.
-    IsotropicMaterial,
-    /// A MERL table, whose bins bound its values.
-    MerlTable,
     /// A sampler that the material's own file holds.
     OwnSampler,
 }
@@ -38,8 +34,6 @@ impl Needs {
     pub fn are_met_by(self, facts: &MaterialFacts) -> bool {
         match self {
             Self::AnyMaterial => true,
-            Self::IsotropicMaterial => facts.is_isotropic(),
-            Self::MerlTable => facts.has_table,
             Self::OwnSampler => facts.has_own_sampler,
         }
     }
@@ -49,8 +43,6 @@ impl fmt::Display for Needs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::AnyMaterial => "any material",
-            Self::IsotropicMaterial => "an isotropic material",
-            Self::MerlTable => "a MERL table",
             Self::OwnSampler => "a .bsdf file that holds a sampler of its own",
         })
     }

@@ -4,8 +4,10 @@
 //! with its settings, as text, and builds it.
 
 mod adaptive_disc;
+mod azimuth_knots;
 mod cascade_cdf;
 mod cosine;
+mod direction_knots;
 mod draws;
 mod factored;
 mod half_vector_table;

@@ -56,10 +56,10 @@ const METHODS: &[fn() -> SamplerSpec] = methods![
 /// }
 ///
 /// // What a method needs is known before anything is loaded or built.
-/// let disc: SamplerSpec = "adaptive-disc".parse()?;
+/// let own: SamplerSpec = "file".parse()?;
 /// let material = Material::resolve("lambert:reflectance=0.5")?;
-/// assert_eq!(disc.needs(), Needs::MerlTable);
-/// assert!(disc.check_supports(&material.facts()?).is_err());
+/// assert_eq!(own.needs(), Needs::OwnSampler);
+/// assert!(own.check_supports(&material.facts()?).is_err());
 ///
 /// let sampler = spec.build(&material.load(LookupRule::Floor)?)?;
 /// println!("tables of {} bytes", sampler.as_dyn().bytes());

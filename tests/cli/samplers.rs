@@ -202,7 +202,7 @@ fn samplers_and_their_settings_are_listed() {
         "factored",
         "cosine",
         "file",
-        "a MERL table",
+        "any material",
     ] {
         assert!(all.contains(&format!("| {name} ")), "{name}: {all}");
     }

@@ -289,11 +289,14 @@ fn settings_outside_their_domains_are_refused() {
         )
     };
     assert!(lobe(LobeKind::Ggx, 0.5, 0.5, LEAST_DIFFUSE).is_ok());
+    assert!(lobe(LobeKind::CosineLobe, 30.0, 30.0, 0.0).is_ok());
+    assert!(lobe(LobeKind::Ward, 0.2, 0.4, 0.0).is_ok());
     for (kind, along, across, diffuse) in [
         (LobeKind::Ggx, 0.0, 0.0, 0.1),
         (LobeKind::Ggx, f32::NAN, f32::NAN, 0.1),
         (LobeKind::Ggx, 0.5, 0.6, 0.1),
-        (LobeKind::Blinn, 10.0, 10.0, 0.0),
+        (LobeKind::Blinn, 10.0, 10.0, -0.1),
+        (LobeKind::Blinn, 10.0, 11.0, 0.1),
         (LobeKind::Blinn, 10.0, 10.0, 1.5),
         (LobeKind::AshikhminShirley, 10.0, f32::INFINITY, 0.5),
     ] {

@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 use merlkit::brdf::{Brdf, Importance};
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, spherical};
+use merlkit::material::Loaded;
 use merlkit::material::merl::{Header, LookupRule, MerlBrdf, MerlTable, decode_embedded};
 use merlkit::sampler::{
     AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, LeafChoice,
@@ -16,6 +17,10 @@ use merlkit_evaluate::measure::accuracy::weight_spread;
 fn table(value: fn(usize, usize, usize) -> [f64; 3]) -> Arc<MerlBrdf> {
     let table = MerlTable::from_fn(Header { phi_d_bins: 180 }, value);
     Arc::new(MerlBrdf::new(Arc::new(table), LookupRule::Floor))
+}
+
+fn disc(brdf: &Arc<MerlBrdf>, settings: AdaptiveDiscSettings) -> AdaptiveDisc {
+    AdaptiveDisc::build(&Loaded::from_table(brdf.clone()), settings).unwrap()
 }
 
 /// All light but a Lambertian rest in the first bin of θh, 0.011° wide.
@@ -40,7 +45,7 @@ fn the_density_has_no_spike_at_the_mirror_direction() {
     let wo = Vec3::new(0.917_123_2, 0.387_753_46, 0.092_370_58);
     let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
     for settings in carrying_half_vectors() {
-        let disc = AdaptiveDisc::build(brdf.clone(), settings).unwrap();
+        let disc = disc(&brdf, settings);
         let expected = disc.pdf(wo, mirror);
         // Without rejection the density is that of a leaf; the envelope's is f·cosθ over its integral.
         let known = if settings.leaves == LeafChoice::Envelope {
@@ -68,7 +73,7 @@ fn the_density_of_a_narrow_highlight_integrates_to_one() {
     let brdf = narrow_highlight();
     let wo = spherical(75.5f64.to_radians(), 2.5).as_vec3();
     for settings in carrying_half_vectors() {
-        let disc = AdaptiveDisc::build(brdf.clone(), settings).unwrap();
+        let disc = disc(&brdf, settings);
         let mass = Quadrature::new(wo, POINTS_PER_BIN).integrate(|wi| f64::from(disc.pdf(wo, wi)));
         // With leaves by integral a density is as good as the estimates of leaves, and that of a warp jumps inside bins, where the
         // quadrature is off; no spike is left in either.
@@ -108,7 +113,7 @@ fn weights_at_an_angle_of_a_tree_are_the_albedo() {
         (measured("black-obsidian"), 3, 1e-4),
         (garbage_at_grazing(), 18, 1e-3),
     ] {
-        let disc = AdaptiveDisc::build(brdf.clone(), settings).unwrap();
+        let disc = disc(&brdf, settings);
         // Twenty trees from 0 to 90°.
         let theta = f64::from(tree) * std::f64::consts::FRAC_PI_2 / 19.0;
         let wo = spherical(theta, 0.0).as_vec3();

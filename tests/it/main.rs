@@ -27,6 +27,7 @@ mod measured_data;
 mod measured_values;
 mod measurements;
 mod mitsuba;
+mod model_samplers;
 mod names;
 mod page;
 mod pictures;

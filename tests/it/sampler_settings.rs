@@ -20,7 +20,7 @@ fn refusal(text: &str) -> String {
 }
 
 /// A value of every setting of every method that is not the default.
-const CHANGED: [&str; 32] = [
+const CHANGED: [&str; 36] = [
     "half-vector:tables=3",
     "half-vector:rows=50",
     "half-vector:segments=5",
@@ -28,6 +28,7 @@ const CHANGED: [&str; 32] = [
     "half-vector:azimuths=12",
     "half-vector:luminance",
     "adaptive-disc:tables=7",
+    "adaptive-disc:azimuths=4",
     "adaptive-disc:depth=10",
     "adaptive-disc:n-max=1.3",
     "adaptive-disc:waste=0",
@@ -39,6 +40,7 @@ const CHANGED: [&str; 32] = [
     "adaptive-disc:floor=0.5",
     "adaptive-disc:luminance",
     "cascade-cdf:tables=32",
+    "cascade-cdf:azimuths=4",
     "cascade-cdf:cells=90x32",
     "cascade-cdf:tolerance=none",
     "cascade-cdf:tolerance=0.0000001",
@@ -50,7 +52,9 @@ const CHANGED: [&str; 32] = [
     "lobe:ward",
     "lobe:ggx,parameters=0.1/0.1/0.05",
     "lobe:blinn,luminance",
+    "lobe:ward,axes=surface",
     "factored:tables=20",
+    "factored:azimuths=4",
     "factored:factors=8x4/64x32/half-vector/0.01",
     "factored:luminance",
 ];
@@ -315,7 +319,7 @@ fn values_outside_their_domains_are_answered_with_the_domain() {
         ("cascade-cdf:tables=4096,cells=8192x8192", "4·10⁹"),
         ("lobe:ggx,parameters=3/3/0.5", "0.0001 to 2"),
         ("lobe:ggx,parameters=0.1/0.2/0.5", "same shape"),
-        ("lobe:blinn,parameters=10/10/0", "diffuse"),
+        ("lobe:blinn,parameters=10/10/-0.1", "diffuse"),
     ] {
         let message = refusal(text);
         assert!(message.contains(word), "{text}: {message}");
@@ -370,20 +374,27 @@ fn materials_are_refused_with_what_is_needed_and_what_there_is() {
     let of_tables = names(&table);
     assert!(of_tables.contains(&"adaptive-disc") && !of_tables.contains(&"file"));
     let of_formulas = names(&formula);
-    assert!(of_formulas.contains(&"cascade-cdf") && !of_formulas.contains(&"adaptive-disc"));
+    assert!(of_formulas.contains(&"cascade-cdf") && of_formulas.contains(&"adaptive-disc"));
     let of_files = names(&brushed);
-    assert!(of_files.contains(&"file") && !of_files.contains(&"cascade-cdf"));
+    assert!(of_files.contains(&"file") && of_files.contains(&"cascade-cdf"));
     for names in [of_tables, of_formulas, of_files] {
         assert!(names.contains(&"half-vector") && names.contains(&"cosine"));
     }
     let refused = |text: &str, facts: &MaterialFacts| {
         parse(text).check_supports(facts).unwrap_err().to_string()
     };
-    let message = refused("cascade-cdf", &brushed);
-    assert!(message.contains("an isotropic material"), "{message}");
-    assert!(message.contains("half-vector, cosine or file"), "{message}");
-    let message = refused("adaptive-disc", &formula);
-    assert!(message.contains("a MERL table"), "{message}");
+    let message = refused("file", &formula);
+    assert!(message.contains("a .bsdf file"), "{message}");
+    assert!(
+        message.contains("choose half-vector, adaptive-disc"),
+        "{message}"
+    );
+    for text in ["adaptive-disc", "cascade-cdf", "factored"] {
+        let azimuths = format!("{text}:azimuths=4");
+        let message = refused(&azimuths, &formula);
+        assert!(message.contains("leave the azimuths out"), "{message}");
+        assert!(parse(&azimuths).check_supports(&brushed).is_ok());
+    }
     let message = refused("half-vector:azimuths=4", &table);
     assert!(message.contains("leave the azimuths out"), "{message}");
     assert!(

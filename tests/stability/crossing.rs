@@ -1,7 +1,9 @@
 //! Every hard case against every sampler, lookup rule and light.
 
 use merlkit::material::merl::HardCase;
-use merlkit_evaluate::measure::hard::{HardCheck, HardOutcome, Thoroughness, check_hard};
+use merlkit_evaluate::measure::hard::{
+    HardCheck, HardModel, HardOutcome, Thoroughness, check_hard, check_hard_models,
+};
 use std::sync::LazyLock;
 
 /// One crossing for all tests: with every rule if `STABILITY_FULL` is set.
@@ -40,6 +42,17 @@ fn hard_cases_keep_every_promise() {
         failures.len(),
         failures.join("\n")
     );
+}
+
+/// Formulas without bounds, with needles and with zeros to divide by.
+#[test]
+fn hard_models_keep_every_promise() {
+    let outcomes = check_hard_models(&HardModel::ALL, Thoroughness::Quick, 1, &|| {}).unwrap();
+    for model in HardModel::ALL {
+        assert!(outcomes.iter().any(|o| o.case == model.name));
+    }
+    let failures: Vec<&HardOutcome> = outcomes.iter().filter(|o| !o.pass).collect();
+    assert!(failures.is_empty(), "{failures:#?}");
 }
 
 #[test]

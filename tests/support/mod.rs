@@ -51,6 +51,7 @@ pub fn sampler_spec(text: &str) -> SamplerSpec {
 pub fn baselines() -> Vec<SamplerSpec> {
     SamplerSpec::parse_all(&[
         "lobe:cosine",
+        "lobe:cosine-hemisphere",
         "lobe:cosine-sphere",
         "lobe:blinn",
         "lobe:ward",

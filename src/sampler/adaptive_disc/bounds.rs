@@ -25,6 +25,7 @@ pub(super) struct MaxTable {
     phi_d_bins: usize,
     /// How many bins below and above its own a lookup touches.
     reach: (usize, usize),
+    rule: LookupRule,
 }
 
 /// Bins from `low` to `high`, both included.
@@ -105,7 +106,13 @@ impl MaxTable {
             widths,
             phi_d_bins,
             reach,
+            rule: brdf.rule(),
         }
+    }
+
+    /// The lookup that these bound.
+    pub fn rule(&self) -> LookupRule {
+        self.rule
     }
 
     /// The table's value for a pair of directions by floor lookup: from a plane of scalars, a quarter of the table's memory.

@@ -1,336 +1,223 @@
 //! Growing the trees.
 
-use glam::DVec2;
 use rayon::prelude::*;
 
 use super::bounds::MaxTable;
-use super::quad_cell::{QuadCell, Rect};
+use super::contents::{DiscImage, PointValues};
+use super::grower::Grower;
+use super::masses::MassRule;
+use super::sampled::SampledValues;
+use super::scouts::{Scouts, about_disc};
 use super::settings::{AdaptiveDiscSettings, Construction, LeafChoice};
 use super::slice::Slice;
-use super::tree::{Forest, Grown, MOST_LEAVES};
+use super::tree::{Forest, Grown, GrownTree};
 use super::trees::Trees;
-use super::warp::{self, WarpGrower, Warps};
-use crate::material::merl::MerlBrdf;
-use crate::sampler::knots::ThetaKnots;
-
-/// Points along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
-/// decides on splits, and a rough one will do.
-fn points_a_side(leaves: LeafChoice) -> usize {
-    match leaves {
-        LeafChoice::Envelope | LeafChoice::Warp => 4,
-        LeafChoice::Integral => 8,
-    }
-}
+use super::warp::{self, TableBounds, USABLE, WarpGrower, Warps};
+use crate::brdf::Brdf;
+use crate::geometry::concentric_square;
+use crate::material::Loaded;
+use crate::sampler::azimuth_knots::TurnedBrdf;
+use crate::sampler::direction_knots::DirectionKnots;
 
 /// What the differences of two rules for ∫ f may add up to in all bins. Every density is divided by ∫ f, and what that is off by
 /// is a bias of every mean weight; it is less than a tenth of the differences, which are those of the poorer rule.
 const NORMALISER_TOLERANCE: f64 = 1e-4;
 /// How far lattices of ∫ f may differ where it only decides on divisions.
 const DIVISION_TOLERANCE: f64 = 5e-3;
-/// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
-const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
 /// Most trials a draw may need on average. A tree that is not allowed to be deep enough for its material is replaced by
 /// the uniform disc.
 pub(super) const MOST_TRIALS: f64 = 1000.0;
-/// Leaves kept free for the squares that are open when a tree is full: three a level.
-const SPARE: usize = 20;
-/// Nodes above this depth are split unseen.
-const COARSEST: u32 = 3;
+
+/// A material and what is known of its values.
+pub(super) struct Subject<'a> {
+    brdf: &'a dyn Brdf,
+    /// Of a MERL table, which bounds its values.
+    bounds: Option<MaxTable>,
+}
+
+impl<'a> Subject<'a> {
+    pub fn new(material: &'a Loaded, settings: &AdaptiveDiscSettings) -> Self {
+        let table = material.table();
+        Self {
+            brdf: &**material.brdf(),
+            bounds: table.map(|table| MaxTable::new(table, settings.importance)),
+        }
+    }
+}
 
 /// Builds the trees of all knots, in parallel over knots.
-pub(super) fn trees(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Trees {
-    match settings.leaves {
-        LeafChoice::Warp => Trees::Warped(warps(brdf, settings, knots)),
-        LeafChoice::Envelope | LeafChoice::Integral => {
-            Trees::Rejecting(forest(brdf, settings, knots))
-        }
+pub(super) fn trees(
+    subject: &Subject<'_>,
+    settings: &AdaptiveDiscSettings,
+    knots: DirectionKnots,
+) -> Trees {
+    let angles: Vec<[f64; 2]> = (0..knots.count()).map(|k| knots.angles(k)).collect();
+    if settings.leaves == LeafChoice::Warp {
+        let trees: Vec<warp::Tree> = angles
+            .par_iter()
+            .map(|&angles| grow_warp(subject, settings, angles))
+            .collect();
+        let mut warps = Warps::default();
+        trees.iter().for_each(|tree| warps.push(tree));
+        return Trees::Warped(warps);
     }
-}
-
-fn warps(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Warps {
-    let bounds = MaxTable::new(brdf, settings.importance);
-    let trees: Vec<warp::Tree> = (0..knots.count())
-        .into_par_iter()
-        .map(|k| {
-            let slice = Slice::new(brdf, settings, Some(&bounds), knots.theta(k));
-            // A warp's density is that of its own probabilities. ∫ f only scales the waste that divisions are compared with.
-            let integral = slice.rough_integral(DIVISION_TOLERANCE);
-            if USABLE.contains(&integral) {
-                WarpGrower {
-                    settings,
-                    slice: &slice,
-                    bounds: &bounds,
-                    integral,
-                }
-                .grow()
-            } else {
-                warp::Tree::void()
-            }
-        })
+    let trees: Vec<GrownTree> = angles
+        .par_iter()
+        .map(|&angles| grow_tree(subject, settings, angles))
         .collect();
-    let mut warps = Warps::default();
-    trees.iter().for_each(|tree| warps.push(tree));
-    warps
+    Trees::Rejecting(Forest::join(&trees))
 }
 
-fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
-    let bounds = matches!(settings.construction, Construction::Refined)
-        .then(|| MaxTable::new(brdf, settings.importance));
-    let trees: Vec<(Vec<Grown>, f64)> = (0..knots.count())
-        .into_par_iter()
-        .map(|k| {
-            let slice = Slice::new(brdf, settings, bounds.as_ref(), knots.theta(k));
-            // Step 1: ∫ f, by which accepted draws are normalised.
-            let integral = slice.integral(NORMALISER_TOLERANCE);
-            // Step 2: the leaves. Where ∫ f is not usable there are none, and the uniform disc is drawn from.
-            let leaves = match (&settings.construction, &bounds) {
-                _ if !USABLE.contains(&integral) => Vec::new(),
-                (Construction::Grid(side), _) => {
-                    Grower::new(settings, DiscImage::new(&slice, *side)).grow()
-                }
-                (_, Some(bounds)) => Grower::new(
-                    settings,
-                    PointValues {
-                        slice: &slice,
-                        bounds,
-                        integral,
-                    },
-                )
-                .grow(),
-                (_, None) => Vec::new(),
-            };
-            // Step 3: a draw takes ΣV/∫f trials on average, with V = M·A of a leaf. Leaves that are chosen by V have the
-            // density f/∫f. Those chosen by their own estimates I of ∫ f are normalised by ΣI.
-            let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
-            let volume: f64 = leaves.iter().map(Grown::volume).sum();
-            match settings.leaves {
-                _ if leaves.is_empty() || volume > MOST_TRIALS * integral => (Vec::new(), 0.0),
-                LeafChoice::Integral => (leaves, drawn),
-                LeafChoice::Envelope | LeafChoice::Warp => (leaves, integral),
-            }
-        })
-        .collect();
-    Forest::join(&trees)
-}
-
-/// What a node's square holds, as far as it is known.
-#[derive(Clone, Copy)]
-struct Content {
-    integral: f64,
-    /// Largest value seen.
-    seen: f64,
-    area: f64,
-}
-
-/// Where the content of squares comes from.
-trait Contents {
-    /// Whether the square is split before a look at it.
-    fn too_coarse(&self, depth: u32) -> bool;
-    /// Whether the values allow a further split.
-    fn too_fine(&self, square: QuadCell) -> bool;
-    /// Integral and largest value over the square's part inside the disc.
-    fn content(&self, square: QuadCell, rect: Rect) -> Content;
-    /// The bound to draw under: at least `seen`.
-    fn bound(&self, rect: Rect, content: &Content) -> f32;
-    /// ∫ f over the disc.
-    fn total(&self) -> f64;
-}
-
-/// Splits squares until each leaf needs at most `n_max` trials on average (algorithm 12), or wastes too few to matter.
-struct Grower<'a, C> {
-    settings: &'a AdaptiveDiscSettings,
-    contents: C,
-    wasted: f64,
-    leaves: Vec<Grown>,
-}
-
-impl<'a, C: Contents> Grower<'a, C> {
-    fn new(settings: &'a AdaptiveDiscSettings, contents: C) -> Self {
-        let wasted = settings.waste * contents.total();
-        Self {
+fn grow_warp(
+    subject: &Subject<'_>,
+    settings: &AdaptiveDiscSettings,
+    [theta, azimuth]: [f64; 2],
+) -> warp::Tree {
+    let Some(bounds) = &subject.bounds else {
+        let turned = TurnedBrdf::new(subject.brdf, azimuth);
+        let slice = Slice::new(&turned, settings, None, theta);
+        let scouts = Scouts::send(&slice, concentric_square);
+        return WarpGrower {
             settings,
-            contents,
-            wasted,
+            slice: &slice,
+            bounds: &scouts,
+            integral: scouts.integral(),
+        }
+        .grow();
+    };
+    let slice = Slice::new(subject.brdf, settings, Some(bounds), theta);
+    let bounds = TableBounds {
+        table: bounds,
+        wo: slice.wo.as_dvec3(),
+    };
+    WarpGrower {
+        settings,
+        slice: &slice,
+        bounds: &bounds,
+        // A warp's density is that of its own probabilities. ∫ f only scales the waste that divisions are compared with.
+        integral: slice.rough_integral(DIVISION_TOLERANCE),
+    }
+    .grow()
+}
+
+fn grow_tree(
+    subject: &Subject<'_>,
+    settings: &AdaptiveDiscSettings,
+    [theta, azimuth]: [f64; 2],
+) -> GrownTree {
+    match &subject.bounds {
+        Some(bounds) => {
+            let slice = Slice::new(subject.brdf, settings, Some(bounds), theta);
+            grow_bounded(&slice, bounds)
+        }
+        None => {
+            let turned = TurnedBrdf::new(subject.brdf, azimuth);
+            grow_sampled(&Slice::new(&turned, settings, None, theta))
+        }
+    }
+}
+
+/// The tree of a MERL table.
+fn grow_bounded(slice: &Slice<'_>, bounds: &MaxTable) -> GrownTree {
+    let settings = slice.settings;
+    // Step 1: ∫ f, by which accepted draws are normalised.
+    let integral = slice.integral_of_table(bounds.rule(), NORMALISER_TOLERANCE);
+    // Step 2: the leaves. Where ∫ f is not usable there are none, and the uniform disc is drawn from.
+    let leaves = match settings.construction {
+        _ if !USABLE.contains(&integral) => Vec::new(),
+        Construction::Grid(side) => Grower::new(settings, DiscImage::new(slice, side)).grow(),
+        Construction::Refined => Grower::new(
+            settings,
+            PointValues {
+                slice,
+                bounds,
+                integral,
+            },
+        )
+        .grow(),
+    };
+    // Step 3: leaves that are chosen by V = M·A have the density f/∫f. Those chosen by their own estimates I of ∫ f are
+    // normalised by ΣI.
+    let drawn: f64 = leaves.iter().map(|l| l.weight).sum();
+    let (leaves, integral) = match settings.leaves {
+        _ if needs_too_many_trials(&leaves, integral) => (Vec::new(), 0.0),
+        LeafChoice::Integral => (leaves, drawn),
+        LeafChoice::Envelope | LeafChoice::Warp => (leaves, integral),
+    };
+    GrownTree {
+        leaves,
+        integral,
+        excess: None,
+    }
+}
+
+/// The tree of any other BRDF, whose values may exceed what is taken for their bound.
+fn grow_sampled(slice: &Slice<'_>) -> GrownTree {
+    let settings = slice.settings;
+    // Step 1: where lobes are, and a rough ∫ f.
+    let scouts = &Scouts::send(slice, about_disc);
+    let mut leaves = match settings.construction {
+        _ if !USABLE.contains(&scouts.integral()) => Vec::new(),
+        Construction::Grid(side) => Grower::new(settings, DiscImage::new(slice, side)).grow(),
+        Construction::Refined => Grower::new(settings, SampledValues { slice, scouts }).grow(),
+    };
+    // Step 2: ∫ f and ∫ min(f, bound) of each leaf. Draws are accepted with the probability min(f, bound)/bound.
+    let rule = MassRule { slice, scouts };
+    let (mut whole, mut bounded) = (0.0, 0.0);
+    for leaf in &mut leaves {
+        let masses = rule.integrate(leaf.square, f64::from(leaf.bound));
+        whole += masses.whole;
+        bounded += masses.bounded;
+        // A leaf that is chosen by its integral has that of what is accepted in it.
+        if settings.leaves == LeafChoice::Integral {
+            leaf.weight = masses.bounded;
+        }
+    }
+    // Step 3: the density is min(f, bound)/∫min(f, bound), whichever way leaves are chosen.
+    if !USABLE.contains(&bounded) || needs_too_many_trials(&leaves, bounded) {
+        return GrownTree {
             leaves: Vec::new(),
-        }
-    }
-
-    /// The leaves that can be drawn, in Z-order.
-    fn grow(mut self) -> Vec<Grown> {
-        self.visit(QuadCell::ROOT, 0);
-        self.leaves
-    }
-
-    fn visit(&mut self, square: QuadCell, depth: u32) {
-        let Some(rect) = square.inside_disc() else {
-            return;
+            integral: 0.0,
+            excess: Some(0.0),
         };
-        // Step 1: near the root squares are split unseen, as few points say little about them.
-        let has_room = depth < self.settings.depth && self.leaves.len() + 4 * SPARE < MOST_LEAVES;
-        if has_room && self.contents.too_coarse(depth) {
-            return self.split(square, depth);
-        }
-        // Step 2: the largest value seen is at most the bound, so a split that it asks for needs no bound.
-        let content = self.contents.content(square, rect);
-        let may_split = has_room && !self.contents.too_fine(square);
-        if may_split && self.wants_split(&content, content.seen) {
-            return self.split(square, depth);
-        }
-        // Step 3: the same with the true bound, which also finds peaks that no point met.
-        let bound = self.contents.bound(rect, &content);
-        if may_split && self.wants_split(&content, f64::from(bound)) {
-            return self.split(square, depth);
-        }
-        // Step 4: a leaf, chosen in proportion to I = ∫ f over it or, under an envelope, to V = M·A.
-        let weight = match self.settings.leaves {
-            LeafChoice::Integral => content.integral,
-            LeafChoice::Envelope | LeafChoice::Warp => f64::from(bound) * content.area,
-        };
-        if weight > 0.0 && bound > 0.0 {
-            self.leaves.push(Grown {
-                square,
-                bound,
-                weight,
-            });
-        }
     }
-
-    /// I/V < 1/n_max (the printed inequality 6.6 is the wrong way round; algorithm 12 is right), with V under `bound`.
-    fn wants_split(&self, content: &Content, bound: f64) -> bool {
-        let volume = content.area * bound;
-        content.integral * self.settings.n_max < volume && volume - content.integral > self.wasted
-    }
-
-    fn split(&mut self, square: QuadCell, depth: u32) {
-        for i in 0..4 {
-            self.visit(square.child(i), depth + 1);
-        }
+    GrownTree {
+        leaves,
+        integral: bounded,
+        excess: Some((1.0 - bounded / whole).clamp(0.0, 1.0)),
     }
 }
 
-/// Values at points of the square itself, bounds from the table.
-struct PointValues<'a> {
-    slice: &'a Slice<'a>,
-    bounds: &'a MaxTable,
-    integral: f64,
-}
-
-impl Contents for PointValues<'_> {
-    fn too_coarse(&self, depth: u32) -> bool {
-        depth < COARSEST
-    }
-
-    fn too_fine(&self, _: QuadCell) -> bool {
-        false
-    }
-
-    fn content(&self, _: QuadCell, rect: Rect) -> Content {
-        let (mut sum, mut seen) = (0.0, 0.0f64);
-        // I = mean of f at the midpoints of a grid, times the area. Points beyond the rim count as 0.
-        let side = points_a_side(self.slice.settings.leaves);
-        for k in 0..side * side {
-            let t = DVec2::new((k % side) as f64 + 0.5, (k / side) as f64 + 0.5) / side as f64;
-            let f = self.slice.value_on_disc(rect.point(t));
-            sum += f;
-            seen = seen.max(f);
-        }
-        Content {
-            integral: sum / (side * side) as f64 * rect.area(),
-            seen,
-            area: rect.area(),
-        }
-    }
-
-    fn bound(&self, rect: Rect, _: &Content) -> f32 {
-        self.bounds.over(self.slice.wo.as_dvec3(), rect)
-    }
-
-    fn total(&self) -> f64 {
-        self.integral
-    }
-}
-
-/// The thesis's image of f over [−1, 1]² (6.3.3): pixel centres, row by row.
-struct DiscImage {
-    side: usize,
-    values: Vec<f32>,
-    total: f64,
-}
-
-impl DiscImage {
-    fn new(slice: &Slice<'_>, side: u32) -> Self {
-        let n = side as usize;
-        let mut values = Vec::with_capacity(n * n);
-        for k in 0..n * n {
-            // Pixel i has its centre at 2 (i + ½)/n − 1.
-            let [x, y] = [k % n, k / n].map(|i| (i as f64 + 0.5) / n as f64 * 2.0 - 1.0);
-            values.push(slice.value_on_disc(DVec2::new(x, y)) as f32);
-        }
-        // ∫ f dx dy = Σ f·(2/n)², where f is 0 outside the disc.
-        let total = values.iter().map(|&v| f64::from(v)).sum::<f64>() * (2.0 / n as f64).powi(2);
-        Self {
-            side: n,
-            values,
-            total,
-        }
-    }
-
-    /// Pixels whose centres lie in [low, low + side) of one axis.
-    fn pixels(&self, low: f64, side: f64) -> std::ops::Range<usize> {
-        self.first_pixel(low)..self.first_pixel(low + side).min(self.side)
-    }
-
-    /// The first pixel whose centre is not below `x` on one axis.
-    fn first_pixel(&self, x: f64) -> usize {
-        let position = (x + 1.0) * 0.5 * self.side as f64 - 0.5;
-        position.ceil().max(0.0) as usize
-    }
-}
-
-impl Contents for DiscImage {
-    fn too_coarse(&self, _: u32) -> bool {
-        false
-    }
-
-    /// Children of fewer than four pixels would be guesses.
-    fn too_fine(&self, square: QuadCell) -> bool {
-        square.side * 0.5 * (self.side as f64) < 8.0
-    }
-
-    fn content(&self, square: QuadCell, rect: Rect) -> Content {
-        let (mut sum, mut seen) = (0.0, 0.0f64);
-        for y in self.pixels(square.corner.y, square.side) {
-            for x in self.pixels(square.corner.x, square.side) {
-                let f = f64::from(self.values[y * self.side + x]);
-                sum += f;
-                seen = seen.max(f);
-            }
-        }
-        Content {
-            integral: sum * (2.0 / self.side as f64).powi(2),
-            seen,
-            area: rect.area(),
-        }
-    }
-
-    fn bound(&self, _: Rect, content: &Content) -> f32 {
-        content.seen as f32
-    }
-
-    fn total(&self) -> f64 {
-        self.total
-    }
+/// A draw takes ΣV/∫f trials on average, with V = M·A of a leaf.
+fn needs_too_many_trials(leaves: &[Grown], integral: f64) -> bool {
+    let volume: f64 = leaves.iter().map(Grown::volume).sum();
+    leaves.is_empty() || volume > MOST_TRIALS * integral
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Symmetry;
+    use crate::material::MerlBrdf;
     use crate::material::merl::LookupRule;
     use crate::material::merl::decode_embedded;
     use crate::points::Stream;
     use crate::sampler::TableChoice;
     use crate::sampler::adaptive_disc::tree::{Drawn, Leaf, WHOLE};
+    use crate::sampler::knots::ThetaKnots;
+    use glam::DVec2;
     use std::sync::Arc;
+
+    fn forest(brdf: &MerlBrdf, settings: &AdaptiveDiscSettings, knots: ThetaKnots) -> Forest {
+        let material = Loaded::from_table(Arc::new(brdf.clone()));
+        let subject = Subject::new(&material, settings);
+        let (tables, choice) = (knots.count(), TableChoice::Mixture);
+        let knots = DirectionKnots::new(tables, choice, Symmetry::Isotropic, None).unwrap();
+        match trees(&subject, settings, knots) {
+            Trees::Rejecting(forest) => forest,
+            Trees::Warped(_) => panic!("trees without bounds"),
+        }
+    }
 
     fn volume(leaf: &Leaf) -> f64 {
         f64::from(leaf.bound) * Drawn::new(leaf, 0.0).rect.area()

@@ -1,6 +1,6 @@
 //! The adaptive disc in a file: its tensors, and what drawing relies on.
 
-use super::quad_cell::DEEPEST;
+use super::quad_cell::{DEEPEST, QuadCell};
 use super::settings::{AdaptiveDiscSettings, LeafChoice};
 use super::tree::{Forest, Leaf, MOST_LEAVES, WHOLE};
 use super::trees::Trees;
@@ -29,16 +29,38 @@ fn write_forest(forest: &Forest, out: &mut TensorWriter) {
     out.add("leaf.code", forest.leaves.iter().map(|l| l.code));
     out.add("tree.start", forest.starts.iter().copied());
     out.add("tree.integral", forest.integrals.iter().copied());
+    if !forest.excess.is_empty() {
+        out.add("tree.excess", forest.excess.iter().copied());
+    }
 }
 
-/// Reads the trees.
-pub(super) fn read(tensors: &Tensors, settings: &AdaptiveDiscSettings) -> Result<Trees> {
+/// Reads the trees. Those of a BRDF whose values may exceed their bounds come with the part of ∫ f that does.
+pub(super) fn read(
+    tensors: &Tensors,
+    settings: &AdaptiveDiscSettings,
+    may_exceed: bool,
+) -> Result<Trees> {
+    let count = settings.trees();
     Ok(match settings.leaves {
-        LeafChoice::Warp => Trees::Warped(read_warps(tensors, settings.tables)?),
+        LeafChoice::Warp => Trees::Warped(read_warps(tensors, count)?),
         LeafChoice::Envelope | LeafChoice::Integral => {
-            Trees::Rejecting(read_forest(tensors, settings.tables)?)
+            Trees::Rejecting(read_forest(tensors, count, may_exceed)?)
         }
     })
+}
+
+fn read_excess(tensors: &Tensors, tables: usize, may_exceed: bool) -> Result<Vec<f32>> {
+    if !may_exceed {
+        return Ok(Vec::new());
+    }
+    let excess = tensors.get::<f32>("tree.excess")?;
+    let is_sound = excess.iter().all(|e| (0.0..=1.0).contains(e));
+    if excess.len() != tables || !is_sound {
+        let expected = format!("a part of ∫ f, 0 to 1, for each of {tables} trees");
+        let found = format!("{} numbers", excess.len());
+        return Err(tensors.invalid_in("tree.excess", 0, &expected, found));
+    }
+    Ok(excess)
 }
 
 /// Reads trees whose nodes have their children behind them and in the same tree, no deeper than any that is built.
@@ -91,7 +113,7 @@ fn is_sound_node(node: &Node, i: u32, end: u32) -> bool {
     node.inner < 16 && is_inside
 }
 
-fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
+fn read_forest(tensors: &Tensors, tables: usize, may_exceed: bool) -> Result<Forest> {
     let (upper, bound) = (
         tensors.get::<u32>("leaf.upper")?,
         tensors.get::<f32>("leaf.bound")?,
@@ -128,7 +150,27 @@ fn read_forest(tensors: &Tensors, tables: usize) -> Result<Forest> {
             integral,
         )?;
     }
-    Ok(Forest::new(leaves, starts, integrals))
+    let excess = read_excess(tensors, tables, may_exceed)?;
+    if may_exceed {
+        check_order(tensors, &leaves, &starts)?;
+    }
+    Ok(Forest::new(leaves, starts, integrals, excess))
+}
+
+/// Leaves of each tree in Z-order, in which the one that holds a point is searched for.
+fn check_order(tensors: &Tensors, leaves: &[Leaf], starts: &[u32]) -> Result<()> {
+    for (k, range) in starts.windows(2).enumerate() {
+        let tree = &leaves[range[0] as usize..range[1] as usize];
+        let is_sound = tree.windows(2).all(|pair| {
+            let (first, count) = QuadCell::z_range(pair[0].code);
+            first + count <= QuadCell::z_range(pair[1].code).0
+        });
+        if !is_sound {
+            let expected = format!("leaves of tree {k} in Z-order, none within another");
+            return Err(tensors.invalid_in("leaf.code", range[0] as usize, &expected, "others"));
+        }
+    }
+    Ok(())
 }
 
 /// Whether the square of a leaf is one of its depth, and draws under its bound can be accepted.

@@ -5,6 +5,7 @@ use std::ops::Bound;
 use super::AdaptiveDisc;
 use super::quad_cell::DEEPEST;
 use super::settings::{AdaptiveDiscSettings, Carry, Construction, LeafChoice};
+use crate::sampler::azimuth_knots::azimuths_field;
 use crate::sampler::settings::{floor, importance, table_choice};
 use crate::sampler::{Field, Preset, Settings};
 use crate::{Error, Result};
@@ -14,6 +15,10 @@ impl Settings for AdaptiveDiscSettings {
 
     fn fields() -> Vec<Field<Self>> {
         let mut fields = subdivision();
+        fields.push(azimuths_field(
+            |s: &Self| s.azimuths,
+            |s, value| s.azimuths = value,
+        ));
         fields.extend([leaves(), carry(), grid()]);
         fields.push(table_choice(
             |s: &Self| s.choice,

@@ -44,6 +44,18 @@ impl QuadCell {
         depth << 28 | place(self.corner.x) << 14 | place(self.corner.y)
     }
 
+    /// The part of a walk in Z-order that a square of this code takes: its first place, and how many places there are in it,
+    /// each a square of the greatest depth.
+    #[inline]
+    pub fn z_range(code: u32) -> (u32, u32) {
+        let up = DEEPEST - (code >> 28);
+        let (column, row) = (code >> 14 & 0x3fff, code & 0x3fff);
+        (
+            (spread(column) | spread(row) << 1) << (2 * up),
+            1 << (2 * up),
+        )
+    }
+
     /// The square of a code.
     #[inline]
     pub fn of_code(code: u32) -> Self {
@@ -80,6 +92,24 @@ impl QuadCell {
         };
         (rect.low.x < rect.high.x && rect.low.y < rect.high.y).then_some(rect)
     }
+}
+
+/// Place in a walk in Z-order of the smallest square that holds the point `p` of the unit square.
+#[inline]
+pub(super) fn z_place(p: DVec2) -> u32 {
+    let cells = f64::from(1u32 << DEEPEST);
+    let cell = (p * cells).clamp(DVec2::ZERO, DVec2::splat(cells - 1.0));
+    spread(cell.x as u32) | spread(cell.y as u32) << 1
+}
+
+/// The 14 bits of a number, each with a 0 before it.
+#[inline]
+fn spread(bits: u32) -> u32 {
+    let mut x = bits;
+    x = (x | x << 8) & 0x00ff_00ff;
+    x = (x | x << 4) & 0x0f0f_0f0f;
+    x = (x | x << 2) & 0x3333_3333;
+    (x | x << 1) & 0x5555_5555
 }
 
 impl Rect {
@@ -119,6 +149,26 @@ mod tests {
             square = square.child(depth as usize % 4);
             assert_eq!(QuadCell::of_code(square.code()), square);
             assert_eq!(square.code() >> 28, depth);
+        }
+    }
+
+    #[test]
+    fn squares_take_the_places_of_their_points() {
+        let mut square = QuadCell::ROOT;
+        for depth in 0..=DEEPEST {
+            let (first, count) = QuadCell::z_range(square.code());
+            for t in [DVec2::ZERO, DVec2::splat(0.37), DVec2::new(0.999, 0.01)] {
+                let p = square.corner + square.side * t;
+                let place = z_place((p + 1.0) * 0.5);
+                assert!((first..first + count).contains(&place), "{square:?} {p}");
+            }
+            // Children follow one another.
+            if depth < DEEPEST {
+                let firsts = [0, 1, 2, 3].map(|i| QuadCell::z_range(square.child(i).code()).0);
+                let expected = [0, 1, 2, 3].map(|i| first + i * (count / 4));
+                assert_eq!(firsts, expected);
+                square = square.child(depth as usize * 7 % 4);
+            }
         }
     }
 

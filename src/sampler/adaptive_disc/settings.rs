@@ -9,7 +9,8 @@ use crate::sampler::TableChoice;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Construction {
-    /// Points in each node, finer only where nodes split, and bounds from the BRDF's own table: no value exceeds them.
+    /// Points in each node, finer only where nodes split. A MERL table's bins bound its values; for other BRDFs the bound is
+    /// the largest of the points with a margin, and values beyond it are drawn as often as the bound.
     Refined,
     /// One image of this many pixels a side over the disc (thesis 6.3.3): bounds hold for the pixels only.
     Grid(u32),
@@ -71,6 +72,10 @@ pub struct AdaptiveDiscSettings {
     pub floor: f64,
     /// The scalar that draws are proportional to.
     pub importance: Importance,
+    /// Azimuths of `wo` that have trees, 2 to 256, equally spaced over those that the material's symmetry leaves; `None` for
+    /// isotropic materials, which need one azimuth only, and for 8 of anisotropic ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub azimuths: Option<usize>,
 }
 
 impl Default for AdaptiveDiscSettings {
@@ -86,11 +91,17 @@ impl Default for AdaptiveDiscSettings {
             carry: Carry::HalfVector,
             floor: 1e-3,
             importance: Importance::Mean,
+            azimuths: None,
         }
     }
 }
 
 impl AdaptiveDiscSettings {
+    /// Trees over both angles of `wo`.
+    pub(super) fn trees(&self) -> usize {
+        self.tables.saturating_mul(self.azimuths.unwrap_or(1))
+    }
+
     /// What the thesis used for its tables 6.23 and 6.24.
     pub fn as_published() -> Self {
         Self {

@@ -7,11 +7,11 @@ use super::bounds::MaxTable;
 use crate::brdf::Brdf;
 use crate::geometry::bin_quadrature::{BinQuadrature, BinShape};
 use crate::geometry::{Quadrature, spherical};
-use crate::material::merl::{LookupRule, MerlBrdf};
+use crate::material::merl::LookupRule;
 
 /// f(wo, ·) for one fixed `wo` in the plane of φ = 0, as a scalar.
 pub(super) struct Slice<'a> {
-    brdf: &'a MerlBrdf,
+    brdf: &'a dyn Brdf,
     pub settings: &'a AdaptiveDiscSettings,
     /// Where values may be taken from instead of `brdf`.
     plane: Option<&'a MaxTable>,
@@ -19,13 +19,14 @@ pub(super) struct Slice<'a> {
 }
 
 impl<'a> Slice<'a> {
+    /// Values of `brdf`, or, where it is a MERL table with floor lookup, of `table`, which must be made from it.
     pub fn new(
-        brdf: &'a MerlBrdf,
+        brdf: &'a dyn Brdf,
         settings: &'a AdaptiveDiscSettings,
         table: Option<&'a MaxTable>,
         theta: f64,
     ) -> Self {
-        let plane = table.filter(|_| brdf.rule() == LookupRule::Floor);
+        let plane = table.filter(|table| table.rule() == LookupRule::Floor);
         Self {
             brdf,
             settings,
@@ -49,10 +50,10 @@ impl<'a> Slice<'a> {
             .integrate_refined(tolerance, |wi| self.value(wi) * f64::from(wi.z))
     }
 
-    /// ∫ f over the disc to `tolerance`, relative: every density is divided by it.
-    pub fn integral(&self, tolerance: f64) -> f64 {
+    /// ∫ f over the disc of a MERL table with this lookup to `tolerance`, relative: every density is divided by it.
+    pub fn integral_of_table(&self, rule: LookupRule, tolerance: f64) -> f64 {
         // Values jump at the edges of bins under floor lookup. Interpolated ones bend there, or at the middles of bins.
-        let (offset, is_constant) = match self.brdf.rule() {
+        let (offset, is_constant) = match rule {
             LookupRule::Floor => (0.0, true),
             LookupRule::Linear => (0.0, false),
             LookupRule::Centred => (0.5, false),

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, Vec3};
 
-use super::disc::{AdaptiveDisc, MAX_TRIALS, TreeView};
+use super::disc::{AdaptiveDisc, MAX_TRIALS, PlacedTree, TreeView};
 use super::settings::LeafChoice;
 use super::tree::{Drawn, Forest};
 use super::trees::Trees;
@@ -41,11 +41,9 @@ fn share_draws(
     let view = disc.view(wo);
     let mut random = Stream::new(seed);
     let floor = disc.settings.floor;
-    let trees = [
-        (1.0 - floor) * (1.0 - view.near.share),
-        (1.0 - floor) * view.near.share,
-    ];
-    let [first, second, ignoring] = share_out(count, [trees[0], trees[1], floor], &mut random);
+    let trees = view.shares();
+    let [a, b, c, d] = trees.map(|(_, share)| (1.0 - floor) * share);
+    let counts = share_out(count, [a, b, c, d, floor], &mut random);
     let mut batch = Batch {
         disc,
         forest,
@@ -53,9 +51,10 @@ fn share_draws(
         random,
         out: Vec::with_capacity(count),
     };
-    batch.cosine(ignoring, seed);
-    batch.tree(batch.view.near.first, first, seed);
-    batch.tree(batch.view.near.second, second, seed);
+    batch.cosine(counts[4], seed);
+    for ((tree, _), count) in trees.into_iter().zip(counts) {
+        batch.tree(tree, count, seed);
+    }
     batch.out
 }
 
@@ -97,20 +96,20 @@ impl Batch<'_> {
         }
     }
 
-    fn tree(&mut self, k: usize, count: usize, seed: u64) {
-        if self.forest.integral(k) <= 0.0 {
-            return self.cosine(count, seed.wrapping_add(1 + k as u64));
+    fn tree(&mut self, tree: PlacedTree, count: usize, seed: u64) {
+        if self.forest.integral(tree.index) <= 0.0 {
+            return self.cosine(count, seed.wrapping_add(1 + tree.index as u64));
         }
         let goal = self.out.len() + count;
         match self.disc.settings.leaves {
-            LeafChoice::Integral => self.shares(k, count, MAX_TRIALS),
+            LeafChoice::Integral => self.shares(tree, count, MAX_TRIALS),
             // As many proposals as were rejected are shared again, until all are accepted.
             LeafChoice::Envelope | LeafChoice::Warp => {
                 for _ in 0..MAX_TRIALS {
                     if self.out.len() == goal {
                         break;
                     }
-                    self.shares(k, goal - self.out.len(), 1);
+                    self.shares(tree, goal - self.out.len(), 1);
                 }
             }
         }
@@ -119,22 +118,23 @@ impl Batch<'_> {
 
     /// Distributes `count` draws of up to `trials` trials over the leaves: one every 1/count of their CDF, from one random offset
     /// on, so that every square of the tree gets its expected number, rounded.
-    fn shares(&mut self, k: usize, count: usize, trials: u32) {
+    fn shares(&mut self, tree: PlacedTree, count: usize, trials: u32) {
         let offset = self.random.next_f64();
         for i in 0..count {
-            let leaf = self.forest.draw(k, (i as f64 + offset) / count as f64);
-            let drawn = (0..trials).find_map(|_| self.trial(k, &leaf));
+            let leaf = self
+                .forest
+                .draw(tree.index, (i as f64 + offset) / count as f64);
+            let drawn = (0..trials).find_map(|_| self.trial(tree, &leaf));
             self.out.extend(drawn.map(Some));
         }
     }
 
-    fn trial(&mut self, k: usize, leaf: &Drawn) -> Option<DirectionSample> {
+    fn trial(&mut self, tree: PlacedTree, leaf: &Drawn) -> Option<DirectionSample> {
         let point = DVec2::new(self.random.next_f64(), self.random.next_f64());
-        let wi = leaf.direction(point, self.view.turn)?;
-        let accepted =
-            self.random.next_f64() * f64::from(leaf.bound) < self.disc.value(k, self.view.turn, wi);
+        let wi = leaf.direction(point, tree.turn)?;
+        let accepted = self.random.next_f64() * f64::from(leaf.bound) < self.disc.value(tree, wi);
         let wi = if accepted {
-            self.disc.carried(k, &self.view, wi)?
+            self.disc.carried(tree, &self.view, wi)?
         } else {
             return None;
         };

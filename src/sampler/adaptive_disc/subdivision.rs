@@ -65,15 +65,16 @@ impl Subdivision {
 }
 
 impl AdaptiveDisc {
-    /// The tree whose angle is nearest to the polar angle `theta_o`, radians; an angle that is not finite counts as 0.
+    /// The tree whose angle is nearest to the polar angle `theta_o`, radians, at the first azimuth of those that have trees; an
+    /// angle that is not finite counts as 0.
     pub fn subdivision(&self, theta_o: f64) -> Subdivision {
-        let k = self.knots.nearest(theta_o);
+        let k = self.knots.polar.nearest(theta_o);
         let (cells, warped) = match &self.trees {
             Trees::Rejecting(forest) => (laid(forest, k), false),
             Trees::Warped(warps) => (mapped(warps, k), true),
         };
         Subdivision {
-            theta_o: self.knots.theta(k),
+            theta_o: self.knots.polar.theta(k),
             cells,
             warped,
         }

@@ -6,7 +6,7 @@
 
 use glam::{DVec2, Vec3};
 
-use super::quad_cell::{QuadCell, Rect};
+use super::quad_cell::{QuadCell, Rect, z_place};
 
 /// A leaf of twelve bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,8 +33,21 @@ pub(in crate::sampler) struct Forest {
     pub starts: Vec<u32>,
     /// ∫ f dx dy over the disc at each knot: what a value is divided by to become a density.
     pub integrals: Vec<f32>,
+    /// For each tree the part of ∫ f that exceeds the leaves' bounds, of a BRDF whose bounds may be exceeded; none for a MERL
+    /// table.
+    pub excess: Vec<f32>,
     /// For each tree as many entries as leaves: the leaf that holds probability j/n.
     guide: Vec<u16>,
+}
+
+/// A tree's leaves in Z-order, and what its values are divided by.
+#[derive(Clone, Debug)]
+pub(super) struct GrownTree {
+    pub leaves: Vec<Grown>,
+    /// ∫ f dx dy over the disc, as far as f is within the leaves' bounds.
+    pub integral: f64,
+    /// The part of ∫ f that exceeds the bounds; `None` for a MERL table.
+    pub excess: Option<f64>,
 }
 
 /// A leaf before its tree is complete.
@@ -66,7 +79,7 @@ pub(super) struct Drawn {
 
 impl Forest {
     /// Leaves, starts and integrals; the guide is made here.
-    pub fn new(leaves: Vec<Leaf>, starts: Vec<u32>, integrals: Vec<f32>) -> Self {
+    pub fn new(leaves: Vec<Leaf>, starts: Vec<u32>, integrals: Vec<f32>, excess: Vec<f32>) -> Self {
         let guide = starts
             .windows(2)
             .flat_map(|w| guide(&leaves[w[0] as usize..w[1] as usize]))
@@ -75,15 +88,16 @@ impl Forest {
             leaves,
             starts,
             integrals,
+            excess,
             guide,
         }
     }
 
-    /// Puts trees together, each given by its leaves in Z-order and its integral.
-    pub(super) fn join(trees: &[(Vec<Grown>, f64)]) -> Self {
+    /// Puts trees together.
+    pub(super) fn join(trees: &[GrownTree]) -> Self {
         let mut leaves = Vec::new();
         let mut starts = vec![0];
-        for (grown, _) in trees {
+        for GrownTree { leaves: grown, .. } in trees {
             // The CDF over the leaves in fixed point. The last is exactly 1, so that every u < 1 finds a leaf.
             let total: f64 = grown.iter().map(|g| g.weight).sum();
             let mut sum = 0.0;
@@ -103,7 +117,14 @@ impl Forest {
             }));
             starts.push(leaves.len() as u32);
         }
-        Self::new(leaves, starts, trees.iter().map(|t| t.1 as f32).collect())
+        let integrals = trees.iter().map(|t| t.integral as f32).collect();
+        let excess = trees.iter().filter_map(|t| t.excess);
+        Self::new(
+            leaves,
+            starts,
+            integrals,
+            excess.map(|e| e as f32).collect(),
+        )
     }
 
     /// Bytes held by the arrays.
@@ -111,6 +132,7 @@ impl Forest {
         size_of_val(self.leaves.as_slice())
             + size_of_val(self.starts.as_slice())
             + size_of_val(self.integrals.as_slice())
+            + size_of_val(self.excess.as_slice())
             + size_of_val(self.guide.as_slice())
     }
 
@@ -124,6 +146,37 @@ impl Forest {
     #[inline]
     pub fn integral(&self, k: usize) -> f64 {
         f64::from(self.integrals[k])
+    }
+
+    /// Bound of the leaf of tree `k` that holds the point `p` of the disc, in the tree's own frame; 0 where there is none.
+    #[inline]
+    pub(super) fn bound_at(&self, k: usize, p: DVec2) -> f32 {
+        // Leaves are in Z-order, so the last that begins at or before the point holds it, or none does.
+        let place = z_place((p + 1.0) * 0.5);
+        let leaves = self.tree(k);
+        let after = leaves.partition_point(|leaf| QuadCell::z_range(leaf.code).0 <= place);
+        let Some(leaf) = after.checked_sub(1).map(|i| &leaves[i]) else {
+            return 0.0;
+        };
+        let (first, count) = QuadCell::z_range(leaf.code);
+        if place - first < count {
+            leaf.bound
+        } else {
+            0.0
+        }
+    }
+
+    /// Trials that a draw from tree `k` takes on average, ΣV/∫f with V = M·A of a leaf; 0 for a tree without leaves.
+    pub(super) fn trials(&self, k: usize) -> f64 {
+        let mut volume = 0.0;
+        for leaf in self.tree(k) {
+            volume += f64::from(leaf.bound) * Drawn::new(leaf, 0.0).rect.area();
+        }
+        if volume > 0.0 {
+            volume / self.integral(k)
+        } else {
+            0.0
+        }
     }
 
     /// The leaf of tree `k` at probability `u` in [0, 1). The tree must have leaves.

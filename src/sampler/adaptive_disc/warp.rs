@@ -10,10 +10,11 @@
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use super::bounds::MaxTable;
 use super::quad_cell::{DEEPEST, Rect};
+use super::scouts::Scouts;
 use super::settings::AdaptiveDiscSettings;
 use super::slice::Slice;
 use crate::geometry::{concentric_disc, concentric_square};
@@ -168,6 +169,8 @@ impl Tree {
     }
 }
 
+/// Values of ∫ f that f32 holds with all digits, the mean of what it is divided into included. Beyond, the uniform disc serves.
+pub(super) const USABLE: std::ops::RangeInclusive<f64> = 1e-30..=1e38;
 /// Points along each side of a square.
 const POINTS: usize = 4;
 /// Squares above this depth are divided unseen.
@@ -180,11 +183,35 @@ const MOST_NODES: usize = 1 << 16;
 const RAISES: i32 = 16;
 const FULL: u32 = 8;
 
+/// The largest value that a cell of the square may hold.
+pub(super) trait CellBounds {
+    fn over_cell(&self, cell: Rect) -> f64;
+}
+
+/// Bounds of a MERL table for one `wo`.
+pub(super) struct TableBounds<'a> {
+    pub table: &'a MaxTable,
+    pub wo: DVec3,
+}
+
+impl CellBounds for TableBounds<'_> {
+    fn over_cell(&self, cell: Rect) -> f64 {
+        f64::from(self.table.over(self.wo, box_on_disc(cell)))
+    }
+}
+
+/// What scouts met: no bound for certain, and a warp needs none.
+impl CellBounds for Scouts {
+    fn over_cell(&self, cell: Rect) -> f64 {
+        self.largest(cell.low, cell.high.x - cell.low.x)
+    }
+}
+
 /// Divides squares until f is even enough in each.
-pub(super) struct WarpGrower<'a> {
+pub(super) struct WarpGrower<'a, B> {
     pub settings: &'a AdaptiveDiscSettings,
     pub slice: &'a Slice<'a>,
-    pub bounds: &'a MaxTable,
+    pub bounds: &'a B,
     /// ∫ f over the disc.
     pub integral: f64,
 }
@@ -196,8 +223,11 @@ struct Allowance {
     nodes: usize,
 }
 
-impl WarpGrower<'_> {
+impl<B: CellBounds> WarpGrower<'_, B> {
     pub fn grow(&self) -> Tree {
+        if !USABLE.contains(&self.integral) {
+            return Tree::void();
+        }
         let root = Rect {
             low: DVec2::ZERO,
             high: DVec2::ONE,
@@ -274,12 +304,9 @@ impl WarpGrower<'_> {
         if spread > VARIANCE * waste * self.integral {
             return true;
         }
-        // A peak between the points has at most the mass (M − m)·A, M being the table's bound. It matters where M is far
+        // A peak between the points has at most the mass (M − m)·A, M being the bound. It matters where M is far
         // above m and this mass exceeds the waste.
-        let bound = f64::from(
-            self.bounds
-                .over(self.slice.wo.as_dvec3(), box_on_disc(cell)),
-        );
+        let bound = self.bounds.over_cell(cell);
         bound > self.settings.n_max * mean && (bound - mean) * area > waste * self.integral
     }
 }

@@ -12,7 +12,8 @@ use super::tables::Tables;
 use crate::brdf::{Brdf, Importance};
 use crate::distribution::{Curves, cumulated, simplify};
 use crate::geometry::{reflect_about, spherical};
-use crate::sampler::knots::ThetaKnots;
+use crate::sampler::azimuth_knots::TurnedBrdf;
+use crate::sampler::direction_knots::DirectionKnots;
 
 /// Evaluations that a table is worth, however few its cells: coarse cells take the mean over several points.
 const POINTS: [usize; 2] = [512, 128];
@@ -25,15 +26,18 @@ const JUMP: f64 = 4.0;
 pub(super) fn tables(
     brdf: &dyn Brdf,
     settings: &CascadeCdfSettings,
-    knots: ThetaKnots,
+    knots: DirectionKnots,
     axis: ThetaAxis,
 ) -> Tables {
     let each: Vec<(Curves, Curves)> = (0..knots.count())
         .into_par_iter()
         .map(|k| {
-            let wo = spherical(knots.theta(k), 0.0).as_vec3();
+            // Azimuths of half vectors count from that of the table.
+            let [theta, azimuth] = knots.angles(k);
+            let wo = spherical(theta, 0.0).as_vec3();
+            let turned = TurnedBrdf::new(brdf, azimuth);
             let masses = masses([settings.theta_h, settings.phi_h], axis, |h| {
-                contribution(brdf, settings.importance, wo, h)
+                contribution(&turned, settings.importance, wo, h)
             });
             curves(&masses, axis, settings.tolerance)
         })

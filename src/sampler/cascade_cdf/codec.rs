@@ -16,8 +16,8 @@ pub(super) fn write(tables: &Tables, out: &mut TensorWriter) {
 pub(super) fn read(tensors: &Tensors, settings: &CascadeCdfSettings) -> Result<Tables> {
     let marginal = read_curves(tensors, "marginal", settings.theta_h)?;
     let conditional = read_curves(tensors, "conditional", settings.phi_h)?;
-    if marginal.len() != settings.tables {
-        let expected = format!("{} marginals", settings.tables);
+    if marginal.len() != settings.count() {
+        let expected = format!("{} marginals", settings.count());
         return Err(tensors.invalid_in("marginal.start", 0, &expected, marginal.len().to_string()));
     }
     let pieces: usize = (0..marginal.len()).map(|k| marginal.segments(k)).sum();

@@ -3,6 +3,7 @@
 use super::CascadeCdf;
 use super::axis::ThetaSpacing;
 use super::settings::CascadeCdfSettings;
+use crate::sampler::azimuth_knots::azimuths_field;
 use crate::sampler::settings::{floor, importance, table_choice};
 use crate::sampler::{Field, Preset, Settings};
 use crate::{Error, Result};
@@ -53,6 +54,7 @@ impl Settings for CascadeCdfSettings {
                 |s| s.spacing,
                 |s, value| s.spacing = value,
             ),
+            azimuths_field(|s: &Self| s.azimuths, |s, value| s.azimuths = value),
             table_choice(|s: &Self| s.choice, |s, value| s.choice = value),
             floor(|s: &Self| s.floor, |s, value| s.floor = value),
             importance(|s: &Self| s.importance, |s, value| s.importance = value),
@@ -78,7 +80,7 @@ impl Settings for CascadeCdfSettings {
     /// Knots are numbered in 32 bits, and without compression there is one at every edge of a cell.
     fn check_together(&self) -> Result<()> {
         let knots = self
-            .tables
+            .count()
             .saturating_mul((self.theta_h + 1) * (self.phi_h + 2));
         if u32::try_from(knots).is_err() {
             return Err(Error::argument(

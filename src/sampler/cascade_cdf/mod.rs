@@ -23,15 +23,17 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-use super::knots::{KnotPair, ThetaKnots, split_unit};
+use super::azimuth_knots::{check_azimuths, check_stored_azimuths};
+use super::direction_knots::{DirectionKnots, DirectionNeighbours};
+use super::knots::split_unit;
 use super::store::{TensorWriter, Tensors};
 use super::{Method, Needs, Settings};
 use crate::Result;
 use crate::brdf::Brdf;
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::distribution::Segment;
-use crate::geometry::{approx, cosine_hemisphere, is_upper, reflect_about, unit_upper};
-use crate::material::Loaded;
+use crate::geometry::{Symmetry, approx, cosine_hemisphere, is_upper, reflect_about, unit_upper};
+use crate::material::{Loaded, MaterialFacts};
 use tables::Tables;
 
 /// Marginal and conditional CDFs over the half vector.
@@ -40,7 +42,7 @@ use tables::Tables;
 #[derive(Clone, Debug)]
 pub struct CascadeCdf {
     settings: CascadeCdfSettings,
-    knots: ThetaKnots,
+    knots: DirectionKnots,
     axis: ThetaAxis,
     tables: Tables,
 }
@@ -52,25 +54,27 @@ impl CascadeCdf {
     /// [`crate::Error::Argument`] for settings outside their domains.
     pub fn build(brdf: &dyn Brdf, settings: CascadeCdfSettings) -> Result<Self> {
         settings.check()?;
-        let knots = ThetaKnots::new(settings.tables, settings.choice)?;
+        check_azimuths(settings.azimuths, brdf.symmetry())?;
+        let knots = knots(&settings, brdf.symmetry())?;
+        let settings = CascadeCdfSettings {
+            azimuths: knots.azimuths.setting(),
+            ..settings
+        };
         let axis = ThetaAxis::new(settings.spacing, settings.theta_h);
         let tables = build::tables(brdf, &settings, knots, axis);
-        Ok(Self {
-            settings,
-            knots,
-            axis,
-            tables,
-        })
+        Self::from_parts(settings, brdf.symmetry(), tables)
     }
 
-    /// Puts a sampler together from stored tables, which must have been validated.
-    fn from_parts(settings: CascadeCdfSettings, tables: Tables) -> Result<Self> {
-        let knots = ThetaKnots::new(settings.tables, settings.choice)?;
-        let axis = ThetaAxis::new(settings.spacing, settings.theta_h);
+    /// Puts a sampler together from tables, which must be validated if stored. The settings name the azimuths.
+    fn from_parts(
+        settings: CascadeCdfSettings,
+        symmetry: Symmetry,
+        tables: Tables,
+    ) -> Result<Self> {
         Ok(Self {
+            knots: knots(&settings, symmetry)?,
+            axis: ThetaAxis::new(settings.spacing, settings.theta_h),
             settings,
-            knots,
-            axis,
             tables,
         })
     }
@@ -115,52 +119,99 @@ impl CascadeCdf {
         }
     }
 
-    fn density(&self, near: KnotPair, wo: DVec3, wi: DVec3) -> f32 {
-        // Step 1: θh and φh of the half vector, the latter against the azimuth of wo, as coordinates in [0, 1].
-        let sum = wo + wi;
-        let rho = (sum.x * sum.x + sum.y * sum.y).sqrt();
-        let a = self.axis.coordinate(approx::atan2(rho, sum.z));
-        let azimuth = match wo.truncate() {
+    /// Density of the tables of one azimuth, whose direction in the plane is `axis`, at a half vector along `sum`.
+    #[inline(always)]
+    fn azimuth_density(
+        &self,
+        near: &DirectionNeighbours,
+        azimuth: usize,
+        point: &HalfVectorPoint,
+        cosine: f64,
+    ) -> f64 {
+        // φh of the half vector against the azimuth of the table, as a coordinate in [0, 1].
+        let sum = point.sum;
+        let angle = match near.axes[azimuth] {
             DVec2::ZERO => approx::atan2(sum.y, sum.x),
             axis => approx::atan2(axis.perp_dot(sum.truncate()), axis.dot(sum.truncate())),
         };
-        let turn = azimuth * (1.0 / TAU);
+        let turn = angle * (1.0 / TAU);
         let b = if turn < 0.0 { turn + 1.0 } else { turn };
-        debug_assert!((0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b));
+        debug_assert!((0.0..=1.0).contains(&point.a) && (0.0..=1.0).contains(&b));
         let at = DVec2::new(
-            a * self.settings.theta_h as f64,
+            point.a * self.settings.theta_h as f64,
             b * self.settings.phi_h as f64,
         );
+        // The knots' densities by their weights; a knot without weight is not looked up.
+        let (start, polar) = (near.starts[azimuth], near.polar);
+        let first = if polar.share < 1.0 {
+            (1.0 - polar.share)
+                * self.knot_density(start + polar.first, at, point.to_solid_angle, cosine)
+        } else {
+            0.0
+        };
+        let second = if polar.share > 0.0 {
+            polar.share * self.knot_density(start + polar.second, at, point.to_solid_angle, cosine)
+        } else {
+            0.0
+        };
+        first + second
+    }
+
+    /// Density of `wi`, among the azimuths that have tables as the `wo` of `near` is.
+    fn density(&self, near: &DirectionNeighbours, wi: DVec3) -> f32 {
+        // Step 1: θh of the half vector as a coordinate in [0, 1].
+        let sum = near.wo.as_dvec3() + wi;
+        let rho = (sum.x * sum.x + sum.y * sum.y).sqrt();
+        let a = self.axis.coordinate(approx::atan2(rho, sum.z));
         // dσ(h) = 2π sinθh (dθh/da) da db, and dσ(wi) = 4 (wo·h) dσ(h) with wo·h = |wo + wi|/2.
         let length = sum.length();
-        let to_solid_angle = 1.0 / (TAU * self.axis.solid_angle(a, rho / length) * 2.0 * length);
+        let point = HalfVectorPoint {
+            sum,
+            a,
+            to_solid_angle: 1.0 / (TAU * self.axis.solid_angle(a, rho / length) * 2.0 * length),
+        };
+        // Step 2: the densities of the tables of both azimuths by their weights.
         let cosine = wi.z * FRAC_1_PI;
-        // The knots' densities by their weights; a knot without weight is not looked up.
-        let first = if near.share < 1.0 {
-            (1.0 - near.share) * self.knot_density(near.first, at, to_solid_angle, cosine)
-        } else {
-            0.0
-        };
-        let second = if near.share > 0.0 {
-            near.share * self.knot_density(near.second, at, to_solid_angle, cosine)
-        } else {
-            0.0
-        };
-        let tables = first + second;
+        let mut tables = 0.0;
+        for (azimuth, weight) in [1.0 - near.weight, near.weight].into_iter().enumerate() {
+            if weight > 0.0 {
+                tables += weight * self.azimuth_density(near, azimuth, &point, cosine);
+            }
+        }
         let floor = self.settings.floor;
         ((1.0 - floor) * tables + floor * cosine).min(f64::from(f32::MAX)) as f32
     }
 
-    /// Half vector at grid coordinates `at`, in the frame of `wo`.
+    /// Half vector at grid coordinates `at` of a table whose azimuth has the direction `axis` in the plane.
     #[inline]
-    fn half_vector(&self, wo: Vec3, at: DVec2) -> DVec3 {
-        // θh and φh from the coordinates, then the turn by the azimuth of wo, from which φh counts.
+    fn half_vector(&self, axis: DVec2, at: DVec2) -> DVec3 {
+        // θh and φh from the coordinates, then the turn by the azimuth of the table, from which φh counts.
         let theta = self.axis.theta(at.x / self.settings.theta_h as f64);
         let (sin, cos) = approx::sin_cos_turns(theta * (1.0 / TAU));
         let (s, c) = approx::sin_cos_turns(at.y / self.settings.phi_h as f64);
-        let turn = wo.truncate().as_dvec2().try_normalize().unwrap_or(DVec2::X);
+        let turn = axis.try_normalize().unwrap_or(DVec2::X);
         (turn.rotate(DVec2::new(c, s)) * sin).extend(cos)
     }
+}
+
+/// A half vector, as far as it is the same for all tables.
+struct HalfVectorPoint {
+    /// wo + wi.
+    sum: DVec3,
+    /// Coordinate of θh.
+    a: f64,
+    /// What a density over the square is multiplied by.
+    to_solid_angle: f64,
+}
+
+/// The directions that have tables.
+fn knots(settings: &CascadeCdfSettings, symmetry: Symmetry) -> Result<DirectionKnots> {
+    DirectionKnots::new(
+        settings.tables,
+        settings.choice,
+        symmetry,
+        settings.azimuths,
+    )
 }
 
 /// Where in its piece of a curve a probability is reached, in grid units: x0 + (u − c0)/(c1 − c0) · (x1 − x0).
@@ -173,8 +224,12 @@ impl Method for CascadeCdf {
     const NAME: &'static str = "cascade-cdf";
     const SUMMARY: &'static str =
         "a marginal and conditional CDFs over the half vector, compressed or whole";
-    const NEEDS: Needs = Needs::IsotropicMaterial;
+    const NEEDS: Needs = Needs::AnyMaterial;
     type Settings = CascadeCdfSettings;
+
+    fn check_facts(settings: &CascadeCdfSettings, facts: &MaterialFacts) -> Result<()> {
+        check_azimuths(settings.azimuths, facts.symmetry)
+    }
 
     fn build(material: &Loaded, settings: &CascadeCdfSettings) -> Result<Self> {
         Self::build(&**material.brdf(), *settings)
@@ -193,8 +248,15 @@ impl Method for CascadeCdf {
         Ok(())
     }
 
-    fn read(tensors: &Tensors, settings: CascadeCdfSettings, _: &Loaded) -> Result<Self> {
-        Self::from_parts(settings, codec::read(tensors, &settings)?)
+    fn agree(asked: &CascadeCdfSettings, used: &CascadeCdfSettings) -> bool {
+        let azimuths = asked.azimuths.or(used.azimuths);
+        CascadeCdfSettings { azimuths, ..*asked } == *used
+    }
+
+    fn read(tensors: &Tensors, settings: CascadeCdfSettings, material: &Loaded) -> Result<Self> {
+        let symmetry = material.symmetry();
+        check_stored_azimuths(settings.azimuths, symmetry, tensors)?;
+        Self::from_parts(settings, symmetry, codec::read(tensors, &settings)?)
     }
 }
 
@@ -203,20 +265,28 @@ impl DirectionSampler for CascadeCdf {
         let wo = unit_upper(wo)?;
         let near = self.knots.neighbours(wo);
         let (ignore_tables, x) = split_unit(f64::from(u.x), self.settings.floor);
-        let (first, y) = split_unit(f64::from(u.y), 1.0 - near.share);
-        let k = if first { near.first } else { near.second };
+        let (is_first, left) = split_unit(x, 1.0 - near.weight);
+        let azimuth = usize::from(!is_first);
+        let (is_first, y) = split_unit(f64::from(u.y), 1.0 - near.polar.share);
+        let polar = if is_first {
+            near.polar.first
+        } else {
+            near.polar.second
+        };
+        let k = near.starts[azimuth] + polar;
         let wi = if ignore_tables {
             cosine_hemisphere(DVec2::new(x, f64::from(u.y))).as_vec3()
         } else if self.tables.marginal.is_void(k) {
-            cosine_hemisphere(DVec2::new(x, y)).as_vec3()
+            cosine_hemisphere(DVec2::new(left, y)).as_vec3()
         } else {
-            let h = self.half_vector(wo, self.draw(k, DVec2::new(x, y)));
-            reflect_about(wo.as_dvec3(), h).as_vec3()
+            let h = self.half_vector(near.axes[azimuth], self.draw(k, DVec2::new(left, y)));
+            reflect_about(near.wo.as_dvec3(), h).as_vec3()
         };
         if !is_upper(wi) {
             return None;
         }
-        let pdf = self.density(near, wo.as_dvec3(), wi.as_dvec3());
+        let pdf = self.density(&near, wi.as_dvec3());
+        let wi = wi * near.signs;
         (pdf > 0.0).then_some(DirectionSample { wi, pdf })
     }
 
@@ -224,7 +294,8 @@ impl DirectionSampler for CascadeCdf {
         let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
             return 0.0;
         };
-        self.density(self.knots.neighbours(wo), wo.as_dvec3(), wi.as_dvec3())
+        let near = self.knots.neighbours(wo);
+        self.density(&near, (wi * near.signs).as_dvec3())
     }
 
     fn bytes(&self) -> usize {

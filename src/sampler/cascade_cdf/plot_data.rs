@@ -25,11 +25,11 @@ impl CascadeCdf {
     /// The marginal over θh of the table whose angle is nearest to the polar angle `theta_o`, radians; an angle that is not
     /// finite counts as 0.
     pub fn marginal(&self, theta_o: f64) -> CdfCurve {
-        let k = self.knots.nearest(theta_o);
+        let k = self.knots.polar.nearest(theta_o);
         let cells = self.settings.theta_h;
         let (curve, knots) = shown(&self.tables.marginal, k, cells, |cell| self.theta_h(cell));
         CdfCurve {
-            theta_o: self.knots.theta(k),
+            theta_o: self.knots.polar.theta(k),
             theta_h: [0.0, self.theta_h(cells as f64)],
             curve,
             knots,
@@ -39,8 +39,8 @@ impl CascadeCdf {
     /// The conditional over φh, counted from `wo`, of the same table and of the piece of the marginal that holds its median:
     /// half of the draws have a smaller θh.
     pub fn conditional(&self, theta_o: f64) -> CdfCurve {
-        let k = self.knots.nearest(theta_o);
-        let theta_o = self.knots.theta(k);
+        let k = self.knots.polar.nearest(theta_o);
+        let theta_o = self.knots.polar.theta(k);
         if self.tables.marginal.is_void(k) {
             return CdfCurve {
                 theta_o,

@@ -26,6 +26,10 @@ pub struct CascadeCdfSettings {
     pub floor: f64,
     /// The scalar that draws are proportional to.
     pub importance: Importance,
+    /// Azimuths of `wo` that have tables, 2 to 256, equally spaced over those that the material's symmetry leaves; `None` for
+    /// isotropic materials, which need one azimuth only, and for 8 of anisotropic ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub azimuths: Option<usize>,
 }
 
 impl Default for CascadeCdfSettings {
@@ -39,11 +43,17 @@ impl Default for CascadeCdfSettings {
             choice: TableChoice::Mixture,
             floor: 1e-3,
             importance: Importance::Mean,
+            azimuths: None,
         }
     }
 }
 
 impl CascadeCdfSettings {
+    /// Tables over both angles of `wo`.
+    pub(super) fn count(&self) -> usize {
+        self.tables.saturating_mul(self.azimuths.unwrap_or(1))
+    }
+
     /// Every knot of 256 × 32 cells a table.
     pub fn uniform() -> Self {
         Self {

@@ -9,9 +9,10 @@ use super::settings::{FactoredSettings, Factors};
 use crate::Result;
 use crate::brdf::{Brdf, Importance};
 use crate::distribution::{Curves, cumulated};
-use crate::geometry::spherical;
+use crate::geometry::{Symmetry, spherical};
+use crate::sampler::azimuth_knots::{AzimuthKnots, check_azimuths};
 use crate::sampler::cascade_cdf::{ThetaAxis, contribution, masses};
-use crate::sampler::knots::ThetaKnots;
+use crate::sampler::direction_knots::DirectionKnots;
 use crate::sampler::lobe::Nodes;
 use crate::sampler::{Settings, TableChoice, ThetaSpacing};
 
@@ -31,6 +32,11 @@ impl Factored {
     /// [`crate::Error::Argument`] for settings outside their domains.
     pub fn build(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Self> {
         settings.check()?;
+        check_azimuths(settings.azimuths, brdf.symmetry())?;
+        let settings = FactoredSettings {
+            azimuths: AzimuthKnots::new(brdf.symmetry(), settings.azimuths).setting(),
+            ..settings
+        };
         match settings.factors {
             Some(factors) => factored(brdf, settings, factors),
             None => best(brdf, settings),
@@ -42,7 +48,7 @@ impl Factored {
 fn factored(brdf: &dyn Brdf, settings: FactoredSettings, factors: Factors) -> Result<Factored> {
     let grid = grid(brdf, &settings, &factors)?;
     let outer = Factorisation::factorise(&grid, factors.outer);
-    Factored::from_parts(settings, terms(&outer, &factors))
+    Factored::from_parts(settings, brdf.symmetry(), terms(&outer, &factors))
 }
 
 /// The sampler of those factors that make weights most even, by the measure that lobes are fitted by. The first of equals, that
@@ -70,6 +76,7 @@ fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factored> {
     }
     let trial = Trial {
         settings,
+        symmetry: brdf.symmetry(),
         nodes: &nodes,
     };
     // Step 1: every grid and rank with its best inner rank, in parallel; then the best of these.
@@ -95,6 +102,7 @@ fn best(brdf: &dyn Brdf, settings: FactoredSettings) -> Result<Factored> {
 /// What samplers of other factors are tried with.
 struct Trial<'a> {
     settings: FactoredSettings,
+    symmetry: Symmetry,
     nodes: &'a Nodes,
 }
 
@@ -105,7 +113,7 @@ impl Trial<'_> {
             factors: Some(factors),
             ..self.settings
         };
-        let sampler = Factored::from_parts(settings, terms)?;
+        let sampler = Factored::from_parts(settings, self.symmetry, terms)?;
         let unevenness = self.nodes.unevenness(|wo, wi| sampler.density(wo, wi));
         Ok((unevenness, sampler))
     }
@@ -154,20 +162,22 @@ fn first_least<T>(mut rated: impl Iterator<Item = Result<(f64, T)>>) -> Result<O
 
 /// Fractions of ∫ f·cosθ over the cells of w, `[table][theta · phi]`; a row adds up to 1, or to 0 where the material is black.
 fn grid(brdf: &dyn Brdf, settings: &FactoredSettings, factors: &Factors) -> Result<Array2<f64>> {
-    let knots = ThetaKnots::new(settings.tables, TableChoice::Mixture)?;
+    let (tables, azimuths) = (settings.tables, settings.azimuths);
+    let knots = DirectionKnots::new(tables, TableChoice::Mixture, brdf.symmetry(), azimuths)?;
     let axis = ThetaAxis::new(ThetaSpacing::Merl, factors.theta);
     let importance = settings.importance;
-    let rows: Vec<Array2<f64>> = (0..settings.tables)
+    let rows: Vec<Array2<f64>> = (0..knots.count())
         .into_par_iter()
         .map(|k| {
-            let wo = spherical(knots.theta(k), 0.0).as_vec3();
+            let [theta, azimuth] = knots.angles(k);
+            let wo = spherical(theta, azimuth).as_vec3();
             masses([factors.theta, factors.phi], axis, |w| match factors.half {
                 true => contribution(brdf, importance, wo, w),
                 false => of_direction(brdf, importance, wo.as_dvec3(), w),
             })
         })
         .collect();
-    let mut grid = Array2::zeros((settings.tables, factors.theta * factors.phi));
+    let mut grid = Array2::zeros((knots.count(), factors.theta * factors.phi));
     for (mut row, cells) in grid.outer_iter_mut().zip(&rows) {
         let sum = cells.sum();
         if sum > 0.0 {

@@ -37,7 +37,7 @@ pub(super) fn read(tensors: &Tensors, settings: &FactoredSettings) -> Result<Ter
     for (name, expected, found) in [
         ("theta.start", count, terms.theta.len()),
         ("phi.start", count, terms.phi.len()),
-        ("term.weight", settings.tables * count, terms.weights.len()),
+        ("term.weight", settings.count() * count, terms.weights.len()),
     ] {
         if expected != found {
             let expected = format!("{expected} of {count} terms");

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use super::Factored;
 use super::settings::{FactoredSettings, Factors};
+use crate::sampler::azimuth_knots::azimuths_field;
 use crate::sampler::settings::importance;
 use crate::sampler::{Field, Settings};
 
@@ -40,6 +41,7 @@ impl Settings for FactoredSettings {
                     None => false,
                 },
             ),
+            azimuths_field(|s: &Self| s.azimuths, |s, value| s.azimuths = value),
             importance(|s: &Self| s.importance, |s, value| s.importance = value),
         ]
     }

@@ -2,8 +2,8 @@
 //! sum of products of non-negative functions of one angle each, where w is the half vector or `wi`.
 //!
 //! A draw chooses a term (j, k) by its probability at `wo` and inverts the CDFs of its two factors. The density is the derivative of
-//! what is drawn; half vectors that reflect `wo` below the horizon make a draw fail. Azimuths count from that of `wo`, and
-//! F_j is interpolated between the angles of `wo` that have a table.
+//! what is drawn; half vectors that reflect `wo` below the horizon make a draw fail. Azimuths count from that of `wo`, or, of an
+//! anisotropic material, from the surface's x, and F_j is interpolated between the directions of `wo` that have a table.
 
 mod build;
 mod codec;
@@ -16,17 +16,22 @@ pub use settings::{FactoredSettings, Factors};
 
 use std::sync::Arc;
 
+use super::azimuth_knots::{check_azimuths, check_stored_azimuths};
 use super::store::{TensorWriter, Tensors};
 use super::{Method, Needs};
 use crate::Result;
 use crate::direction_sampler::DirectionSampler;
-use crate::material::Loaded;
+use crate::material::{Loaded, MaterialFacts};
 
 impl Method for Factored {
     const NAME: &'static str = "factored";
     const SUMMARY: &'static str = "a sum of products of functions of one angle each";
-    const NEEDS: Needs = Needs::IsotropicMaterial;
+    const NEEDS: Needs = Needs::AnyMaterial;
     type Settings = FactoredSettings;
+
+    fn check_facts(settings: &FactoredSettings, facts: &MaterialFacts) -> Result<()> {
+        check_azimuths(settings.azimuths, facts.symmetry)
+    }
 
     fn build(material: &Loaded, settings: &FactoredSettings) -> Result<Self> {
         Self::build(&**material.brdf(), *settings)
@@ -38,7 +43,12 @@ impl Method for Factored {
 
     fn agree(asked: &FactoredSettings, used: &FactoredSettings) -> bool {
         let factors = asked.factors.or(used.factors);
-        FactoredSettings { factors, ..*asked } == *used
+        let azimuths = asked.azimuths.or(used.azimuths);
+        FactoredSettings {
+            factors,
+            azimuths,
+            ..*asked
+        } == *used
     }
 
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
@@ -50,7 +60,9 @@ impl Method for Factored {
         Ok(())
     }
 
-    fn read(tensors: &Tensors, settings: FactoredSettings, _: &Loaded) -> Result<Self> {
-        Self::from_parts(settings, codec::read(tensors, &settings)?)
+    fn read(tensors: &Tensors, settings: FactoredSettings, material: &Loaded) -> Result<Self> {
+        let symmetry = material.symmetry();
+        check_stored_azimuths(settings.azimuths, symmetry, tensors)?;
+        Self::from_parts(settings, symmetry, codec::read(tensors, &settings)?)
     }
 }

@@ -39,6 +39,17 @@ pub struct FactoredSettings {
     pub factors: Option<Factors>,
     /// The scalar that draws are proportional to.
     pub importance: Importance,
+    /// Azimuths of `wo` that have tables, 2 to 256, equally spaced over those that the material's symmetry leaves; `None` for
+    /// isotropic materials, which need one azimuth only, and for 8 of anisotropic ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub azimuths: Option<usize>,
+}
+
+impl FactoredSettings {
+    /// Tables over both angles of `wo`.
+    pub(super) fn count(&self) -> usize {
+        self.tables.saturating_mul(self.azimuths.unwrap_or(1))
+    }
 }
 
 impl Default for FactoredSettings {
@@ -47,6 +58,7 @@ impl Default for FactoredSettings {
             tables: 32,
             factors: None,
             importance: Importance::Mean,
+            azimuths: None,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::HalfVector;
 use super::settings::HalfVectorSettings;
 use crate::geometry::half_vector_chart::PARTS;
+use crate::sampler::azimuth_knots::azimuths_field;
 use crate::sampler::settings::importance;
 use crate::sampler::{Field, Preset, Settings};
 
@@ -40,14 +41,7 @@ impl Settings for HalfVectorSettings {
                 |s, value| s.fold = value,
             )
             .standing_alone(&["unfolded", "folded"]),
-            Field::optional_count(
-                "azimuths",
-                "auto",
-                2..=256,
-                "azimuths of wo that have tables, for anisotropic materials; auto is 8",
-                |s| s.azimuths,
-                |s, value| s.azimuths = value,
-            ),
+            azimuths_field(|s: &Self| s.azimuths, |s, value| s.azimuths = value),
             importance(|s: &Self| s.importance, |s, value| s.importance = value),
         ]
     }

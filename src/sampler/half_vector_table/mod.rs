@@ -24,6 +24,7 @@ mod tables;
 
 use std::sync::Arc;
 
+use super::azimuth_knots::check_azimuths;
 use super::store::{TensorWriter, Tensors};
 use super::{Method, Needs};
 use crate::Result;
@@ -56,10 +57,7 @@ impl Method for HalfVector {
     type Settings = HalfVectorSettings;
 
     fn check_facts(settings: &HalfVectorSettings, facts: &MaterialFacts) -> Result<()> {
-        if facts.is_isotropic() && settings.azimuths.is_some() {
-            return Err(settings::azimuths_of_isotropic());
-        }
-        Ok(())
+        check_azimuths(settings.azimuths, facts.symmetry)
     }
 
     fn build(material: &Loaded, settings: &HalfVectorSettings) -> Result<Self> {

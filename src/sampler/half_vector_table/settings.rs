@@ -1,8 +1,8 @@
 //! Settings of half-vector tables.
 
 use super::tables;
-use crate::Error;
 use crate::brdf::Importance;
+use crate::sampler::azimuth_knots::DEFAULT_AZIMUTHS;
 
 /// Settings of half-vector tables.
 ///
@@ -93,15 +93,4 @@ impl HalfVectorSettings {
             ..self
         }
     }
-}
-
-/// Azimuths of `wo` that have tables where no number is given.
-const DEFAULT_AZIMUTHS: usize = 8;
-
-/// The error for azimuths that an isotropic material has no use for.
-pub(super) fn azimuths_of_isotropic() -> Error {
-    Error::argument(
-        "tables by azimuth are for anisotropic materials, and this one is isotropic",
-        "leave the azimuths out: one table serves all of them",
-    )
 }

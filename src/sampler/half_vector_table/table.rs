@@ -7,7 +7,7 @@ use super::build::build_tables;
 use super::draw::batch;
 use super::draw::pair::TablePair;
 use super::draw::sample::TableView;
-use super::settings::{HalfVectorSettings, azimuths_of_isotropic};
+use super::settings::HalfVectorSettings;
 use super::tables::{IndexedTables, Stored};
 use crate::batch::Wo;
 use crate::brdf::Brdf;
@@ -15,6 +15,7 @@ use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::geometry::half_vector_chart::HalfVectorChart;
 use crate::geometry::unit_upper;
 use crate::sampler::Settings;
+use crate::sampler::azimuth_knots::azimuths_of_isotropic;
 use crate::{Error, Result};
 
 /// A density over the chart of half vectors at each of a few angles of `wo`.

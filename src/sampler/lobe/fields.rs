@@ -1,7 +1,7 @@
 //! The settings of lobes as text: keys and domains.
 
 use super::Lobe;
-use super::settings::{KINDS, LEAST_DIFFUSE, LobeKind, LobeParameters, LobeSettings};
+use super::settings::{KINDS, LobeKind, LobeParameters, LobeSettings};
 use crate::sampler::settings::importance;
 use crate::sampler::{Field, Settings};
 use crate::{Error, Result};
@@ -26,7 +26,7 @@ impl Settings for LobeSettings {
             Field::form(
                 "parameters",
                 "fitted, or ALONG/ACROSS/DIFFUSE as in 0.1/0.1/0.05",
-                "shape along and across the plane of incidence, and fraction of draws that follow the cosine",
+                "shape along and across the axes, and fraction of draws that follow the cosine",
                 |s: &Self| show_parameters(s.parameters),
                 |s, text| match parse_parameters(text) {
                     Some(parameters) => {
@@ -35,6 +35,13 @@ impl Settings for LobeSettings {
                     }
                     None => false,
                 },
+            ),
+            Field::choice(
+                "axes",
+                &[("incidence", false), ("surface", true)],
+                "what shapes are along: the plane of incidence, or the surface's x",
+                |s: &Self| s.surface_axes,
+                |s, value| s.surface_axes = value,
             ),
             importance(|s: &Self| s.importance, |s, value| s.importance = value),
         ]
@@ -53,21 +60,20 @@ impl Settings for LobeSettings {
         let kind = self.kind;
         let [low, high] = kind.domain();
         let inside = |v: f32| (low..=high).contains(&v);
-        if !inside(along) || !inside(across) || !(LEAST_DIFFUSE..=1.0).contains(&diffuse) {
+        if !inside(along) || !inside(across) || !(0.0..=1.0).contains(&diffuse) {
             return Err(Error::argument(
                 format!(
                     "lobe:{} with parameters {along}, {across} and {diffuse}",
                     kind.name()
                 ),
-                format!(
-                    "choose shapes from {low} to {high} and a diffuse fraction from {LEAST_DIFFUSE} to 1"
-                ),
+                format!("choose shapes from {low} to {high} and a diffuse fraction from 0 to 1"),
             ));
         }
-        if along != across && kind != LobeKind::AshikhminShirley {
+        let has_two = matches!(kind, LobeKind::AshikhminShirley | LobeKind::Ward);
+        if along != across && !has_two {
             return Err(Error::argument(
                 format!("lobe:{} with shapes {along} and {across}", kind.name()),
-                "give the same shape along and across the plane of incidence",
+                "give the same shape along both axes",
             ));
         }
         Ok(())

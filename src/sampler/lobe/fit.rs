@@ -4,8 +4,8 @@ use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
 
 use super::nodes::Nodes;
-use super::settings::{LEAST_DIFFUSE, LobeKind, LobeParameters};
-use super::shape::mixture_density;
+use super::settings::{LEAST_DIFFUSE, LobeKind, LobeParameters, LobeSettings};
+use super::shape::LobeMixture;
 
 /// The number of shapes, evenly spaced in the logarithm, and the diffuse fractions that the search starts from.
 const STARTS: (usize, [f32; 4]) = (9, [0.01, 0.1, 0.4, 0.9]);
@@ -19,19 +19,28 @@ const COSINE: LobeParameters = LobeParameters {
 
 /// Unbounded coordinates of the parameters: logarithms of the shapes and the logit of the diffuse fraction.
 struct Search<'a> {
-    kind: LobeKind,
+    settings: &'a LobeSettings,
     nodes: &'a Nodes,
 }
 
 impl Search<'_> {
     fn cost_of(&self, parameters: &LobeParameters) -> f64 {
-        self.nodes
-            .unevenness(|wo, wi| mixture_density(self.kind, parameters, wo, wi))
+        let mixture = LobeMixture::new(self.settings, parameters);
+        self.nodes.unevenness(|wo, wi| mixture.density(wo, wi))
+    }
+
+    /// Whether the lobe is fitted with a shape along each axis. Ward's has one in the plane of incidence, where two gain nothing.
+    fn has_two_shapes(&self) -> bool {
+        match self.settings.kind {
+            LobeKind::AshikhminShirley => true,
+            LobeKind::Ward => self.settings.surface_axes,
+            _ => false,
+        }
     }
 
     /// The parameters at `x`: what lies outside the domain is moved to its edge.
     fn parameters(&self, x: &[f64]) -> LobeParameters {
-        let [low, high] = self.kind.domain();
+        let [low, high] = self.settings.kind.domain();
         // The last coordinate is the logit of the diffuse fraction; a lobe of one shape has it in both directions.
         let (along, across, logit) = match x {
             [along, across, logit] => (*along, *across, *logit),
@@ -52,15 +61,15 @@ impl Search<'_> {
         let [along, across, diffuse] = [p.along, p.across, p.diffuse].map(f64::from);
         // A fraction of 1 has an infinite logit, with which no simplex can compute.
         let logit = (diffuse / (1.0 - diffuse)).ln().min(12.0);
-        match self.kind {
-            LobeKind::AshikhminShirley => vec![along.ln(), across.ln(), logit],
-            _ => vec![along.ln(), logit],
+        if self.has_two_shapes() {
+            return vec![along.ln(), across.ln(), logit];
         }
+        vec![along.ln(), logit]
     }
 
     /// The best of a coarse grid, the first of equals.
     fn start(&self) -> (LobeParameters, f64) {
-        let [low, high] = self.kind.domain().map(f32::ln);
+        let [low, high] = self.settings.kind.domain().map(f32::ln);
         let (shapes, shares) = STARTS;
         let points = (0..shapes).flat_map(|i| {
             // Neither end: a lobe at the edge of its domain is a bad place to search from.
@@ -88,11 +97,11 @@ impl CostFunction for Search<'_> {
 }
 
 /// The parameters found by Nelder and Mead's simplex (1965) from the best of a grid; never worse than that.
-pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
+pub(super) fn fit(settings: &LobeSettings, nodes: &Nodes) -> LobeParameters {
     if nodes.is_empty() {
         return COSINE;
     }
-    let search = Search { kind, nodes };
+    let search = Search { settings, nodes };
     let (start, start_cost) = search.start();
     let origin = search.coordinates(&start);
     // Edges of 0.7, about ln 2, double the shapes and the odds of the cosine.
@@ -105,7 +114,7 @@ pub(super) fn fit(kind: LobeKind, nodes: &Nodes) -> LobeParameters {
     let run = NelderMead::new(simplex)
         .with_sd_tolerance(1e-5)
         .and_then(|solver| {
-            Executor::new(Search { kind, nodes }, solver)
+            Executor::new(Search { settings, nodes }, solver)
                 .configure(|s| s.max_iters(MOST_STEPS))
                 .run()
         });
@@ -133,11 +142,12 @@ mod tests {
             let brdf = MerlBrdf::new(Arc::new(decode_embedded(name).unwrap()), LookupRule::Floor);
             let nodes = Nodes::tabulate(&brdf, Importance::Mean);
             for kind in LobeKind::ALL {
+                let settings = &LobeSettings::fitted(kind);
                 let search = Search {
-                    kind,
+                    settings,
                     nodes: &nodes,
                 };
-                let found = fit(kind, &nodes);
+                let found = fit(settings, &nodes);
                 let cost = search.cost_of(&found);
                 assert!(cost <= search.start().1, "{name}, {kind:?}: {found:?}");
                 let x = search.coordinates(&found);

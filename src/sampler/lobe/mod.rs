@@ -1,6 +1,6 @@
 //! Analytic lobes whose parameters are fitted to the material: what a renderer uses that has no tables.
 //!
-//! Each is mixed with the cosine, of which a fraction of at least [`LEAST_DIFFUSE`] is drawn: a lobe alone has densities of 0, or so near to 0 that
+//! Each is mixed with the cosine, of which a fraction of at least [`LEAST_DIFFUSE`] is drawn unless another is given: a lobe alone has densities of 0, or so near to 0 that
 //! the variance of weights is infinite, where measured materials still reflect. The density is that of the mixture (one-sample
 //! MIS with the balance heuristic; Veach 1997, 9.2.4). Draws that end below the horizon fail.
 
@@ -8,6 +8,7 @@ mod codec;
 mod fields;
 #[cfg(feature = "fit")]
 mod fit;
+mod horizon;
 mod nodes;
 mod settings;
 mod shape;
@@ -28,6 +29,7 @@ use crate::brdf::Brdf;
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::material::Loaded;
+use shape::LobeMixture;
 
 /// A lobe and the fraction of draws that follow the cosine.
 ///
@@ -35,8 +37,8 @@ use crate::material::Loaded;
 #[derive(Clone, Debug)]
 pub struct Lobe {
     settings: LobeSettings,
-    kind: LobeKind,
     parameters: LobeParameters,
+    mixture: LobeMixture,
 }
 
 impl Lobe {
@@ -65,7 +67,7 @@ impl Lobe {
         };
         settings.check()?;
         Ok(Self {
-            kind: settings.kind,
+            mixture: LobeMixture::new(&settings, &parameters),
             settings,
             parameters,
         })
@@ -86,7 +88,7 @@ impl Lobe {
 #[cfg(feature = "fit")]
 fn fit_parameters(brdf: &dyn Brdf, settings: &LobeSettings) -> Result<LobeParameters> {
     let nodes = Nodes::tabulate(brdf, settings.importance);
-    Ok(fit::fit(settings.kind, &nodes))
+    Ok(fit::fit(settings, &nodes))
 }
 
 /// Stands in for the fit where it is left out.
@@ -101,7 +103,7 @@ fn fit_parameters(_: &dyn Brdf, _: &LobeSettings) -> Result<LobeParameters> {
 impl Method for Lobe {
     const NAME: &'static str = "lobe";
     const SUMMARY: &'static str = "an analytic lobe fitted to the material, mixed with the cosine";
-    const NEEDS: Needs = Needs::IsotropicMaterial;
+    const NEEDS: Needs = Needs::AnyMaterial;
     type Settings = LobeSettings;
 
     fn build(material: &Loaded, settings: &LobeSettings) -> Result<Self> {
@@ -137,23 +139,14 @@ impl Method for Lobe {
 impl DirectionSampler for Lobe {
     fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
         let wo = unit_upper(wo)?;
-        let LobeParameters {
-            along,
-            across,
-            diffuse,
-        } = self.parameters;
         // One-sample MIS: u.x chooses the cosine with its fraction, and what is left of it is used for the draw.
-        let (cosine, x) = split_unit(f64::from(u.x), f64::from(diffuse));
+        let diffuse = f64::from(self.parameters.diffuse);
+        let (cosine, x) = split_unit(f64::from(u.x), diffuse);
         let point = DVec2::new(x, f64::from(u.y));
         let wi = if cosine {
             cosine_hemisphere(point)
         } else {
-            shape::draw(
-                self.kind,
-                [along, across].map(f64::from),
-                wo.as_dvec3(),
-                point,
-            )
+            self.mixture.draw_lobe(wo.as_dvec3(), point)
         }
         .as_vec3();
         with_density(self, wo, wi)
@@ -163,7 +156,7 @@ impl DirectionSampler for Lobe {
         let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
             return 0.0;
         };
-        shape::mixture_density(self.kind, &self.parameters, wo, wi).min(f64::from(f32::MAX)) as f32
+        self.mixture.density(wo, wi).min(f64::from(f32::MAX)) as f32
     }
 
     fn bytes(&self) -> usize {

@@ -4,12 +4,30 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::brdf::{Brdf, Importance};
-use crate::geometry::{Quadrature, spherical};
+use crate::geometry::{Quadrature, Symmetry, spherical};
 
 /// Polar angles of `wo` that are fitted to, degrees.
 const ANGLES_DEG: [f64; 6] = [5.0, 20.0, 35.0, 50.0, 65.0, 80.0];
 /// Points in each of the quadrature's bins: E\[w²\] to some percent, which is finer than a lobe fits.
 const POINTS: usize = 34;
+
+/// Azimuths of `wo` that are fitted to of an anisotropic material, as fractions of those that represent all others.
+const AZIMUTHS: [f64; 3] = [0.1, 0.45, 0.8];
+
+/// Polar angle and azimuth of each `wo` that is fitted to, radians.
+fn view_angles(symmetry: Symmetry) -> Vec<[f64; 2]> {
+    let mut angles = Vec::new();
+    for theta in ANGLES_DEG.map(f64::to_radians) {
+        if symmetry == Symmetry::Isotropic {
+            angles.push([theta, 0.0]);
+            continue;
+        }
+        for fraction in AZIMUTHS {
+            angles.push([theta, Symmetry::START + fraction * symmetry.span()]);
+        }
+    }
+    angles
+}
 
 /// f_r·cosθ of a material at the nodes of a quadrature, for each of a few `wo`.
 pub(in crate::sampler) struct Nodes(Vec<LobeView>);
@@ -23,8 +41,8 @@ struct LobeView {
 }
 
 impl LobeView {
-    fn tabulate(theta: f64, brdf: &dyn Brdf, importance: Importance) -> Self {
-        let wo = spherical(theta, 0.0).as_vec3();
+    fn tabulate([theta, azimuth]: [f64; 2], brdf: &dyn Brdf, importance: Importance) -> Self {
+        let wo = spherical(theta, azimuth).as_vec3();
         let mut albedo = 0.0;
         let mut nodes = Vec::new();
         Quadrature::new(wo, POINTS).for_each(|wi, d_sigma| {
@@ -52,9 +70,10 @@ impl LobeView {
 impl Nodes {
     /// The material's values, without the angles at which it is black.
     pub fn tabulate(brdf: &dyn Brdf, importance: Importance) -> Self {
-        let mut views: Vec<LobeView> = ANGLES_DEG
+        let angles = view_angles(brdf.symmetry());
+        let mut views: Vec<LobeView> = angles
             .par_iter()
-            .map(|theta| LobeView::tabulate(theta.to_radians(), brdf, importance))
+            .map(|&angles| LobeView::tabulate(angles, brdf, importance))
             .collect();
         views.retain(|view| view.albedo > 0.0);
         Self(views)

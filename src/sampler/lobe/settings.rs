@@ -8,13 +8,16 @@ use crate::brdf::Importance;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LobeKind {
-    /// (n+1)/2π·cosⁿα about the mirror direction, over its half space (thesis 5.2.1, "hemisphere").
+    /// (n+1)/2π·cosⁿα about the mirror direction, over its half space: what ends below the horizon is lost (thesis 5.2.1, "sphere").
     CosineLobe,
-    /// (n+1)/4π·((1+cosα)/2)ⁿ about the mirror direction, over the whole sphere (thesis 5.2.1, "sphere").
+    /// The same, drawn again until it ends above the horizon, and divided by its mass there (thesis 5.2.1, "hemisphere").
+    CosineLobeHemisphere,
+    /// (n+1)/4π·((1+cosα)/2)ⁿ about the mirror direction, over the whole sphere.
     CosineLobeSphere,
     /// Half vectors of density (n+1)/2π·cosⁿθh (Blinn 1977; thesis 5.2.2.1).
     Blinn,
-    /// Half vectors whose slope is Gaussian: exp(−tan²θh/α²)/(πα²cos³θh) (Ward 1992, Walter 2005; thesis 5.2.2.2).
+    /// Half vectors whose slope is Gaussian: exp(−tan²θh/α²)/(πα²cos³θh) (Ward 1992, Walter 2005; thesis 5.2.2.2), or elliptic
+    /// with a roughness along each axis.
     Ward,
     /// Half vectors of density √((ex+1)(ey+1))/2π·cosθh^(ex·cos²φh + ey·sin²φh), with φh from the plane of incidence
     /// (Ashikhmin and Shirley 2000; thesis 5.4).
@@ -26,8 +29,9 @@ pub enum LobeKind {
 
 impl LobeKind {
     /// All of them, in the order of the thesis.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::CosineLobe,
+        Self::CosineLobeHemisphere,
         Self::CosineLobeSphere,
         Self::Blinn,
         Self::Ward,
@@ -45,14 +49,16 @@ impl LobeKind {
     pub fn domain(self) -> [f32; 2] {
         match self {
             Self::Ward | Self::Ggx => [1e-4, 2.0],
-            Self::CosineLobe | Self::CosineLobeSphere | Self::Blinn | Self::AshikhminShirley => {
-                [0.1, 1e7]
-            }
+            Self::CosineLobe
+            | Self::CosineLobeHemisphere
+            | Self::CosineLobeSphere
+            | Self::Blinn
+            | Self::AshikhminShirley => [0.1, 1e7],
         }
     }
 }
 
-/// Least fraction of draws that follow the cosine.
+/// Least fraction of draws that follow the cosine where it is fitted.
 ///
 /// The example of [`SamplerSpec`](crate::sampler::SamplerSpec) reads settings from text and lists them.
 pub const LEAST_DIFFUSE: f32 = 1e-3;
@@ -64,9 +70,9 @@ pub const LEAST_DIFFUSE: f32 = 1e-3;
 pub struct LobeParameters {
     /// Exponent or roughness, along the plane of incidence, within [`LobeKind::domain`].
     pub along: f32,
-    /// The same across that plane. Only Ashikhmin and Shirley's lobe has both; for all others it equals `along`.
+    /// The same across that plane. Only Ward's lobe and Ashikhmin and Shirley's have both; for all others it equals `along`.
     pub across: f32,
-    /// Fraction of draws that follow the cosine, [`LEAST_DIFFUSE`] to 1.
+    /// Fraction of draws that follow the cosine: 0 to 1, and at least [`LEAST_DIFFUSE`] where it is fitted.
     pub diffuse: f32,
 }
 
@@ -81,6 +87,9 @@ pub struct LobeSettings {
     pub parameters: Option<LobeParameters>,
     /// The scalar whose weights the fit makes even.
     pub importance: Importance,
+    /// Whether shapes are along the surface's x and y instead of along and across the plane of incidence.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub surface_axes: bool,
 }
 
 impl LobeSettings {
@@ -90,6 +99,7 @@ impl LobeSettings {
             kind,
             parameters: None,
             importance: Importance::default(),
+            surface_axes: false,
         }
     }
 }
@@ -103,6 +113,7 @@ impl Default for LobeSettings {
 /// Kinds of lobe by name.
 pub(super) const KINDS: &[(&str, LobeKind)] = &[
     ("cosine", LobeKind::CosineLobe),
+    ("cosine-hemisphere", LobeKind::CosineLobeHemisphere),
     ("cosine-sphere", LobeKind::CosineLobeSphere),
     ("blinn", LobeKind::Blinn),
     ("ward", LobeKind::Ward),

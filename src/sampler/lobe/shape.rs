@@ -7,15 +7,85 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::settings::{LobeKind, LobeParameters};
+use super::horizon::HorizonMass;
+use super::settings::{LobeKind, LobeParameters, LobeSettings};
 use crate::geometry::reflect_about;
+use crate::points::Stream;
 
-/// Density per solid angle of `wi`, with the shapes along and across the plane of incidence.
+/// Draws below the horizon after which a lobe without them gives up: each fails with a probability of ½ at most.
+const MOST_REDRAWS: u32 = 60;
+
+/// A lobe mixed with the cosine.
+#[derive(Clone, Debug)]
+pub(super) struct LobeMixture {
+    kind: LobeKind,
+    /// Shapes along and across the plane of incidence, or along the surface's x and y.
+    shape: [f64; 2],
+    diffuse: f64,
+    surface_axes: bool,
+    /// What is above the horizon of a lobe that is drawn again below it.
+    above: Option<HorizonMass>,
+}
+
+impl LobeMixture {
+    /// The lobe of `settings` with these parameters.
+    pub fn new(settings: &LobeSettings, parameters: &LobeParameters) -> Self {
+        let shape = [parameters.along, parameters.across].map(f64::from);
+        let is_redrawn = settings.kind == LobeKind::CosineLobeHemisphere;
+        Self {
+            kind: settings.kind,
+            shape,
+            diffuse: f64::from(parameters.diffuse),
+            surface_axes: settings.surface_axes,
+            above: is_redrawn.then(|| HorizonMass::new(shape[0])),
+        }
+    }
+
+    /// Density per solid angle at `wi`; both are unit and above the horizon.
+    #[inline]
+    pub fn density(&self, wo: Vec3, wi: Vec3) -> f64 {
+        let (wo, wi) = (wo.as_dvec3(), wi.as_dvec3());
+        let mut lobe = density(self.kind, self.shape, self.axis(wo), wo, wi);
+        if let Some(above) = &self.above {
+            lobe /= above.at_cosine(wo.z, self.shape[0]);
+        }
+        (1.0 - self.diffuse) * lobe + self.diffuse * wi.z * FRAC_1_PI
+    }
+
+    /// A direction of the lobe alone, drawn from `u` in [0, 1)²; it may end below the horizon.
+    #[inline]
+    pub fn draw_lobe(&self, wo: DVec3, u: DVec2) -> DVec3 {
+        let axis = self.axis(wo);
+        let mut wi = draw(self.kind, self.shape, axis, wo, u);
+        if self.above.is_some() && wi.z <= 0.0 {
+            let mut random = Stream::from_point(u.as_vec2());
+            for _ in 0..MOST_REDRAWS {
+                let u = DVec2::new(random.next_f64(), random.next_f64());
+                wi = draw(self.kind, self.shape, axis, wo, u);
+                if wi.z > 0.0 {
+                    break;
+                }
+            }
+        }
+        wi
+    }
+
+    /// The direction in the plane that the first shape is along.
+    #[inline]
+    fn axis(&self, wo: DVec3) -> DVec2 {
+        if self.surface_axes {
+            return DVec2::X;
+        }
+        plane_of_incidence(wo)
+    }
+}
+
+/// Density per solid angle of `wi`, with the shapes along and across `axis`.
 #[inline]
-pub(super) fn density(kind: LobeKind, shape: [f64; 2], wo: DVec3, wi: DVec3) -> f64 {
+fn density(kind: LobeKind, shape: [f64; 2], axis: DVec2, wo: DVec3, wi: DVec3) -> f64 {
     let n = shape[0];
     match kind {
-        LobeKind::CosineLobe => {
+        LobeKind::CosineLobe | LobeKind::CosineLobeHemisphere => {
             // (n + 1)/2π · cosⁿα, where cosα = 1 − |r − wi|²/2.
             let less = -0.5 * chord_squared(wo, wi);
             (n + 1.0) / TAU * power(1.0 + less, less, n)
@@ -27,7 +97,7 @@ pub(super) fn density(kind: LobeKind, shape: [f64; 2], wo: DVec3, wi: DVec3) -> 
         LobeKind::Ggx => visible_normals(n, wo, wi),
         LobeKind::Blinn | LobeKind::Ward | LobeKind::AshikhminShirley => {
             // p(h)/(4 wo·h), where 2 (wo·h) = |wo + wi|.
-            half_density(kind, shape, wo, wo + wi) / (2.0 * (wo + wi).length())
+            half_density(kind, shape, axis, wo + wi) / (2.0 * (wo + wi).length())
         }
     }
 }
@@ -36,20 +106,6 @@ pub(super) fn density(kind: LobeKind, shape: [f64; 2], wo: DVec3, wi: DVec3) -> 
 #[inline]
 fn chord_squared(wo: DVec3, wi: DVec3) -> f64 {
     (mirror(wo) - wi).length_squared()
-}
-
-/// Density of a lobe mixed with the cosine at `wi`, both unit and above the horizon.
-#[inline]
-pub(super) fn mixture_density(
-    kind: LobeKind,
-    parameters: &LobeParameters,
-    wo: Vec3,
-    wi: Vec3,
-) -> f64 {
-    let diffuse = f64::from(parameters.diffuse);
-    let shape = [parameters.along, parameters.across].map(f64::from);
-    let lobe = density(kind, shape, wo.as_dvec3(), wi.as_dvec3());
-    (1.0 - diffuse) * lobe + diffuse * f64::from(wi.z) * FRAC_1_PI
 }
 
 /// (1 + `less`)ⁿ; 0 unless `sign` is positive.
@@ -62,18 +118,25 @@ fn power(sign: f64, less: f64, n: f64) -> f64 {
 }
 
 /// Density of the half vector along `sum`, per its own solid angle.
-fn half_density(kind: LobeKind, shape: [f64; 2], wo: DVec3, sum: DVec3) -> f64 {
+fn half_density(kind: LobeKind, shape: [f64; 2], axis: DVec2, sum: DVec3) -> f64 {
     let tan2 = sum.truncate().length_squared() / (sum.z * sum.z);
     match kind {
+        LobeKind::Ward if shape[0] != shape[1] => {
+            // exp(−tan²θ (cos²φ/α₁² + sin²φ/α₂²))/(π α₁α₂ cos³θ), with tanθ cosφ and tanθ sinφ along and across the axis.
+            let [along, across] = shape;
+            let x = axis.dot(sum.truncate()) / (sum.z * along);
+            let y = axis.perp_dot(sum.truncate()) / (sum.z * across);
+            FRAC_1_PI / (along * across) * (1.5 * tan2.ln_1p() - x * x - y * y).exp()
+        }
         LobeKind::Ward => {
             // exp(−tan²θ/α²)/(πα² cos³θ), where cos⁻³θ = exp(3/2 · ln(1 + tan²θ)).
             let alpha2 = shape[0] * shape[0];
             FRAC_1_PI / alpha2 * (1.5 * tan2.ln_1p() - tan2 / alpha2).exp()
         }
         LobeKind::AshikhminShirley => {
-            // √((ex + 1)(ey + 1))/2π · cosθ^(ex cos²φ + ey sin²φ), with φ from the plane of incidence.
+            // √((ex + 1)(ey + 1))/2π · cosθ^(ex cos²φ + ey sin²φ), with φ from the axis.
             let [along, across] = shape;
-            let turn = plane_of_incidence(wo).dot(sum.truncate());
+            let turn = axis.dot(sum.truncate());
             let length2 = sum.truncate().length_squared();
             let cos2 = if length2 > 0.0 {
                 (turn * turn / length2).min(1.0)
@@ -108,7 +171,7 @@ fn visible_normals(alpha: f64, wo: DVec3, wi: DVec3) -> f64 {
 
 /// A direction drawn from `u` in [0, 1)²; it may end below the horizon.
 #[inline]
-pub(super) fn draw(kind: LobeKind, shape: [f64; 2], wo: DVec3, u: DVec2) -> DVec3 {
+fn draw(kind: LobeKind, shape: [f64; 2], axis: DVec2, wo: DVec3, u: DVec2) -> DVec3 {
     // ln of a number in (0, 1].
     let log = (-u.x).ln_1p();
     let (sin, cos) = (TAU * u.y).sin_cos();
@@ -116,10 +179,18 @@ pub(super) fn draw(kind: LobeKind, shape: [f64; 2], wo: DVec3, u: DVec2) -> DVec
     let n = shape[0];
     match kind {
         // F(cosα) inverted: cosα = (1 − u)^(1/(n + 1)), or (1 + cosα)/2 the same on the sphere. tilt takes 1 − cosα.
-        LobeKind::CosineLobe => tilt(mirror(wo), -(log / (n + 1.0)).exp_m1(), circle),
+        LobeKind::CosineLobe | LobeKind::CosineLobeHemisphere => {
+            tilt(mirror(wo), -(log / (n + 1.0)).exp_m1(), circle)
+        }
         LobeKind::CosineLobeSphere => tilt(mirror(wo), -2.0 * (log / (n + 1.0)).exp_m1(), circle),
         // cosθ = (1 − u)^(1/(n + 1)), so tan²θ = (1 − u)^(−2/(n + 1)) − 1.
         LobeKind::Blinn => reflected(wo, circle, (-2.0 * log / (n + 1.0)).exp_m1()),
+        // Slopes of an ellipse: tanθ (cosφ, sinφ) = √(−ln(1 − u)) (α₁ cos 2πu.y, α₂ sin 2πu.y).
+        LobeKind::Ward if shape[0] != shape[1] => {
+            let slope = (-log).sqrt() * DVec2::new(shape[0] * cos, shape[1] * sin);
+            let circle = axis.rotate(slope.normalize_or(DVec2::X));
+            reflected(wo, circle, slope.length_squared())
+        }
         // tan²θ = −α² ln(1 − u)
         LobeKind::Ward => reflected(wo, circle, -n * n * log),
         LobeKind::AshikhminShirley => {
@@ -127,11 +198,7 @@ pub(super) fn draw(kind: LobeKind, shape: [f64; 2], wo: DVec3, u: DVec2) -> DVec
             let [along, across] = shape.map(|e| e + 1.0);
             let turn = DVec2::new(across.sqrt() * cos, along.sqrt() * sin).normalize_or(DVec2::X);
             let exponent = along * turn.x * turn.x + across * turn.y * turn.y;
-            reflected(
-                wo,
-                plane_of_incidence(wo).rotate(turn),
-                (-2.0 * log / exponent).exp_m1(),
-            )
+            reflected(wo, axis.rotate(turn), (-2.0 * log / exponent).exp_m1())
         }
         LobeKind::Ggx => reflect_about(wo, visible_normal(n, wo, u.x, circle)),
     }

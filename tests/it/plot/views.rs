@@ -7,6 +7,7 @@ use glam::DVec2;
 use merlkit::brdf::Brdf;
 use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::spherical;
+use merlkit::material::Loaded;
 use merlkit::material::merl::{Header, MerlTable, decode_embedded};
 use merlkit::material::merl::{LookupRule, MerlBrdf};
 use merlkit::points::Stream;
@@ -36,7 +37,7 @@ fn disc(brdf: &Arc<MerlBrdf>, leaves: LeafChoice) -> AdaptiveDisc {
         floor: 0.0,
         ..Default::default()
     };
-    AdaptiveDisc::build(brdf.clone(), settings).unwrap()
+    AdaptiveDisc::build(&Loaded::from_table(brdf.clone()), settings).unwrap()
 }
 
 /// Squares cover [−1, 1]² once: their areas add up and no point has two.

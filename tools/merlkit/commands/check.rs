@@ -10,7 +10,7 @@ use merlkit::material::merl::HardCase;
 use merlkit::material::merl::LookupRule;
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::check::{CheckSettings, check_directions_of, check_sampler};
-use merlkit_evaluate::measure::hard::{Thoroughness, check_hard};
+use merlkit_evaluate::measure::hard::{HardModel, Thoroughness, check_hard, check_hard_models};
 use merlkit_evaluate::report::{CheckResult, HardSheets, Sheet, write_json};
 
 use crate::failure::{Failure, Outcome};
@@ -45,8 +45,8 @@ use crate::{args, table};
 pub struct Args {
     #[command(flatten, next_help_heading = "Materials")]
     materials: args::Materials,
-    /// Check hard cases instead of materials: difficult tables, extreme directions and extreme numbers, with every sampler,
-    /// lookup rule and light. Takes less than a minute on two cores; with --all, every combination in about ten minutes. Can't be
+    /// Check hard cases instead of materials: difficult tables and formulas, extreme directions and extreme numbers, with every
+    /// sampler, lookup rule and light. Takes less than a minute on two cores; with --all, every combination in about ten minutes. Can't be
     /// combined with materials, --sampler, --draws, --significance or --lookup
     #[arg(help_heading = "Checks", long, conflicts_with_all = ["materials", "samplers", "draws", "significance", "lookup"])]
     hard: bool,
@@ -176,10 +176,16 @@ fn hard(args: &Args) -> Outcome {
     } else {
         Thoroughness::Quick
     };
-    let progress = Progress::new("checking", HardCase::ALL.len());
-    let outcomes = check_hard(&HardCase::ALL, thoroughness, args.seed, &|| {
+    let progress = Progress::new("checking", HardCase::ALL.len() + HardModel::ALL.len());
+    let mut outcomes = check_hard(&HardCase::ALL, thoroughness, args.seed, &|| {
         progress.advance()
     })?;
+    outcomes.extend(check_hard_models(
+        &HardModel::ALL,
+        thoroughness,
+        args.seed,
+        &|| progress.advance(),
+    )?);
     drop(progress);
     if args.json != Some(Destination::Stdout) {
         let sheets = HardSheets::from_outcomes(&outcomes);

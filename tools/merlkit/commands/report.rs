@@ -85,6 +85,10 @@ fn refuse_meaningless(args: &Args) -> Result<(), Error> {
     Ok(())
 }
 
+/// What the table of adaptive discs shows.
+const DISC_LEGEND: &str = "\nAdaptive discs. Trials: mean number of trials of a draw, over the trees. Above bounds: the part of \
+    f_r·cosθ that exceeds the bounds of leaves, at the worst tree; it is drawn as often as the bound says, with that density.\n";
+
 pub fn run(args: &Args) -> Outcome {
     let (materials, unreadable) = args.materials.resolve()?;
     let specs = materials
@@ -117,7 +121,11 @@ pub fn run(args: &Args) -> Outcome {
         })?;
         progress.aside(|| output::print_notes(material.name(), &figures.notes));
         let report = SamplerReport::new(figures);
-        let shown = format!("{}\n{}", report.legend(), table::render(&report.sheet()));
+        let mut shown = format!("{}\n{}", report.legend(), table::render(&report.sheet()));
+        if let Some(discs) = report.disc_sheet() {
+            shown.push_str(DISC_LEGEND);
+            shown.push_str(&table::render(&discs));
+        }
         // Kept before it is shown: who sees it and presses Ctrl-C finds it in the files.
         lock(&reports).push(report);
         if tables {

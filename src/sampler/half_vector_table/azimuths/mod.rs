@@ -12,19 +12,19 @@ use self::shift::AzimuthShift;
 use super::draw::pair::TablePair;
 use super::draw::point_lanes::{LANES, PointLanes};
 use super::draw::sample::{DrawTerms, TableView, raise_above_horizon};
-use super::settings::{HalfVectorSettings, azimuths_of_isotropic};
+use super::settings::HalfVectorSettings;
 use super::table::HalfVectorTable;
 use super::tables::Stored;
 use super::tables::lookup::InterpolatedTable;
 use crate::Result;
 use crate::batch::Wo;
 use crate::brdf::Brdf;
-use crate::color::Rgb;
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::geometry::half_vector_chart::{ChartPoint, HalfVectorChart};
 use crate::geometry::{Symmetry, unit_upper};
 use crate::lanes::{Columns, UnitDirections};
 use crate::sampler::Settings;
+use crate::sampler::azimuth_knots::{AzimuthKnots, TurnedBrdf, azimuths_of_isotropic};
 use crate::sampler::knots::split_unit;
 
 /// A half-vector table for each of a few azimuths of `wo`.
@@ -33,7 +33,7 @@ use crate::sampler::knots::split_unit;
 #[derive(Clone, Debug)]
 pub struct ByAzimuth {
     settings: HalfVectorSettings,
-    symmetry: Symmetry,
+    azimuths: AzimuthKnots,
     tables: Vec<HalfVectorTable>,
 }
 
@@ -74,11 +74,11 @@ impl ByAzimuth {
             azimuths: None,
             ..settings
         };
-        let step = step(symmetry, count);
+        let azimuths = AzimuthKnots::new(symmetry, Some(count));
         let tables = (0..count)
             .into_par_iter()
             .map(|k| {
-                let turned = TurnedBrdf::new(brdf, Symmetry::START + step * k as f64);
+                let turned = TurnedBrdf::new(brdf, azimuths.azimuth(k));
                 HalfVectorTable::build(&turned, table)
             })
             .collect::<Result<_>>()?;
@@ -93,7 +93,7 @@ impl ByAzimuth {
     ) -> Self {
         Self {
             settings,
-            symmetry,
+            azimuths: AzimuthKnots::new(symmetry, Some(tables.len())),
             tables,
         }
     }
@@ -109,54 +109,23 @@ impl ByAzimuth {
 
     /// What serves `wo`, above the horizon and of unit length.
     fn pair(&self, wo: Vec3) -> AzimuthPair<'_> {
-        // Mirror wo among the azimuths that have tables.
-        let signs = self.symmetry.signs(wo);
-        let folded = with_azimuth(wo * signs);
-        let chart = HalfVectorChart::new(folded);
-        // Its azimuth in steps between tables: the table below it, and the weight of the one above.
-        let count = self.tables.len();
-        let step = step(self.symmetry, self.tables.len());
-        let azimuth = f64::from(folded.y).atan2(f64::from(folded.x)) - Symmetry::START;
-        let steps = (azimuth / step).max(0.0);
-        // Rounding may pass the last azimuth; where they go round, behind it comes the first.
-        let last = if self.symmetry == Symmetry::Quarter {
-            count - 2
-        } else {
-            count - 1
-        };
-        let first = (steps as usize).min(last);
-        let weight = (steps - first as f64).min(1.0);
-        // Either table is used about wo as far from its own azimuth as wo is.
+        // Step 1: wo among the azimuths that have tables, and the two about it.
+        let near = self.azimuths.neighbours(wo);
+        let chart = HalfVectorChart::new(near.wo);
+        // Step 2: either table is used about wo as far from its own azimuth as wo is.
         let shifted = |k: usize, steps: f64| ShiftedTable {
-            pair: self.tables[k % count].interpolate(&chart),
-            shift: AzimuthShift::new(steps * step),
+            pair: self.tables[k].interpolate(&chart),
+            shift: AzimuthShift::new(steps * self.azimuths.step()),
         };
         AzimuthPair {
             chart,
-            signs,
-            tables: [shifted(first, weight), shifted(first + 1, weight - 1.0)],
-            weight,
+            signs: near.signs,
+            tables: [
+                shifted(near.first, near.weight),
+                shifted(near.second, near.weight - 1.0),
+            ],
+            weight: near.weight,
         }
-    }
-}
-
-/// Radians between two azimuths that have a table: both ends have one where they are mirrors; elsewhere they meet.
-fn step(symmetry: Symmetry, count: usize) -> f64 {
-    let steps = if symmetry == Symmetry::Quarter {
-        count - 1
-    } else {
-        count
-    };
-    symmetry.span() / steps as f64
-}
-
-/// Directions too near to the normal for f32 to square have the first azimuth, which every symmetry has.
-fn with_azimuth(wo: Vec3) -> Vec3 {
-    let near = wo.x * wo.x + wo.y * wo.y < 1e-30;
-    if near {
-        Vec3::new(-1e-12, -0.0, wo.z)
-    } else {
-        wo
     }
 }
 
@@ -447,40 +416,4 @@ fn densities<'a>(
         *pdf = pair(lane).mix(both[lane]);
     }
     pdf
-}
-
-/// A BRDF turned so that an azimuth of the surface becomes 0. A table asks it for `wo` of azimuth 0 alone, where it can't be
-/// told from an isotropic one.
-struct TurnedBrdf<'a> {
-    brdf: &'a dyn Brdf,
-    cos: f32,
-    sin: f32,
-}
-
-impl<'a> TurnedBrdf<'a> {
-    fn new(brdf: &'a dyn Brdf, azimuth: f64) -> Self {
-        Self {
-            brdf,
-            cos: azimuth.cos() as f32,
-            sin: azimuth.sin() as f32,
-        }
-    }
-
-    fn on_surface(&self, w: Vec3) -> Vec3 {
-        Vec3::new(
-            self.cos * w.x - self.sin * w.y,
-            self.sin * w.x + self.cos * w.y,
-            w.z,
-        )
-    }
-}
-
-impl Brdf for TurnedBrdf<'_> {
-    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.brdf.eval(self.on_surface(wo), self.on_surface(wi))
-    }
-
-    fn is_isotropic(&self) -> bool {
-        true
-    }
 }

@@ -10,7 +10,7 @@ use merlkit::direction_sampler::DirectionSampler;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, Symmetry, spherical};
 use merlkit::material::merl::RoundingError;
 use merlkit::material::{Loaded, LookupRule, Material};
-use merlkit::sampler::{Sampler, SamplerSpec, store};
+use merlkit::sampler::{AdaptiveDisc, Sampler, SamplerSpec, store};
 
 /// How much to measure.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -49,6 +49,17 @@ pub struct AngleFigures {
     pub bias: Bias,
 }
 
+/// What an adaptive disc's trees came to.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct DiscFigures {
+    /// Mean number of trials allowed in a leaf, as asked for.
+    pub n_max: f64,
+    /// Trials that a draw takes on average over the trees.
+    pub mean_trials: f64,
+    /// The largest part of ∫ f_r·cosθ, over the trees, that exceeds the bounds of leaves.
+    pub largest_excess: f64,
+}
+
 /// Figures of one sampler.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct SamplerFigures {
@@ -68,6 +79,9 @@ pub struct SamplerFigures {
     pub calls: CallTimes,
     /// Figures at [`limit_directions`].
     pub angles: Vec<AngleFigures>,
+    /// Of an adaptive disc, its trees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub disc: Option<DiscFigures>,
 }
 
 impl SamplerFigures {
@@ -201,6 +215,11 @@ fn sampler_figures(
         build,
         threads: rayon::current_num_threads(),
         calls: CallTimes::default(),
+        disc: sampler.downcast::<AdaptiveDisc>().map(|disc| DiscFigures {
+            n_max: disc.settings().n_max,
+            mean_trials: disc.mean_trials(),
+            largest_excess: disc.largest_excess(),
+        }),
         angles: limit_directions(symmetry)
             .par_iter()
             .map(|&angles| angle_figures(&**sampler, &**brdf.brdf(), angles, settings))

@@ -2,6 +2,7 @@
 
 use super::Sheet;
 use crate::measure::hard::{HardCheck, HardOutcome};
+use merlkit::material::LookupRule;
 
 /// Tables of hard cases.
 #[derive(Clone, Debug)]
@@ -38,7 +39,7 @@ impl HardSheets {
         for o in outcomes.iter().filter(|o| !o.pass) {
             failures.push(vec![
                 o.case.into(),
-                o.lookup.name().into(),
+                o.lookup.map_or("", LookupRule::name).into(),
                 name_of(o).into(),
                 format!("{:?}", o.check),
                 format!("{:.3e}", o.value),

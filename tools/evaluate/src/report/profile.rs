@@ -54,6 +54,36 @@ impl SamplerReport {
         sheet
     }
 
+    /// One line an adaptive disc: its size, trials and time to build against n_max (the thesis's question of table 6.5). `None`
+    /// without any.
+    pub fn disc_sheet(&self) -> Option<Sheet> {
+        let mut sheet = Sheet::new(&[
+            "adaptive disc",
+            "n_max",
+            "table KB",
+            "trials",
+            "build s",
+            "CPU s",
+            "sample ns",
+            "above bounds %",
+        ]);
+        for s in &self.measured.samplers {
+            if let Some(disc) = &s.disc {
+                sheet.push(vec![
+                    s.spec.to_string(),
+                    disc.n_max.to_string(),
+                    kilobytes(s.table_bytes),
+                    format!("{:.2}", disc.mean_trials),
+                    format!("{:.3}", s.build.wall),
+                    format!("{:.3}", s.build.cpu),
+                    nanoseconds(&s.calls.sample_ns),
+                    format!("{:.4}", 100.0 * disc.largest_excess),
+                ]);
+            }
+        }
+        (!sheet.rows.is_empty()).then_some(sheet)
+    }
+
     /// What the figures of the sheet are, and how they were come by.
     pub fn legend(&self) -> String {
         let m = &self.measured;

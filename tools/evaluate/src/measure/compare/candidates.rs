@@ -108,7 +108,7 @@ pub fn picture_competitors(quick: bool, facts: &[MaterialFacts]) -> Result<Vec<C
     Ok(all)
 }
 
-/// Whether every material supports a sampler: those that need a table, know no azimuth, or are a file's own, not all do.
+/// Whether every material supports a sampler: not all have one of their own.
 pub fn supported(spec: &SamplerSpec, facts: &[MaterialFacts]) -> bool {
     facts.iter().all(|f| spec.check_supports(f).is_ok())
 }

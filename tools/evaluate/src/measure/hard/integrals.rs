@@ -26,7 +26,7 @@ const LOG_CHANCE: f64 = 18.4;
 
 /// [`HardCheck::PdfIntegral`] and [`HardCheck::Energy`], each at its worst direction.
 pub(super) fn integrals(
-    subject: &HardSubject<'_>,
+    subject: &HardSubject,
     hard: &HardSampler,
     sampler: &dyn DirectionSampler,
 ) -> Vec<HardOutcome> {
@@ -54,14 +54,14 @@ fn excess(outcome: &HardOutcome) -> f64 {
 }
 
 fn integrals_at_angle(
-    subject: &HardSubject<'_>,
+    subject: &HardSubject,
     hard: &HardSampler,
     sampler: &dyn DirectionSampler,
     degrees: f64,
 ) -> [HardOutcome; 2] {
     let wo = spherical(degrees.to_radians(), 2.5).as_vec3();
-    let judged = hard.exact && !(subject.case.is_narrow && degrees > RESOLVED_DEG);
-    let brdf: &dyn Brdf = &*subject.brdf;
+    let judged = hard.exact && !(subject.is_narrow && degrees > RESOLVED_DEG);
+    let brdf: &dyn Brdf = &**subject.brdf();
     let moments = |points| {
         Moments::integrate(
             sampler,
@@ -75,7 +75,7 @@ fn integrals_at_angle(
         .map(|i| sampler.sample(wo, PointSet::Random.point(subject.seed, i, 0)))
         .collect();
     let failed = draws.iter().filter(|d| d.is_none()).count() as f64 / DRAWS as f64;
-    let torn = subject.case.is_torn && subject.thoroughness == Thoroughness::Full;
+    let torn = subject.is_torn && subject.thoroughness == Thoroughness::Full;
     let settled = if torn {
         PDF_INTEGRAL_TORN
     } else {
@@ -116,7 +116,7 @@ fn integrals_at_angle(
 }
 
 fn energy(
-    subject: &HardSubject<'_>,
+    subject: &HardSubject,
     (hard, judged): (&HardSampler, bool),
     degrees: f64,
     fine: &Moments,

@@ -1,16 +1,19 @@
 //! Hard cases against everything: what `merlkit check --hard` runs, and the stability tests too.
 //!
-//! Every case of [`HardCase`] is crossed with the lookup rules, the samplers of [`hard_samplers`], the directions of
+//! Every case of [`HardCase`] and every formula of [`HardModel`] is crossed with the lookup rules, the samplers of [`hard_samplers`], the directions of
 //! [`hard_directions`] and [`hard_partners`], the numbers of [`hard_points`], and with the renderer. One outcome tells the
 //! worst of all directions and numbers.
 
 mod inputs;
 mod integrals;
+mod models;
 mod picture;
 mod pointwise;
 mod samplers;
 
 pub use inputs::{HardDirection, hard_directions, hard_partners, hard_points, wrong_points};
+pub use models::HardModel;
+use samplers::hard_model_samplers;
 pub use samplers::{HardSampler, hard_samplers};
 
 use std::sync::Arc;
@@ -18,9 +21,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use merlkit::Result;
-use merlkit::material::Loaded;
+use merlkit::brdf::Brdf;
+use merlkit::material::analytic::ModelFacts;
 use merlkit::material::merl::HardCase;
 use merlkit::material::merl::{LookupRule, MerlBrdf};
+use merlkit::material::{Loaded, Material};
 
 /// What is promised for hard cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
@@ -29,7 +34,7 @@ pub enum HardCheck {
     /// Values of the BRDF are finite and not negative, 0 where a direction is none, and the same one by one and in batches.
     /// Value: violations.
     Values,
-    /// f_r is the same with the directions exchanged; tables of 180 bins of φd only. Value: largest relative difference.
+    /// f_r is the same with the directions exchanged; tables of 180 bins of φd and reciprocal formulas only. Value: largest relative difference.
     Reciprocity,
     /// Draws are unit directions above the horizon with a finite, positive pdf and a finite weight; a pdf is finite and not
     /// negative; what is no direction above the horizon draws nothing and has pdf 0. Value: violations.
@@ -67,8 +72,8 @@ impl HardCheck {
 pub struct HardOutcome {
     /// Name of the hard case.
     pub case: &'static str,
-    /// The lookup rule.
-    pub lookup: LookupRule,
+    /// The lookup rule; `None` for a formula.
+    pub lookup: Option<LookupRule>,
     /// The sampler; empty for checks of the BRDF alone.
     pub sampler: &'static str,
     /// What was checked.
@@ -104,6 +109,15 @@ impl Thoroughness {
         }
     }
 
+    /// The same of a formula. Rounding of directions to f32 is no small part of a needle at grazing angles, so they are none of
+    /// these.
+    fn model_angles(self, model: usize) -> &'static [f64] {
+        match self {
+            Self::Quick => self.angles(model),
+            Self::Full => &[0.0, 30.0, 60.25, 85.0],
+        }
+    }
+
     /// Whether a rule is taken for a case and a sampler, by their numbers.
     fn takes(self, rule: usize, case: usize, sampler: usize) -> bool {
         self == Self::Full || (case + sampler) % LookupRule::ALL.len() == rule
@@ -126,13 +140,15 @@ pub fn check_hard(
         let table = Arc::new(case.table());
         for (rule, &lookup) in LookupRule::ALL.iter().enumerate() {
             let brdf = Arc::new(MerlBrdf::new(table.clone(), lookup));
-            let angles = thoroughness.angles(number);
             let subject = HardSubject {
-                case,
-                lookup,
-                brdf,
+                name: case.name,
+                is_narrow: case.is_narrow,
+                is_torn: case.is_torn,
+                is_reciprocal: case.header().phi_d_bins == 180,
+                lookup: Some(lookup),
+                material: Loaded::from_table(brdf),
                 thoroughness,
-                angles,
+                angles: thoroughness.angles(number),
                 seed,
             };
             outcomes.extend(pointwise::values(&subject));
@@ -152,26 +168,75 @@ pub fn check_hard(
     Ok(outcomes)
 }
 
+/// Crosses formulas as [`check_hard`] crosses tables, with fewer samplers.
+///
+/// # Errors
+/// Those of building samplers and scenes: none for the settings here.
+pub fn check_hard_models(
+    models: &[HardModel],
+    thoroughness: Thoroughness,
+    seed: u64,
+    progress: &dyn Fn(),
+) -> Result<Vec<HardOutcome>> {
+    let mut outcomes = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        let facts = ModelFacts::parse(model.text)?;
+        let subject = HardSubject {
+            name: model.name,
+            is_narrow: false,
+            is_torn: false,
+            is_reciprocal: facts.reciprocal,
+            lookup: None,
+            material: Material::resolve(model.text)?.load(LookupRule::Floor)?,
+            thoroughness,
+            angles: thoroughness.model_angles(number),
+            seed,
+        };
+        outcomes.extend(pointwise::values(&subject));
+        let mut taken = hard_model_samplers()?;
+        if thoroughness == Thoroughness::Quick {
+            taken = vec![taken.swap_remove(number % taken.len())];
+        }
+        let each: Result<Vec<Vec<HardOutcome>>> = taken
+            .par_iter()
+            .map(|sampler| subject.cross(sampler))
+            .collect();
+        outcomes.extend(each?.into_iter().flatten());
+        progress();
+    }
+    Ok(outcomes)
+}
+
 /// Most bytes that a table of any sampler here may hold.
 const BYTES_A_TABLE: f64 = (1 << 20) as f64;
 
-/// A case looked up by a rule.
-struct HardSubject<'a> {
-    case: &'a HardCase,
-    lookup: LookupRule,
-    brdf: Arc<MerlBrdf>,
+/// A table looked up by a rule, or a formula.
+struct HardSubject {
+    name: &'static str,
+    /// As [`HardCase::is_narrow`] and [`HardCase::is_torn`].
+    is_narrow: bool,
+    is_torn: bool,
+    /// Whether exchanging the directions should change nothing.
+    is_reciprocal: bool,
+    lookup: Option<LookupRule>,
+    material: Loaded,
     thoroughness: Thoroughness,
     angles: &'static [f64],
     seed: u64,
 }
 
-impl HardSubject<'_> {
+impl HardSubject {
+    fn brdf(&self) -> &Arc<dyn Brdf> {
+        self.material.brdf()
+    }
+
     fn cross(&self, hard: &HardSampler) -> Result<Vec<HardOutcome>> {
-        let sampler = hard.spec.build(&Loaded::from_table(self.brdf.clone()))?;
+        let sampler = hard.spec.build(&self.material)?;
         let mut out = pointwise::draws(self, hard, &sampler);
         out.extend(integrals::integrals(self, hard, &*sampler));
         let bytes = sampler.bytes() as f64;
-        let bound = Some(BYTES_A_TABLE * samplers::count_tables(&hard.spec) as f64);
+        let tables = samplers::count_tables(&sampler.fitted());
+        let bound = Some(BYTES_A_TABLE * tables as f64);
         out.push(self.outcome(hard.name, HardCheck::Memory, bytes, bound, 1, String::new()));
         out.push(picture::picture(self, hard, &sampler)?);
         Ok(out)
@@ -190,7 +255,7 @@ impl HardSubject<'_> {
         let pass = bound.is_none_or(|bound| value <= bound) && !value.is_nan();
         let note = if pass { String::new() } else { note };
         HardOutcome {
-            case: self.case.name,
+            case: self.name,
             lookup: self.lookup,
             sampler,
             check,

@@ -18,7 +18,7 @@ const SETTINGS: RenderSettings = RenderSettings {
 
 /// [`HardCheck::Picture`]: two spheres on a floor that see each other.
 pub(super) fn picture(
-    subject: &HardSubject<'_>,
+    subject: &HardSubject,
     hard: &HardSampler,
     sampler: &Sampler,
 ) -> Result<HardOutcome> {
@@ -26,7 +26,7 @@ pub(super) fn picture(
     for light in 0..3 {
         let spec = scene(light)?;
         let surface = Surface {
-            brdf: subject.brdf.clone(),
+            brdf: subject.brdf().clone(),
             sampler: Some(sampler.shared()),
         };
         let scene = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| Ok(surface.clone()))?;

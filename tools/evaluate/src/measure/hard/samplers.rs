@@ -67,18 +67,42 @@ const INEXACT: &str = "disc as published";
 /// # Errors
 /// As [`SamplerSpec::parse_all`].
 pub fn hard_samplers() -> Result<Vec<HardSampler>> {
-    let sampler = |(name, text): (&'static str, &str)| {
-        Ok(HardSampler {
-            name,
-            spec: text.parse()?,
-            exact: name != INEXACT,
-        })
-    };
-    CROSSED.into_iter().map(sampler).collect()
+    CROSSED.into_iter().map(parse_sampler).collect()
 }
 
-/// Tables, trees or nodes of the angle of `wo` that a sampler holds.
+/// Names and texts of the samplers that formulas are crossed with.
+const CROSSED_WITH_MODELS: [(&str, &str); 4] = [
+    ("disc", "adaptive-disc:tables=3"),
+    ("half-vector", "half-vector:tables=8"),
+    (
+        "disc, rejection-free",
+        "adaptive-disc:tables=3,rejection-free",
+    ),
+    ("cascade", "cascade-cdf:tables=4,cells=90x32"),
+];
+
+/// The samplers that formulas are crossed with.
+///
+/// # Errors
+/// As [`SamplerSpec::parse_all`].
+pub(super) fn hard_model_samplers() -> Result<Vec<HardSampler>> {
+    CROSSED_WITH_MODELS.into_iter().map(parse_sampler).collect()
+}
+
+fn parse_sampler((name, text): (&'static str, &str)) -> Result<HardSampler> {
+    Ok(HardSampler {
+        name,
+        spec: text.parse()?,
+        exact: name != INEXACT,
+    })
+}
+
+/// Tables, trees or nodes of the directions of `wo` that a sampler holds, by the settings that it was built with.
 pub(super) fn count_tables(spec: &SamplerSpec) -> usize {
-    let tables = spec.setting("tables");
-    tables.map_or(1, |count| count.parse().unwrap_or(1))
+    let mut count = 1;
+    for key in ["tables", "azimuths"] {
+        let value = spec.setting(key).and_then(|text| text.parse().ok());
+        count *= value.unwrap_or(1);
+    }
+    count
 }
