@@ -43,14 +43,13 @@ pub struct Args {
     tables: args::TableOptions,
     #[arg(help_heading = "Scene", long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
     lights: Vec<String>,
-    /// Where the eye is, in units of the spheres' radius: x to the right, y up from the floor, z towards the viewer
-    /// [default: in front of the row, so far away that it fills the picture]
+    /// Position of the eye in radii of a sphere; +y is up, +z to the viewer [default: it frames the row]
     #[arg(help_heading = "Scene", long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with_all = ["elevation", "fov"], value_parser = position)]
     eye: Option<DVec3>,
-    /// How high the eye is above the horizon, as seen from the middle of the row, -89 to 89 degrees [default: 12.4]
+    /// Elevation of the eye above the horizon in degrees, -89 to 89 [default: 12.4]
     #[arg(help_heading = "Scene", long, value_name = "DEG", allow_negative_numbers = true, value_parser = within::<-89, 89>)]
     elevation: Option<f64>,
-    /// Vertical field of view in degrees, 1 to 120; the distance follows so that the row fills the picture [default: 24]
+    /// Vertical field of view in degrees, 1 to 120; the row keeps its size [default: 24]
     #[arg(help_heading = "Scene", long, value_name = "DEG", value_parser = within::<1, 120>)]
     fov: Option<f64>,
     /// Put the spheres on a grey floor
@@ -71,16 +70,14 @@ pub struct Args {
     /// Paths per pixel [default: 64]
     #[arg(help_heading = "Sampling", long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
-    /// Use the first paths to find noisy areas and spend the rest there; the total stays about the same. Needs --spp 16 or more
+    /// Spend the paths where the first of them found noise; needs --spp 16 or more
     #[arg(help_heading = "Sampling", long, conflicts_with = "target_error")]
     adaptive: bool,
-    /// Sample points of each pixel: random, Owen-scrambled Sobol, or a lattice of --spp points [default: lattice; sobol from
-    /// 512 paths per pixel, and with --target-error, where the path count isn't known in advance]
-    #[arg(help_heading = "Sampling", long, value_name = "SET", value_parser = args::named(&POINTS))]
+    /// Points of each pixel [default: lattice; sobol from --spp 512 and with --target-error]
+    #[arg(help_heading = "Sampling", long, value_name = "random|sobol|lattice", hide_possible_values = true, value_parser = args::named(&POINTS))]
     points: Option<PointSet>,
-    /// Sample each tile of 16 × 16 pixels that shows an object until its relative RMS error, estimated from replicates, is about
-    /// E: 0.05 or 5%. Each half of a tile stops by the other half's error, which keeps the means unbiased, so the
-    /// error of a finished tile can exceed E somewhat
+    /// Sample each 16 × 16 tile that shows an object until its estimated relative RMS error is about E: 0.05 or 5%. The halves
+    /// of a tile stop one another, which keeps means unbiased; a finished tile can exceed E somewhat
     #[arg(help_heading = "Sampling", long, value_name = "E", conflicts_with = "spp", value_parser = args::target_error)]
     target_error: Option<f64>,
     /// Maximum paths per pixel with --target-error, at least 16 [default: 4096]
@@ -95,9 +92,9 @@ pub struct Args {
         hide_default_value = true
     )]
     seed: u64,
-    /// How extended lights are sampled: mis combines light and BRDF samples, light and brdf draw only that one, ris draws
-    /// --candidates from the BRDF and traces one chosen by resampling [default: mis]
-    #[arg(help_heading = "Sampling", long, value_name = "HOW", default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
+    /// Sampling of extended lights: of light and BRDF (mis), of one of them, or of one of --candidates from the BRDF (ris)
+    /// [default: mis]
+    #[arg(help_heading = "Sampling", long, value_name = "mis|light|brdf|ris", hide_possible_values = true, default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
     strategy: String,
     /// MIS heuristic of --strategy mis [default: power]
     #[arg(help_heading = "Sampling", long, value_name = "power|balance", hide_possible_values = true, value_parser = args::named(&HEURISTICS))]
