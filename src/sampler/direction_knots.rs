@@ -65,7 +65,9 @@ impl DirectionKnots {
         let axes = if self.azimuths.is_isotropic() {
             [wo.truncate().as_dvec2(); 2]
         } else {
-            [around.first, around.second].map(|j| DVec2::from_angle(self.azimuths.azimuth(j)))
+            // The one after the last is the first again, turned by the whole range of azimuths.
+            let first = self.azimuths.azimuth(around.first);
+            [first, first + self.azimuths.step()].map(DVec2::from_angle)
         };
         let weight = match self.choice {
             TableChoice::Mixture => around.weight,

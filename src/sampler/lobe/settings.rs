@@ -49,11 +49,11 @@ impl LobeKind {
     pub fn domain(self) -> [f32; 2] {
         match self {
             Self::Ward | Self::Ggx => [1e-4, 2.0],
-            Self::CosineLobe
-            | Self::CosineLobeHemisphere
-            | Self::CosineLobeSphere
-            | Self::Blinn
-            | Self::AshikhminShirley => [0.1, 1e7],
+            // Below 1 the mass above the horizon bends too sharply at the normal for its table.
+            Self::CosineLobeHemisphere => [1.0, 1e7],
+            Self::CosineLobe | Self::CosineLobeSphere | Self::Blinn | Self::AshikhminShirley => {
+                [0.1, 1e7]
+            }
         }
     }
 }
