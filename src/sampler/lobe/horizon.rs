@@ -13,7 +13,7 @@ use std::f64::consts::FRAC_PI_2;
 #[derive(Clone, Debug)]
 pub(super) struct HorizonMass(Vec<f64>);
 
-/// Steps of s, and the s at which nothing is below the horizon any more.
+/// Steps of s up to √(n + 1), which belongs to θ = 0, but not beyond the s at which nothing is below the horizon any more.
 const STEPS: usize = 1024;
 const FARTHEST: f64 = 8.0;
 /// Points between two steps, by which cosⁿψ is integrated.
@@ -23,12 +23,13 @@ impl HorizonMass {
     /// For the exponent `n` ≥ 1.
     pub fn new(n: f64) -> Self {
         let scale = (n + 1.0).sqrt();
+        let reach = FARTHEST.min(scale);
         // Step 1: ∫ cosⁿψ dψ from 0 to the angle of elevation whose sine is s/√(n + 1), by midpoints.
         let mut sums = vec![0.0];
         let mut sum = 0.0;
         let mut below = 0.0;
         for step in 1..=STEPS {
-            let sine = (FARTHEST * step as f64 / STEPS as f64 / scale).min(1.0);
+            let sine = (reach * step as f64 / STEPS as f64 / scale).min(1.0);
             let above = sine.asin();
             for point in 0..POINTS {
                 let width = (above - below) / POINTS as f64;
@@ -47,7 +48,8 @@ impl HorizonMass {
     /// M at `cos_theta` > 0 for the exponent `n` that it was made with.
     #[inline]
     pub fn at_cosine(&self, cos_theta: f64, n: f64) -> f64 {
-        let steps = cos_theta * (n + 1.0).sqrt() * (STEPS as f64 / FARTHEST);
+        let scale = (n + 1.0).sqrt();
+        let steps = cos_theta * scale * (STEPS as f64 / FARTHEST.min(scale));
         let k = (steps as usize).min(STEPS - 1);
         let t = (steps - k as f64).min(1.0);
         self.0[k] + t * (self.0[k + 1] - self.0[k])
