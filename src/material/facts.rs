@@ -24,7 +24,7 @@ impl MaterialFacts {
         self.symmetry == Symmetry::Isotropic
     }
 
-    /// Refuses the material called `name` unless it is a MERL table, which `purpose` can't do without: "the adaptive disc".
+    /// Refuses the material called `name` unless it is a MERL table, which `purpose` can't do without: "a plot of slices".
     ///
     /// # Errors
     /// [`Error::Argument`] for a material that is not a MERL table.

@@ -132,7 +132,7 @@ impl Loaded {
         self.table.as_ref()
     }
 
-    /// The MERL table, for `purpose`, which can't do without: "the adaptive disc".
+    /// The MERL table, for `purpose`, which can't do without: "a plot of slices".
     ///
     /// # Errors
     /// As [`MaterialFacts::require_table`].

@@ -3,9 +3,8 @@
 use fearless_simd::{Level, dispatch};
 use glam::{DVec2, DVec3, Vec3};
 
-use super::bundle::{
-    DirectLight, EmittedLight, IncidentLight, NewRay, Rays, Run, Scattering, Vertex, refill,
-};
+use super::bundle::{DirectLight, EmittedLight, IncidentLight, Run, Scattering, Vertex};
+use super::rays::{NewRay, Rays, refill};
 use super::scene::Surface;
 use super::shape::Ray;
 use super::tracer::Tracer;

@@ -15,9 +15,10 @@
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
-use super::bundle::{Bundle, NOTHING, NewRay, Rays, Run, Scratch, Vertex, refill};
+use super::bundle::{Bundle, Run, Scratch, Vertex};
 use super::path_numbers::PathRun;
 use super::plan::ROULETTE_FROM;
+use super::rays::{NOTHING, NewRay, Rays, refill};
 use super::tracer::Tracer;
 use crate::geometry::is_upper;
 use crate::points::PointId;

@@ -2,8 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::bundle::{NewRay, Rays, Run, Scratch, Vertex};
+use super::bundle::{Run, Scratch, Vertex};
 use super::follow::add_found;
+use super::rays::{NewRay, Rays};
 use super::tracer::Tracer;
 use crate::points::PointId;
 

@@ -19,6 +19,7 @@ mod follow;
 mod mirror;
 mod path_numbers;
 mod plan;
+mod rays;
 mod resample;
 mod scene;
 mod settings;

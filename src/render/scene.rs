@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::bundle::Rays;
 use super::camera::Camera;
 use super::plan::{Effect, EffectPlan, PlanRequest};
+use super::rays::Rays;
 use super::shape::{Floor, Ray, Shape};
 use super::spec::{SceneSpec, SphereSpec, Strategy};
 use crate::brdf::Brdf;

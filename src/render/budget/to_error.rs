@@ -25,9 +25,10 @@ use super::rounds::Watch;
 use super::tiles::{HalfTile, OpenTile, REPLICATES, RefinedTile, Replicates, TileState};
 use super::words::{WordReader, WordWriter};
 use crate::points::mix;
-use crate::render::bundle::{Bundle, NOTHING, Rays};
+use crate::render::bundle::Bundle;
 use crate::render::film::{Film, Pixel};
 use crate::render::path_numbers::PathRun;
+use crate::render::rays::{NOTHING, Rays};
 use crate::render::settings::RenderSettings;
 use crate::render::tracer::Tracer;
 
