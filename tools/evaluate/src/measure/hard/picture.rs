@@ -1,5 +1,7 @@
 //! Hard cases on spheres under every kind of light.
 
+use glam::Vec3;
+
 use super::{HardCheck, HardOutcome, HardSampler, HardSubject};
 use merlkit::Result;
 use merlkit::light::{EnvironmentSource, LightSpec};
@@ -24,7 +26,10 @@ pub(super) fn picture(
 ) -> Result<HardOutcome> {
     let (mut count, mut violations, mut note) = (0, 0, String::new());
     for light in 0..3 {
-        let spec = scene(light)?;
+        let mut spec = scene(light)?;
+        if subject.brdf().mirror(Vec3::Z).is_some() {
+            spec.mirrors = vec![0, 1];
+        }
         let surface = Surface {
             brdf: subject.brdf().clone(),
             sampler: Some(sampler.shared()),
