@@ -36,19 +36,19 @@ pub struct Args {
     #[arg(value_name = "REFERENCE")]
     reference: PathBuf,
     /// Fail if the metric is above E: 0.05 or 5% [default: never fail]
-    #[arg(long, value_name = "E", value_parser = args::fraction)]
+    #[arg(help_heading = "Verdict", long, value_name = "E", value_parser = args::fraction)]
     tolerance: Option<f64>,
     /// Metric that --tolerance is about
-    #[arg(long, value_name = "flip|relmse|relative", default_value = "flip", hide_possible_values = true, value_parser = args::named(METRICS))]
+    #[arg(help_heading = "Verdict", long, value_name = "flip|relmse|relative", default_value = "flip", hide_possible_values = true, value_parser = args::named(METRICS))]
     metric: Metric,
     /// Write a PNG of FLIP at each pixel to FILE: dark where no difference is seen, yellow at 1 [default: none]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Also write every number as JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
-    #[arg(long, value_name = "FILE|-")]
+    #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     json: Option<Destination>,
     /// Replace existing files [default: refuse]
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
 }
 
