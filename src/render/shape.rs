@@ -59,21 +59,37 @@ pub trait Shape: Debug + Send + Sync {
         reach: &mut [f64],
         normals: &mut [DVec3],
     ) {
-        for k in 0..reach.len() {
-            let ray = Ray {
-                origin: from[k],
-                direction: along[k],
-            };
-            if let Some(met) = self.intersect(&ray, near[k], reach[k]) {
-                reach[k] = met.distance;
-                normals[k] = met.normal;
-            }
-        }
+        intersect_each(self, from, along, near, reach, normals);
     }
 
     /// Whether a ray that leaves the shape outwards never meets it again: the shape then hides no light from itself, and does
     /// not light itself. The renderer relies on it.
     fn is_convex(&self) -> bool;
+}
+
+/// [`Shape::intersect_batch`], ray after ray.
+#[inline(always)]
+fn intersect_each<S: Shape + ?Sized>(
+    shape: &S,
+    from: &[DVec3],
+    along: &[DVec3],
+    near: &[f64],
+    reach: &mut [f64],
+    normals: &mut [DVec3],
+) {
+    let count = reach.len();
+    let (from, along, near) = (&from[..count], &along[..count], &near[..count]);
+    let normals = &mut normals[..count];
+    for k in 0..count {
+        let ray = Ray {
+            origin: from[k],
+            direction: along[k],
+        };
+        if let Some(met) = shape.intersect(&ray, near[k], reach[k]) {
+            reach[k] = met.distance;
+            normals[k] = met.normal;
+        }
+    }
 }
 
 /// An opaque sphere, seen from outside.
@@ -116,32 +132,6 @@ impl Sphere {
     }
 }
 
-impl Sphere {
-    #[inline(always)]
-    fn intersect_rays(
-        &self,
-        from: &[DVec3],
-        along: &[DVec3],
-        near: &[f64],
-        reach: &mut [f64],
-        normals: &mut [DVec3],
-    ) {
-        let count = reach.len();
-        let (from, along, near) = (&from[..count], &along[..count], &near[..count]);
-        let normals = &mut normals[..count];
-        for k in 0..count {
-            let ray = Ray {
-                origin: from[k],
-                direction: along[k],
-            };
-            if let Some(met) = self.intersect(&ray, near[k], reach[k]) {
-                reach[k] = met.distance;
-                normals[k] = met.normal;
-            }
-        }
-    }
-}
-
 impl Shape for Sphere {
     #[inline(always)]
     fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
@@ -162,7 +152,7 @@ impl Shape for Sphere {
         reach: &mut [f64],
         normals: &mut [DVec3],
     ) {
-        dispatch!(Level::new(), _ => self.intersect_rays(from, along, near, reach, normals));
+        dispatch!(Level::new(), _ => intersect_each(self, from, along, near, reach, normals));
     }
 
     /// Without the normal, which nobody asks for.

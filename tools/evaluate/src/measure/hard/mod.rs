@@ -151,17 +151,12 @@ pub fn check_hard(
                 angles: thoroughness.angles(number),
                 seed,
             };
-            outcomes.extend(pointwise::values(&subject));
             let samplers = hard_samplers()?.into_iter().enumerate();
             let taken: Vec<HardSampler> = samplers
                 .filter(|(k, _)| thoroughness.takes(rule, number, *k))
                 .map(|(_, s)| s)
                 .collect();
-            let each: Result<Vec<Vec<HardOutcome>>> = taken
-                .par_iter()
-                .map(|sampler| subject.cross(sampler))
-                .collect();
-            outcomes.extend(each?.into_iter().flatten());
+            outcomes.extend(subject.cross_all(&taken)?);
         }
         progress();
     }
@@ -192,16 +187,11 @@ pub fn check_hard_models(
             angles: thoroughness.model_angles(number),
             seed,
         };
-        outcomes.extend(pointwise::values(&subject));
         let mut taken = hard_model_samplers()?;
         if thoroughness == Thoroughness::Quick {
             taken = vec![taken.swap_remove(number % taken.len())];
         }
-        let each: Result<Vec<Vec<HardOutcome>>> = taken
-            .par_iter()
-            .map(|sampler| subject.cross(sampler))
-            .collect();
-        outcomes.extend(each?.into_iter().flatten());
+        outcomes.extend(subject.cross_all(&taken)?);
         progress();
     }
     Ok(outcomes)
@@ -228,6 +218,17 @@ struct HardSubject {
 impl HardSubject {
     fn brdf(&self) -> &Arc<dyn Brdf> {
         self.material.brdf()
+    }
+
+    /// The values of the BRDF, then each sampler with every check, in parallel.
+    fn cross_all(&self, samplers: &[HardSampler]) -> Result<Vec<HardOutcome>> {
+        let mut outcomes = pointwise::values(self);
+        let crossed: Result<Vec<Vec<HardOutcome>>> = samplers
+            .par_iter()
+            .map(|sampler| self.cross(sampler))
+            .collect();
+        outcomes.extend(crossed?.into_iter().flatten());
+        Ok(outcomes)
     }
 
     fn cross(&self, hard: &HardSampler) -> Result<Vec<HardOutcome>> {
