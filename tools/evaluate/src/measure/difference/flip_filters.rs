@@ -77,12 +77,11 @@ impl Plane {
     }
 }
 
-/// The eye's contrast sensitivity to Y, Cx and Cz as sums of Gaussians: a·√(π/b)·exp(−π²x²/b), x in degrees (Johnson and
+/// The eye's contrast sensitivity to Y, Cx and Cz as sums of two Gaussians (a, b): a·√(π/b)·exp(−π²x²/b), x in degrees (Johnson and
 /// Fairchild 2003).
-const SENSITIVITY: [[(f64, f64); 2]; 3] = [
-    [(1.0, 0.0047), (0.0, 1e-5)],
-    [(1.0, 0.0053), (0.0, 1e-5)],
-    [(34.1, 0.04), (13.5, 0.025)],
+const SENSITIVITY: [[(f64, f64); 3]; 2] = [
+    [(1.0, 0.0047), (1.0, 0.0053), (34.1, 0.04)],
+    [(0.0, 1e-5), (0.0, 1e-5), (13.5, 0.025)],
 ];
 
 /// What is seen of Y, Cx and Cz at a number of pixels a degree. The third channel's sum of two Gaussians does not separate, so
@@ -92,10 +91,9 @@ pub(super) fn filter_by_sensitivity(plane: &Plane, pixels_a_degree: f64) -> Plan
     let radius = (3.0 * (0.04f64 / (2.0 * PI * PI)).sqrt() * pixels_a_degree).ceil() as usize;
     let mut values = vec![DVec3::ZERO; plane.values.len()];
     let mut weights = DVec3::ZERO;
-    for term in 0..2 {
+    for term in SENSITIVITY {
         // A Gaussian of two axes is the product of two of one: their kernels are not normalised, but the sum is at the end.
-        let kernels = [0, 1, 2].map(|channel| {
-            let (a, b): (f64, f64) = SENSITIVITY[channel][term];
+        let kernels = term.map(|(a, b): (f64, f64)| {
             Kernel::from_fn(radius, |x| {
                 let degrees = x / pixels_a_degree;
                 (a * (PI / b).sqrt()).sqrt() * (-PI * PI * degrees * degrees / b).exp()
