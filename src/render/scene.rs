@@ -84,7 +84,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Argument`] for a sphere without a radius or an object without a material, a floor, light or strategy outside
-    /// its domain, a missing sampler, or a mirror that is not in [`SceneSpec::mirrors`]; what `surface` returns; what [`crate::light::LightSpec::load`] returns.
+    /// its domain, a missing sampler, or a mirror that is not in [`SceneSpec::mirrors`]; what `surface` returns; what
+    /// [`crate::light::LightSpec::load`] returns.
     pub fn build(
         spec: &SceneSpec,
         request: PlanRequest,

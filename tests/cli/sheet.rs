@@ -42,6 +42,21 @@ fn a_sphere_has_the_same_pixels_beside_any_neighbours() {
     assert!(!folder.path().join("s.tiles").exists());
 }
 
+/// A mistake leaves nothing in the way of the next run.
+#[test]
+fn a_sheet_that_fails_leaves_no_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    for mistake in [
+        ["--light", "nonsense"],
+        ["--light", "nowhere.exr"],
+        ["--sampler", "file"],
+    ] {
+        let command = [&["sheet", "lambert", "-o", "s"][..], &mistake].concat();
+        fails(run_in(folder.path(), &command, ""));
+        assert!(!folder.path().join("s.tiles").exists(), "{mistake:?}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_stopped_sheet_goes_on_to_the_same_bytes() {

@@ -191,6 +191,17 @@ pub fn load(material: &Material, rule: LookupRule) -> Result<Loaded, Error> {
     Ok(loaded)
 }
 
+/// Positions of the materials that reflect mirror directions, for the plan of a scene.
+pub fn find_mirrors(materials: &[Material]) -> Result<Vec<usize>, Error> {
+    let mut mirrors = Vec::new();
+    for (i, material) in materials.iter().enumerate() {
+        if material.facts()?.has_mirror {
+            mirrors.push(i);
+        }
+    }
+    Ok(mirrors)
+}
+
 /// Two materials of one name would be one file.
 pub fn refuse_repeated(materials: &[Material]) -> Result<(), Error> {
     let mut seen = BTreeSet::new();

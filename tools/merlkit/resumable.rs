@@ -208,7 +208,8 @@ fn material_file(material: &Material) -> Option<&Path> {
     }
 }
 
-fn map_file(light: &LightSpec) -> Option<&Path> {
+/// The file of a light that comes from one.
+pub fn map_file(light: &LightSpec) -> Option<&Path> {
     match light {
         LightSpec::Environment(EnvironmentSource::File { path, .. }) => Some(path),
         _ => None,

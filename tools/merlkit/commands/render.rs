@@ -283,11 +283,7 @@ fn describe(
 ) -> Result<(SceneSpec, Vec<Material>), Error> {
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
     let materials = args::resolve(&spec.materials, &args.tables)?;
-    for (i, material) in materials.iter().enumerate() {
-        if material.facts()?.has_mirror {
-            spec.mirrors.push(i);
-        }
-    }
+    spec.mirrors = args::find_mirrors(&materials)?;
     spec.lights = args
         .lights
         .iter()

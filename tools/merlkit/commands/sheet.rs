@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::color::Rgb;
-use merlkit::files::Overwrite;
+use merlkit::files::{Overwrite, RegularFile, write_new};
 use merlkit::glam::DVec3;
 use merlkit::image::{Image, MAX_PIXELS, read_exr, write_exr};
 use merlkit::material::{LookupRule, Material, Origin};
@@ -22,6 +22,7 @@ use crate::labels::Label;
 use crate::output;
 use crate::picture::{Files, Picture};
 use crate::progress::Progress;
+use crate::resumable::map_file;
 use crate::sampler_args;
 
 /// Render a contact sheet: each material as a sphere of its own, with its name
@@ -114,13 +115,16 @@ pub fn run(args: &Args) -> Outcome {
     }
     let grid = Grid::new(args, materials.len())?;
     let files = Files::named(&args.output);
-    let tiles = TileFolder::open(args, &files)?;
+    let scene = describe_scene(args)?;
+    let tiles = TileFolder::open(args, &files, &scene)?;
     let work = StoppableWork::begin(STOPPING);
-    let drawn = draw_tiles(args, &materials, &tiles, &work);
-    let outcome = match drawn {
+    let outcome = match draw_tiles(args, &scene, &materials, &tiles, &work) {
         Ok(Some(drawn)) => finish(args, &grid, &materials, &drawn, &files, &tiles),
         Ok(None) => Ok(()),
-        Err(error) => Err(error.into()),
+        Err(error) => {
+            tiles.remove_without_spheres();
+            Err(error.into())
+        }
     };
     work.end(outcome)?;
     output::stdout(|out| {
@@ -138,6 +142,7 @@ pub fn run(args: &Args) -> Outcome {
 /// Draws each sphere, or reads it back; `None` if a signal came first.
 fn draw_tiles(
     args: &Args,
+    scene: &SceneSpec,
     materials: &[Material],
     tiles: &TileFolder,
     work: &StoppableWork,
@@ -158,7 +163,7 @@ fn draw_tiles(
         let tile = if path.exists() {
             read_exr(&path)?
         } else {
-            let tile = draw_sphere(args, material)?;
+            let tile = draw_sphere(args, scene, material)?;
             write_exr(&path, &tile, Overwrite::Replace)?;
             tile
         };
@@ -168,19 +173,26 @@ fn draw_tiles(
     Ok(Some(drawn))
 }
 
-/// One sphere alone under the lights.
-fn draw_sphere(args: &Args, material: &Material) -> Result<Image, Error> {
-    let mut scene = SceneSpec::row(&[material.name().to_owned()], 1.0);
+/// The scene of every tile: one sphere under the lights.
+fn describe_scene(args: &Args) -> Result<SceneSpec, Error> {
+    let mut scene = SceneSpec::row(&["sphere".to_owned()], 1.0);
     let lights = args.lights.iter().map(|name| scene.light(name));
     scene.lights = lights.collect::<Result<_, _>>()?;
     scene.camera = camera();
-    if material.facts()?.has_mirror {
-        scene.mirrors.push(0);
-    }
+    Ok(scene)
+}
+
+/// The sphere of one material.
+fn draw_sphere(args: &Args, scene: &SceneSpec, material: &Material) -> Result<Image, Error> {
+    let materials = std::slice::from_ref(material);
+    let scene = SceneSpec {
+        mirrors: args::find_mirrors(materials)?,
+        ..scene.clone()
+    };
     let picture = Picture {
         scene: &scene,
         effects: PlanRequest::AsNeeded,
-        materials: std::slice::from_ref(material),
+        materials,
         lookup: args.lookup,
         sampler: &args.sampler,
         settings: RenderSettings {
@@ -321,7 +333,7 @@ const SETTINGS: &str = "settings.txt";
 
 impl TileFolder {
     /// Makes the folder, or with --resume goes on with it if it was made with the same settings.
-    fn open(args: &Args, files: &Files) -> Result<Self, Error> {
+    fn open(args: &Args, files: &Files, scene: &SceneSpec) -> Result<Self, Error> {
         let folder = files.exr.with_extension("tiles");
         let shown = folder.display();
         match (args.resume, folder.exists()) {
@@ -340,7 +352,7 @@ impl TileFolder {
             _ => {}
         }
         files.check(output::overwrite(args.force))?;
-        let settings = describe_settings(args);
+        let settings = describe_settings(args, scene)?;
         let record = folder.join(SETTINGS);
         if args.resume {
             let found = fs::read_to_string(&record).map_err(|e| Error::io(&record, "read", e))?;
@@ -352,7 +364,10 @@ impl TileFolder {
             }
         } else {
             fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, "create", e))?;
-            fs::write(&record, &settings).map_err(|e| Error::io(&record, "write", e))?;
+            write_new(&record, Overwrite::Refuse, |out| {
+                let written = out.write_all(settings.as_bytes());
+                written.map_err(|e| Error::io(&record, "write", e))
+            })?;
         }
         Ok(Self { folder })
     }
@@ -364,13 +379,22 @@ impl TileFolder {
         Ok(self.folder.join(name))
     }
 
+    /// After a failure: a folder without a finished sphere has nothing to go on with. If it can't be removed, the next run says
+    /// that it is there.
+    fn remove_without_spheres(&self) {
+        let entries = fs::read_dir(&self.folder).map_or(0, Iterator::count);
+        if entries <= 1 {
+            let _ = self.remove();
+        }
+    }
+
     fn remove(&self) -> Result<(), Error> {
         fs::remove_dir_all(&self.folder).map_err(|e| Error::io(&self.folder, "remove", e))
     }
 }
 
 /// All that the pixels of a tile follow from, apart from the material.
-fn describe_settings(args: &Args) -> String {
+fn describe_settings(args: &Args, scene: &SceneSpec) -> Result<String, Error> {
     let Args {
         lookup,
         lights,
@@ -380,13 +404,17 @@ fn describe_settings(args: &Args) -> String {
         seed,
         ..
     } = args;
-    format!(
+    let mut text = format!(
         "merlkit {}\nsampler {sampler}\nlookup {}\ntables {}\nlights {}\nsize {size}\npaths {spp}\nseed {seed}\n",
         env!("CARGO_PKG_VERSION"),
         lookup.name(),
         args.materials.tables().words().join(" "),
         lights.join(" "),
-    )
+    );
+    for path in scene.lights.iter().filter_map(map_file) {
+        text += &format!("map {}\n", RegularFile::open(path)?.sha256()?);
+    }
+    Ok(text)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! Andersson et al. 2021).
 
 use glam::DVec3;
+use merlkit::color::luminance;
 use merlkit::image::Image;
 use merlkit::{Error, Result};
 use rayon::prelude::*;
@@ -130,8 +131,7 @@ fn film_curve(x: f64) -> f64 {
 fn choose_exposures(reference: &Image) -> Option<Vec<f64>> {
     let mut luminances: Vec<f64> = Vec::with_capacity(reference.pixels().len());
     for pixel in reference.pixels() {
-        let y = 0.212_67 * pixel.x + 0.715_16 * pixel.y + 0.072_17 * pixel.z;
-        luminances.push(f64::from(y));
+        luminances.push(f64::from(luminance(*pixel)));
     }
     luminances.retain(|y| y.is_finite());
     luminances.sort_by(f64::total_cmp);
