@@ -29,7 +29,7 @@ const LANES: usize = 64;
 const SIDE: usize = 512;
 
 /// Each kernel and the calls of one N.
-const KERNELS: [(&str, usize); 10] = [
+const KERNELS: [(&str, usize); 12] = [
     ("half-vector-sample-pairs", CALLS),
     ("half-vector-pdf-pairs", CALLS),
     ("half-vector-sample-single", CALLS),
@@ -38,7 +38,9 @@ const KERNELS: [(&str, usize); 10] = [
     ("environment-sample", CALLS),
     ("environment-emitted", CALLS),
     ("cascade-cdf-sample", CALLS),
+    ("cascade-cdf-sample-pairs", CALLS),
     ("adaptive-disc-sample", CALLS),
+    ("adaptive-disc-sample-pairs", CALLS),
     ("sphere-path", SIDE * SIDE),
 ];
 
@@ -226,6 +228,10 @@ fn run(kernel: &str, times: usize, prepared: &Prepared<'_>) {
         "environment-sample" => environment(true, times),
         "environment-emitted" => environment(false, times),
         "cascade-cdf-sample" => sample_singly(prepared.sampler("cascade-cdf").as_dyn(), times),
+        "cascade-cdf-sample-pairs" => sample_pairs(prepared.sampler("cascade-cdf").as_dyn(), times),
+        "adaptive-disc-sample-pairs" => {
+            sample_pairs(prepared.sampler("adaptive-disc").as_dyn(), times)
+        }
         "adaptive-disc-sample" => sample_singly(prepared.sampler("adaptive-disc").as_dyn(), times),
         "sphere-path" => sphere(prepared, times),
         other => panic!("no kernel {other}: see --kernels"),

@@ -3,7 +3,7 @@
 /// A piece of a CDF: x from `x0` to `x1`, probability from `c0` to `c1`.
 ///
 /// See [`Curves`](crate::distribution::Curves) for an example.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Segment {
     /// Number of the piece within its curve.
     pub index: usize,
@@ -168,6 +168,43 @@ impl Curves {
         self.piece(range.start, index)
     }
 
+    /// [`Self::find`] for each of `curves`, into the same elements of `pieces`.
+    ///
+    /// A search waits for one load after another. Here [`SIDE_BY_SIDE`] of them wait together.
+    pub(crate) fn find_each(&self, curves: &[u32], u: &[f64], pieces: &mut [Segment]) {
+        let blocks = curves.chunks(SIDE_BY_SIDE).zip(u.chunks(SIDE_BY_SIDE));
+        for ((curves, u), pieces) in blocks.zip(pieces.chunks_mut(SIDE_BY_SIDE)) {
+            let mut search = CurveSearches::default();
+            for (lane, (&curve, &u)) in curves.iter().zip(u).enumerate() {
+                let below = (u * f64::from(WHOLE)) as u16;
+                search.start(lane, self.range(curve as usize), below.min(WHOLE - 1));
+            }
+            search.run(&self.cdf, self.halvings);
+            search.read(self, pieces);
+        }
+    }
+
+    /// [`Self::find_segment`] for each of `curves`, into the same elements of `pieces`.
+    pub(crate) fn find_each_segment(&self, curves: &[u32], x: &[f64], pieces: &mut [Segment]) {
+        if self.positions.is_empty() {
+            for ((piece, &curve), &x) in pieces.iter_mut().zip(curves).zip(x) {
+                *piece = self.find_segment(curve as usize, x);
+            }
+            return;
+        }
+        let blocks = curves.chunks(SIDE_BY_SIDE).zip(x.chunks(SIDE_BY_SIDE));
+        for ((curves, x), pieces) in blocks.zip(pieces.chunks_mut(SIDE_BY_SIDE)) {
+            let mut search = CurveSearches::default();
+            for (lane, (&curve, &x)) in curves.iter().zip(x).enumerate() {
+                let range = self.range(curve as usize);
+                let last = self.positions[range.end - 1];
+                search.start(lane, range, (x as u16).min(last - 1));
+            }
+            search.run(&self.positions, self.halvings);
+            search.read(self, pieces);
+        }
+    }
+
     /// Piece `index` of curve `curve`.
     pub fn segment(&self, curve: usize, index: usize) -> Segment {
         self.piece(self.starts[curve] as usize, index)
@@ -209,6 +246,50 @@ impl Curves {
             x1,
             c0: f64::from(self.cdf[i]) * PROBABILITY,
             c1: f64::from(self.cdf[i + 1]) * PROBABILITY,
+        }
+    }
+}
+
+/// CurveSearches that wait for memory together.
+const SIDE_BY_SIDE: usize = 8;
+
+/// CurveSearches of several curves in one array of numbers that rise within each of them: for the last that is not above a limit.
+#[derive(Default)]
+struct CurveSearches {
+    /// Where each curve starts in the array, and its last element.
+    starts: [usize; SIDE_BY_SIDE],
+    ends: [usize; SIDE_BY_SIDE],
+    limits: [u16; SIDE_BY_SIDE],
+    /// The last element that is known not to be above the limit.
+    found: [usize; SIDE_BY_SIDE],
+}
+
+impl CurveSearches {
+    #[inline(always)]
+    fn start(&mut self, lane: usize, range: std::ops::Range<usize>, limit: u16) {
+        self.starts[lane] = range.start;
+        self.found[lane] = range.start;
+        self.ends[lane] = range.end - 1;
+        self.limits[lane] = limit;
+    }
+
+    /// Every lane halves the same number of times: see [`Curves::last_not_above`]. Lanes without a search stay at the first element.
+    #[inline(always)]
+    fn run(&mut self, values: &[u16], halvings: u32) {
+        for bit in (0..halvings).rev() {
+            for lane in 0..SIDE_BY_SIDE {
+                let next = (self.found[lane] + (1 << bit)).min(self.ends[lane]);
+                let goes_on = usize::from(values[next] <= self.limits[lane]);
+                self.found[lane] += goes_on << bit;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn read(&self, curves: &Curves, pieces: &mut [Segment]) {
+        for (lane, piece) in pieces.iter_mut().enumerate() {
+            let start = self.starts[lane];
+            *piece = curves.piece(start, self.found[lane] - start);
         }
     }
 }
@@ -349,6 +430,22 @@ mod tests {
         }
     }
 
+    /// CurveSearches of one curve at many numbers, together and one by one.
+    fn assert_searches_side_by_side(curves: &Curves, grid: usize) {
+        let x: Vec<f64> = (0..4 * grid).map(|i| i as f64 / 4.0).collect();
+        let u: Vec<f64> = x.iter().map(|x| x / grid as f64).collect();
+        let same = vec![0; x.len()];
+        let mut pieces = vec![Segment::default(); x.len()];
+        curves.find_each(&same, &u, &mut pieces);
+        for (piece, &u) in pieces.iter().zip(&u) {
+            assert_eq!(*piece, curves.find(0, u));
+        }
+        curves.find_each_segment(&same, &x, &mut pieces);
+        for (piece, &x) in pieces.iter().zip(&x) {
+            assert_eq!(*piece, curves.find_segment(0, x));
+        }
+    }
+
     #[test]
     fn searches_agree_with_counting() {
         for knots in 2..70usize {
@@ -374,6 +471,7 @@ mod tests {
                     "{knots} knots, {u}: {s:?}"
                 );
             }
+            assert_searches_side_by_side(&curves, grid);
         }
     }
 }

@@ -8,11 +8,14 @@
 //! On the disc dx dy is projected solid angle, so drawing in proportion to f_r(wo, ·) there draws in proportion to
 //! f_r·cosθ over the hemisphere, exactly, at the angles that have a tree.
 
+mod batch;
 mod bounds;
 mod build;
 mod codec;
 mod contents;
+mod density;
 mod disc;
+mod draw;
 mod fields;
 mod grower;
 mod masses;
@@ -33,13 +36,15 @@ pub use subdivision::{Cell, Subdivision};
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::azimuth_knots::{check_azimuths, check_stored_azimuths};
 use super::store::{TensorWriter, Tensors};
 use super::{Method, Needs};
 use crate::Result;
+use crate::batch::Wo;
 use crate::direction_sampler::{DirectionSample, DirectionSampler};
+use crate::geometry::{cosine_hemisphere, unit_upper};
 use crate::material::{Loaded, MaterialFacts};
 
 impl Method for AdaptiveDisc {
@@ -89,5 +94,43 @@ impl Method for AdaptiveDisc {
         let may_exceed = material.table().is_none();
         let trees = codec::read(tensors, &settings, may_exceed)?;
         Self::from_parts(material, settings, trees)
+    }
+}
+
+impl DirectionSampler for AdaptiveDisc {
+    fn sample(&self, wo: Vec3, u: Vec2) -> Option<DirectionSample> {
+        let view = self.view(unit_upper(wo)?);
+        let (u, mut random) = draw::refine_point(u);
+        let (slot, point) = self.choose(&view, u);
+        let Some(slot) = slot else {
+            return self.finish_floor(&view, cosine_hemisphere(point).as_vec3());
+        };
+        let drawn = self.draw(view.tree(slot), point, &mut random)?;
+        self.finish_tree(&view, slot, drawn)
+    }
+
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
+            return 0.0;
+        };
+        let view = self.view(wo);
+        let wi = wi * view.signs;
+        self.mix(&view, &self.tree_densities(&view, wi), wi)
+    }
+
+    fn bytes(&self) -> usize {
+        self.trees.bytes() + size_of_val(self.directions.as_slice())
+    }
+
+    #[track_caller]
+    fn sample_batch(&self, wo: Wo<'_>, u: &[Vec2], out: &mut [Option<DirectionSample>]) {
+        wo.assert_lanes(u.len(), out.len());
+        batch::sample(self, wo, u, out);
+    }
+
+    #[track_caller]
+    fn pdf_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [f32]) {
+        wo.assert_lanes(wi.len(), out.len());
+        batch::pdf(self, wo, wi, out);
     }
 }

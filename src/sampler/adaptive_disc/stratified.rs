@@ -2,7 +2,9 @@
 
 use glam::{DVec2, Vec3};
 
-use super::disc::{AdaptiveDisc, MAX_TRIALS, PlacedTree, TreeView};
+use super::density::KnotDraw;
+use super::disc::{AdaptiveDisc, TreeView};
+use super::draw::MAX_TRIALS;
 use super::settings::LeafChoice;
 use super::tree::{Drawn, Forest};
 use super::trees::Trees;
@@ -41,8 +43,7 @@ fn share_draws(
     let view = disc.view(wo);
     let mut random = Stream::new(seed);
     let floor = disc.settings.floor;
-    let trees = view.shares();
-    let [a, b, c, d] = trees.map(|(_, share)| (1.0 - floor) * share);
+    let [a, b, c, d] = view.shares().map(|share| (1.0 - floor) * share);
     let counts = share_out(count, [a, b, c, d, floor], &mut random);
     let mut batch = Batch {
         disc,
@@ -52,8 +53,8 @@ fn share_draws(
         out: Vec::with_capacity(count),
     };
     batch.cosine(counts[4], seed);
-    for ((tree, _), count) in trees.into_iter().zip(counts) {
-        batch.tree(tree, count, seed);
+    for (slot, count) in counts[..4].iter().enumerate() {
+        batch.tree(slot, *count, seed);
     }
     batch.out
 }
@@ -92,24 +93,25 @@ impl Batch<'_> {
     fn cosine(&mut self, count: usize, seed: u64) {
         for i in 0..count as u64 {
             let wi = cosine_hemisphere(PointSet::Sobol.point(seed, i, 0).as_dvec2()).as_vec3();
-            self.out.push(self.disc.finish(&self.view, wi));
+            self.out.push(self.disc.finish_floor(&self.view, wi));
         }
     }
 
-    fn tree(&mut self, tree: PlacedTree, count: usize, seed: u64) {
+    fn tree(&mut self, slot: usize, count: usize, seed: u64) {
+        let tree = self.view.tree(slot);
         if self.forest.integral(tree.index) <= 0.0 {
             return self.cosine(count, seed.wrapping_add(1 + tree.index as u64));
         }
         let goal = self.out.len() + count;
         match self.disc.settings.leaves {
-            LeafChoice::Integral => self.shares(tree, count, MAX_TRIALS),
+            LeafChoice::Integral => self.shares(slot, count, MAX_TRIALS),
             // As many proposals as were rejected are shared again, until all are accepted.
             LeafChoice::Envelope | LeafChoice::Warp => {
                 for _ in 0..MAX_TRIALS {
                     if self.out.len() == goal {
                         break;
                     }
-                    self.shares(tree, goal - self.out.len(), 1);
+                    self.shares(slot, goal - self.out.len(), 1);
                 }
             }
         }
@@ -118,27 +120,30 @@ impl Batch<'_> {
 
     /// Distributes `count` draws of up to `trials` trials over the leaves: one every 1/count of their CDF, from one random offset
     /// on, so that every square of the tree gets its expected number, rounded.
-    fn shares(&mut self, tree: PlacedTree, count: usize, trials: u32) {
+    fn shares(&mut self, slot: usize, count: usize, trials: u32) {
         let offset = self.random.next_f64();
         for i in 0..count {
-            let leaf = self
-                .forest
-                .draw(tree.index, (i as f64 + offset) / count as f64);
-            let drawn = (0..trials).find_map(|_| self.trial(tree, &leaf));
+            let leaf = self.forest.draw(
+                self.view.tree(slot).index,
+                (i as f64 + offset) / count as f64,
+            );
+            let drawn = (0..trials).find_map(|_| self.trial(slot, &leaf));
             self.out.extend(drawn.map(Some));
         }
     }
 
-    fn trial(&mut self, tree: PlacedTree, leaf: &Drawn) -> Option<DirectionSample> {
+    fn trial(&mut self, slot: usize, leaf: &Drawn) -> Option<DirectionSample> {
+        let tree = self.view.tree(slot);
         let point = DVec2::new(self.random.next_f64(), self.random.next_f64());
         let wi = leaf.direction(point, tree.turn)?;
-        let accepted = self.random.next_f64() * f64::from(leaf.bound) < self.disc.value(tree, wi);
-        let wi = if accepted {
-            self.disc.carried(tree, &self.view, wi)?
-        } else {
+        let level = self.random.next_f64() * f64::from(leaf.bound);
+        let value = self.disc.value(tree, wi);
+        if level >= value {
             return None;
-        };
-        self.disc.finish(&self.view, wi)
+        }
+        let density = self.disc.density_of_value(self.forest, tree, wi, value);
+        let drawn = KnotDraw { wi, density };
+        self.disc.finish_tree(&self.view, slot, drawn)
     }
 }
 

@@ -180,7 +180,7 @@ impl Forest {
     }
 
     /// The leaf of tree `k` at probability `u` in [0, 1). The tree must have leaves.
-    #[inline]
+    #[inline(always)]
     pub(super) fn draw(&self, k: usize, u: f64) -> Drawn {
         let leaves = self.tree(k);
         debug_assert!((0.0..=1.0).contains(&u) && !leaves.is_empty());

@@ -1,6 +1,6 @@
 //! The curves that are drawn from.
 
-use crate::distribution::Curves;
+use crate::distribution::{Curves, Segment};
 
 /// The tables of all knots.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,5 +27,11 @@ impl Tables {
             conditional,
             first,
         }
+    }
+
+    /// The conditional curve of a piece of the marginal of a table.
+    #[inline(always)]
+    pub fn find_conditional(&self, table: usize, piece: &Segment) -> usize {
+        self.first[table] as usize + piece.index
     }
 }
