@@ -10,6 +10,7 @@ mod beardmaxwell;
 mod blinn;
 mod constant;
 mod coupled;
+mod cylinder_cap;
 mod disney;
 mod facts;
 mod fresnel;
