@@ -43,8 +43,7 @@ impl CylinderCap {
     /// ∫ f0(n)(n·u)(n·v) dψ from `low` to `high`, where both directions are above the cylinder's tangent plane; 0 if `low` is not
     /// less than `high`.
     pub(super) fn integrate(&self, local: &Phong, [low, high]: [f64; 2]) -> f64 {
-        // Written so that NaN is nothing as well.
-        if !(low < high) {
+        if low >= high {
             return 0.0;
         }
         let ends = [low - self.middle, high - self.middle];
@@ -76,6 +75,10 @@ impl CylinderCap {
             ends = ends.map(f64::asin);
         }
         let (centre, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+        // Rounding can leave nothing of a part near s = ±1.
+        if half <= 0.0 {
+            return 0.0;
+        }
         let mut sum = 0.0;
         for (point, weight) in RULE {
             for t in [centre - half * point, centre + half * point] {
@@ -94,7 +97,7 @@ impl CylinderCap {
 /// The part of a range of s where (1 − r·s²)ⁿ is at least e^(−20) of its largest value there.
 fn cut_tails(n: f64, r: f64, [low, high]: [f64; 2]) -> [f64; 2] {
     // The lobe is largest at the s nearest to 0.
-    let nearest = 0f64.clamp(low, high).powi(2);
+    let nearest = low.max(-high).max(0.0).powi(2);
     // 1 − r·s² = (1 − r·nearest)·e^(−20/n), solved for s.
     let fall = -(-LARGEST_FALL / n).exp_m1();
     let farthest = nearest + (1.0 / r - nearest) * fall;

@@ -179,6 +179,8 @@ mod tests {
     /// Points of a cylinder that the scan looks at, and of each of its visible parts that the sum takes.
     const SCANNED: u32 = 2000;
     const SUMMED: u32 = 20_000;
+    /// The distance and the height of the floor of each surface.
+    const SURFACES: [[f64; 2]; 5] = [[7.5, 0.5], [2.0, 0.01], [1.0, 0.0], [3.0, 0.9], [2.5, 0.0]];
 
     /// Whether a direction sees the point of a cylinder at ψ, by the conditions themselves.
     fn sees(cylinders: &Cylinders, w: DVec3, psi: f64) -> bool {
@@ -258,8 +260,6 @@ mod tests {
         }
         spherical(height.acos(), turn * TAU)
     }
-
-    const SURFACES: [[f64; 2]; 5] = [[7.5, 0.5], [2.0, 0.01], [1.0, 0.0], [3.0, 0.9], [2.5, 0.0]];
 
     /// The largest relative difference of both integrals over 24 pairs of directions.
     fn worst_error(cylinders: &Cylinders, seed: u32) -> f64 {
