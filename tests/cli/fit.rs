@@ -87,6 +87,18 @@ fn mistakes_have_one_answer_with_the_nearest_names_and_domains() {
         (&["nickel", "--model", "ggx,ggx"], "twice"),
         (&["nickel", "--model", "ggx+ggx+ggx+ggx"], "at most 3"),
         (&["nickle"], "nickel"),
+        (
+            &[
+                "nickel",
+                "--model",
+                "ggx+sheen",
+                "--format",
+                "pbrt",
+                "-o",
+                "x",
+            ],
+            "--format materialx or gltf",
+        ),
         (&["ggx:ax=nan"], "0.001 to 1"),
         (&["lambert:reflectance=0.5+ggx:ax=7"], "0.001 to 1"),
         (&["lambert:reflectance=0.5+gxg:ax=0.1"], "ggx"),

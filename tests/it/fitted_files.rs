@@ -62,6 +62,8 @@ fn fit(material: &str, model: &str) -> ModelFit {
 
 const PLASTIC: &str =
     "lambert:reflectance=0.4/0.1/0.05+torrance:rough=0.25,nreal=1.6,nimag=0,ks=1,kd=0";
+const CLOTH: &str =
+    "lambert:reflectance=0.3/0.1/0.1+ggx:ax=0.6,ay=0.6,nreal=1.4,nimag=0+sheen:alpha=0.3,ks=0.3";
 const METAL: &str = "he:sigma=0.3,tau=3,rgb=0.9/0.7/0.5";
 
 fn succeeds(output: Output) -> String {
@@ -173,7 +175,7 @@ fn materialx_validates_the_file_and_makes_shaders_of_it() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    for (material, model) in [(PLASTIC, "ggx"), (METAL, "ggx+ggx")] {
+    for (material, model) in [(PLASTIC, "ggx"), (METAL, "ggx+ggx"), (CLOTH, "ggx+sheen")] {
         let text = fitted_text(FitFormat::MaterialX, "a sample", &fit(material, model)).unwrap();
         std::fs::write(folder.path().join("fit.mtlx"), text).unwrap();
         let mut command = Command::new(PYTHON.as_ref().unwrap());
@@ -233,7 +235,12 @@ fn the_validator_of_gltf_has_nothing_to_say() {
     }
     let folder = tempfile::tempdir().unwrap();
     let brushed = "lambert:reflectance=0.1+ggx:ax=0.1,ay=0.3,nreal=5,nimag=0";
-    for (material, model) in [(PLASTIC, "ggx"), (METAL, "ggx+ggx"), (brushed, "ggx")] {
+    for (material, model) in [
+        (PLASTIC, "ggx"),
+        (METAL, "ggx+ggx"),
+        (brushed, "ggx"),
+        (CLOTH, "ggx+sheen"),
+    ] {
         let text = fitted_text(FitFormat::Gltf, "sample", &fit(material, model)).unwrap();
         std::fs::write(folder.path().join("fit.gltf"), text).unwrap();
         let mut command = Command::new("node");

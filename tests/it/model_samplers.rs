@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use merlkit::brdf::Importance;
 use merlkit::geometry::{Quadrature, Symmetry, spherical};
+use merlkit::material::analytic::ModelFacts;
 use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{SamplerFile, encode};
@@ -72,6 +73,40 @@ fn every_sampler_passes_on_models() {
             assert!(failures.is_empty(), "{model}, {sampler}: {failures:#?}");
         }
     }
+}
+
+/// One setting of each kind of sampler, with few tables.
+const KINDS: [&str; 6] = [
+    "cosine",
+    "half-vector:tables=3",
+    "adaptive-disc:tables=3,depth=6",
+    "cascade-cdf:tables=3,cells=64x16",
+    "factored:tables=3,factors=2x2/32x16/half-vector/0.1",
+    "lobe:blinn,parameters=20/20/0.3",
+];
+
+/// Every model of the catalogue with every kind of sampler: few draws of each, so that what is wrong by much is found.
+#[test]
+fn every_model_passes_with_every_kind_of_sampler() {
+    let models = ModelFacts::all();
+    let mut failures = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        let material = load(&model.material);
+        for (k, sampler) in KINDS.into_iter().enumerate() {
+            let settings = CheckSettings {
+                draws: 2000,
+                seed: (KINDS.len() * number + k) as u64,
+                calls: models.len() * KINDS.len(),
+                ..CheckSettings::default()
+            };
+            let built = build(sampler, &material);
+            let report = check_sampler(&*built, &**material.brdf(), &directions()[1..3], &settings);
+            for failure in report.failures() {
+                failures.push(format!("{}, {sampler}: {failure:?}", model.material));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
 }
 
 /// At a tree's own direction every weight is the tree's normaliser, which must be the albedo: a claim to 10⁻⁴ that draws would take

@@ -10,6 +10,7 @@ mod beardmaxwell;
 mod blinn;
 mod constant;
 mod coupled;
+mod cylinder_cap;
 mod disney;
 mod facts;
 mod fresnel;
@@ -28,6 +29,7 @@ mod parse;
 mod phong;
 mod poulin;
 mod schlick;
+mod sheen;
 mod special;
 mod specular;
 mod strauss;
@@ -54,7 +56,7 @@ use sum::{SumBrdf, split_terms};
 use words::nearest_words;
 
 /// All models.
-const MODELS: [Model; 21] = [
+const MODELS: [Model; 22] = [
     lambert::MODEL,
     lambert::DIFFUSE,
     specular::MODEL,
@@ -76,6 +78,7 @@ const MODELS: [Model; 21] = [
     ggx::MODEL,
     ggx::COATED,
     disney::MODEL,
+    sheen::MODEL,
 ];
 
 /// Texts that name a model and its parameters.

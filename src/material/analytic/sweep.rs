@@ -8,7 +8,7 @@ use super::{MODELS, parse};
 use crate::geometry::{Quadrature, Symmetry, spherical};
 
 /// Parameters at which formulas tend to break, apart from every model's defaults.
-const HARD: [&str; 45] = [
+const HARD: [&str; 46] = [
     "specular:form=printed",
     "minnaert:k=0.8,kd=1",
     "minnaert:k=0",
@@ -54,6 +54,7 @@ const HARD: [&str; 45] = [
     "poulin:h=1",
     "poulin:d=1,h=0",
     "coated:eta=1,ax=0.01,ay=0.5,kd=1",
+    "sheen:alpha=0.01,ks=1",
 ];
 
 /// All models with their defaults, and the hard parameters.

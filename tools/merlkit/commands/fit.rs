@@ -35,8 +35,8 @@ use crate::{args, table};
 /// when the others are fitted again. The MATERIAL that is printed can be given to every command. For several materials a table
 /// of errors and a ranking of the models are printed.
 ///
-/// --format writes the best fit that the format can hold: one or two lobes of ggx for materialx, gltf, mitsuba and pbrt, one lobe
-/// of ggx, ward, blinn or ashikhmin for sampler, which is a file for `merlkit sample` and `render`, and everything for json.
+/// --format writes the best fit that the format can hold: one or two lobes of ggx for materialx, gltf, mitsuba and pbrt, ggx+sheen
+/// for materialx and gltf, one lobe of ggx, ward, blinn or ashikhmin for sampler, which is a file for `merlkit sample` and `render`, and everything for json.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit fit nickel\n  merlkit fit nickel --model ggx,ggx+ggx --format materialx -o nickel.mtlx\n  \
@@ -48,8 +48,8 @@ pub struct Args {
     /// How values between the samples of a table are interpolated
     #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "linear", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    /// Models to fit: ward, blinn, phong, lafortune, torrance, he, ashikhmin or ggx, or several lobes as in ggx+ggx [default: all of
-    /// these names but phong]
+    /// Models to fit: ward, blinn, phong, lafortune, torrance, he, ashikhmin, ggx or sheen, or several lobes as in ggx+ggx and
+    /// ggx+sheen [default: all of these names but phong and sheen]
     #[arg(
         help_heading = "Fit",
         long = "model",
@@ -205,6 +205,9 @@ impl Args {
         let held: &[&str] = match self.format() {
             Format::Json => return Ok(()),
             Format::Sampler => &["ggx", "ward", "blinn", "ashikhmin"],
+            Format::Renderer(format) if format.has_sheen() => {
+                &["ggx", "ggx+ggx", "ggx+sheen", "sheen+ggx", "ggx+ggx+sheen"]
+            }
             Format::Renderer(_) => &["ggx", "ggx+ggx"],
         };
         let is_held = models.iter().any(|model| held.contains(&model.name()));
@@ -351,9 +354,10 @@ fn converted_error(model: &ModelFit) -> Option<f64> {
     model.metal_rough.map(|converted| converted.1)
 }
 
-/// The error of lobes that Mitsuba and pbrt have too.
+/// The error of lobes that Mitsuba and pbrt have too, which have no sheen.
 fn own_error(model: &ModelFit) -> Option<f64> {
-    model.metal_rough.map(|_| model.error)
+    let (material, _) = model.metal_rough?;
+    material.sheen.is_none().then_some(model.error)
 }
 
 /// The error of a lobe that there is a sampler of.
@@ -367,6 +371,6 @@ fn drawn_error(model: &ModelFit) -> Option<f64> {
 fn no_model_is_held() -> Error {
     Error::argument(
         "the format can hold none of these models",
-        "choose --model ggx, or --format json",
+        "choose --model ggx or --format json, or for a sheen --format materialx or gltf",
     )
 }

@@ -1,6 +1,6 @@
 //! A fit in the parameters of metallic-roughness materials, which most formats have.
 
-use std::f64::consts::{FRAC_1_PI, PI};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::{DVec3, Vec3};
 use merlkit::brdf::Brdf;
@@ -9,9 +9,19 @@ use merlkit::geometry::unit_upper;
 use serde::Serialize;
 
 use super::FittedLobe;
+use super::recipe::SHEEN;
 
 /// Reflectance along the normal of a dielectric of index 1.5.
 const DIELECTRIC: f64 = 0.04;
+
+/// The sheen of cloth over the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SheenLayer {
+    /// Its colour, linear RGB.
+    pub color: [f64; 3],
+    /// How far the fibres lean from the normal: the square of glTF's roughness.
+    pub alpha: f64,
+}
 
 /// A base between dielectric and metal, with a clear coat if the fit has two lobes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -26,20 +36,23 @@ pub struct MetalRough {
     pub specular: f64,
     /// Weight and α of the coat, whose reflectance along the normal is 0.04.
     pub coat: Option<[f64; 2]>,
+    /// The sheen between the base and the coat.
+    pub sheen: Option<SheenLayer>,
 }
 
 impl MetalRough {
-    /// Where the search for the parameters starts: those whose reflectances along the normal are those of the fit, on average over the channels; `None` for a fit of
-    /// other lobes than one or two of GGX.
+    /// Where the search for the parameters starts: those whose reflectances along the normal are those of the fit, on average over the
+    /// channels; `None` for a fit of other lobes than one or two of GGX and a sheen.
     ///
     /// With d the diffuse colour, s the highlight's colour along the normal and t = 1 − metallic, t·B = d and 0.04·t + (1 − t)·B = s
     /// give 0.04·t² − (d + s)·t + d = 0.
     pub(super) fn convert(diffuse: [f64; 3], lobes: &[FittedLobe]) -> Option<Self> {
+        let (sheen, others) = split_sheen(lobes)?;
         // Of two lobes the smoother one is the coat.
-        let (coat, base) = match lobes {
-            [base] => (None, base),
-            [a, b] if a.shape("ax")? <= b.shape("ax")? => (Some(a), b),
-            [a, b] => (Some(b), a),
+        let (coat, base) = match others.as_slice() {
+            [base] => (None, *base),
+            [a, b] if a.shape("ax")? <= b.shape("ax")? => (Some(*a), *b),
+            [a, b] => (Some(*b), *a),
             _ => return None,
         };
         let highlight = base.along_normal()?;
@@ -71,6 +84,7 @@ impl MetalRough {
                 (s / DIELECTRIC).min(1.0)
             },
             coat,
+            sheen,
         })
     }
 
@@ -95,6 +109,24 @@ impl FittedLobe {
         let fresnel = ((eta - 1.0) / (eta + 1.0)).powi(2);
         Some(self.colour.map(|c| c * fresnel))
     }
+
+    /// The lobe as a sheen; `None` for other lobes.
+    pub fn sheen(&self) -> Option<SheenLayer> {
+        (self.model == SHEEN).then_some(SheenLayer {
+            color: self.colour,
+            alpha: self.shape("alpha")?,
+        })
+    }
+}
+
+/// The sheen of a fit, and its other lobes; `None` for two of them.
+fn split_sheen(lobes: &[FittedLobe]) -> Option<(Option<SheenLayer>, Vec<&FittedLobe>)> {
+    let (sheens, others): (Vec<_>, Vec<_>) = lobes.iter().partition(|lobe| lobe.model == SHEEN);
+    match sheens.as_slice() {
+        [] => Some((None, others)),
+        [sheen] => Some((sheen.sheen(), others)),
+        _ => None,
+    }
 }
 
 fn mean(colour: [f64; 3]) -> f64 {
@@ -110,13 +142,20 @@ fn ggx_lobe(wo: DVec3, wi: DVec3, [ax, ay]: [f64; 2]) -> f64 {
     0.5 * density / (wi.z * o + wo.z * i)
 }
 
+/// (2 + 1/α)·sin^(1/α) θh/(2π) over 4(cosθo + cosθi − cosθo·cosθi), the simpler of both forms in the notes of KHR_materials_sheen.
+fn sheen_lobe(wo: DVec3, wi: DVec3, alpha: f64) -> f64 {
+    let h = (wo + wi).normalize();
+    let density = (2.0 + 1.0 / alpha) * h.x.hypot(h.y).powf(1.0 / alpha) / TAU;
+    density / (4.0 * (wo.z + wi.z - wo.z * wi.z))
+}
+
 /// Schlick's F = F₀ + (1 − F₀)(1 − c)⁵.
 fn schlick(along_normal: f64, cosine: f64) -> f64 {
     along_normal + (1.0 - along_normal) * (1.0 - cosine).clamp(0.0, 1.0).powi(5)
 }
 
 impl Brdf for MetalRough {
-    /// m·F(B)·L + (1 − m)·((1 − F)·B/π + F·L), L being GGX's lobe, under the coat c: c·F·L′ + (1 − c·F)·that.
+    /// m·F(B)·L + (1 − m)·((1 − F)·B/π + F·L), L being GGX's lobe, and the sheen; under the coat c: c·F·L′ + (1 − c·F)·that.
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         let (Some(wo), Some(wi)) = (unit_upper(wo), unit_upper(wi)) else {
             return Rgb::ZERO;
@@ -129,7 +168,10 @@ impl Brdf for MetalRough {
             let dielectric = (1.0 - fresnel) * b * FRAC_1_PI + fresnel * lobe;
             self.metallic * schlick(b, cos_d) * lobe + (1.0 - self.metallic) * dielectric
         });
-        let base = DVec3::from_array(base);
+        let mut base = DVec3::from_array(base);
+        if let Some(sheen) = self.sheen {
+            base += DVec3::from_array(sheen.color) * sheen_lobe(wo, wi, sheen.alpha);
+        }
         let value = match self.coat {
             None => base,
             Some([weight, alpha]) => {
@@ -156,6 +198,7 @@ impl Brdf for MetalRough {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use merlkit::material::analytic::ModelFacts;
 
     fn ggx(colour: [f64; 3], eta: f64) -> FittedLobe {
         FittedLobe {
@@ -184,5 +227,26 @@ mod tests {
             .coat
             .unwrap();
         assert!((weight - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_sheen_is_the_catalogues() {
+        let sheen = FittedLobe {
+            model: SHEEN.into(),
+            shapes: vec![("alpha".into(), 0.3)],
+            colour: [0.6, 0.3, 0.1],
+        };
+        let lobes = [ggx([0.0; 3], 1.5), sheen.clone()];
+        let cloth = MetalRough::convert([0.0; 3], &lobes).unwrap();
+        let text = "sheen:alpha=0.3,ks=1,rgb=0.6/0.3/0.1";
+        let formula = ModelFacts::brdf(text).unwrap();
+        let (wo, wi) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.28, 0.0, 0.96));
+        let bare = MetalRough {
+            sheen: None,
+            ..cloth
+        };
+        let difference = cloth.eval(wo, wi) - bare.eval(wo, wi);
+        assert!((difference - formula.eval(wo, wi)).abs().max_element() < 1e-6);
+        assert!(MetalRough::convert([0.0; 3], &[sheen.clone(), sheen]).is_none());
     }
 }

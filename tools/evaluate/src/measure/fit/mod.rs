@@ -22,7 +22,7 @@ use merlkit::material::analytic::ModelFacts;
 use rayon::prelude::*;
 use serde::Serialize;
 
-pub use metal_rough::MetalRough;
+pub use metal_rough::{MetalRough, SheenLayer};
 pub use metric::FitMetric;
 pub use pairs::LARGEST_ANGLE;
 pub use pinning::{ALLOWED_GROWTH, Pinned, PinnedParameter};
@@ -107,7 +107,7 @@ pub struct ModelFit {
     pub lobes: Vec<FittedLobe>,
     /// All parameters and how far they are known.
     pub parameters: Vec<PinnedParameter>,
-    /// The same as a metallic-roughness material, and its error in the metric; for one or two lobes of GGX.
+    /// The same as a metallic-roughness material, and its error in the metric; for one or two lobes of GGX, with or without a sheen.
     pub metal_rough: Option<(MetalRough, f64)>,
 }
 
@@ -323,6 +323,7 @@ mod tests {
             "lambert:reflectance=0.2+lafortune:n=30,kp=0,Cx=-0.9,Cy=-0.9,Cz=0.95",
             "lambert:reflectance=0.2+torrance:rough=0.2,nreal=1.5,nimag=0,ks=1,kd=0",
             "lambert:reflectance=0.2+ashikhmin:ex=60,ey=60,Rs=0.05,Rd=0",
+            "lambert:reflectance=0.2+sheen:alpha=0.3,ks=0.4",
         ] {
             let model = text.split(['+', ':']).nth(2).unwrap();
             let found = fit(text, &[model], FitMetric::CubeRoot);

@@ -81,7 +81,7 @@ const EXPONENT_STARTS: &[f64] = &[3.0, 12.0, 50.0, 200.0, 1000.0, 8000.0];
 const EXPONENTS: [f64; 2] = [1.0, 1e5];
 
 /// All models that are fitted.
-const RECIPES: [Recipe; 8] = [
+const RECIPES: [Recipe; 9] = [
     Recipe {
         name: "ward",
         shapes: &[log_shape(&["sx", "sy"], [3e-3, 2.0], ROUGHNESS_STARTS)],
@@ -141,7 +141,18 @@ const RECIPES: [Recipe; 8] = [
         ],
         fixed: "nimag=0",
     },
+    Recipe {
+        name: SHEEN,
+        shapes: &[log_shape(&["alpha"], [0.02, 1.0], &[0.1, 0.3, 0.8])],
+        fixed: "ks=1",
+    },
 ];
+
+/// The sheen of cloth, which goes with a highlight and is neither smoother nor rougher.
+pub(super) const SHEEN: &str = "sheen";
+
+/// What every fit has, and may be named as a part of a sum.
+const DIFFUSE: &str = "diffuse";
 
 /// Lafortune's Cz over |Cx|, whose text has the factors themselves.
 const RATIO: &str = "Cz/|Cx|";
@@ -167,7 +178,7 @@ const ALIASES: [(&str, &str); 3] = [
 /// The most lobes of a fit.
 const MOST_LOBES: usize = 3;
 
-/// Lobes over a diffuse part: "ggx", or "ggx+ggx" for two.
+/// Lobes over a diffuse part: "ggx", "ggx+ggx" for two, or "ggx+sheen".
 #[derive(Clone)]
 pub struct FitModel {
     name: String,
@@ -175,19 +186,29 @@ pub struct FitModel {
 }
 
 impl FitModel {
-    /// Reads a model's name, or several with `+` between them.
+    /// Reads a model's name, or several with `+` between them. The diffuse part may be named with them.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a name that can't be fitted, with the names that can, and for more lobes than three.
+    /// [`Error::Argument`] for a name that can't be fitted, with the names that can, for the diffuse part alone and for more lobes
+    /// than three.
     pub fn parse(text: &str) -> Result<Self> {
         let mut lobes = Vec::new();
         for name in text.split('+') {
+            if name == DIFFUSE {
+                continue;
+            }
             let alias = ALIASES.iter().find(|alias| alias.0 == name);
             let name = alias.map_or(name, |alias| alias.1);
             match RECIPES.iter().find(|recipe| recipe.name == name) {
                 Some(recipe) => lobes.push(recipe),
                 None => return Err(unknown_model(name)),
             }
+        }
+        if lobes.is_empty() {
+            return Err(Error::argument(
+                format!("{text} has no lobe"),
+                "name a lobe as well; every fit has a diffuse part",
+            ));
         }
         if lobes.len() > MOST_LOBES {
             return Err(Error::argument(
@@ -313,16 +334,20 @@ pub(super) fn round_digits(value: f64, digits: usize) -> f64 {
 }
 
 /// Values of all shape parameters that the search may start from. Of several lobes each is rougher than the one in front of
-/// it, and only the first start of their other parameters is taken.
+/// it, apart from a sheen, and only the first start of their other parameters is taken.
 pub(super) fn start_values(model: &FitModel, isotropic: bool) -> Vec<Vec<f64>> {
     let several = model.lobes().len() > 1;
-    let mut all: Vec<(usize, Vec<f64>)> = vec![(0, Vec::new())];
+    // The rank of the last lobe that is no sheen, and the values so far.
+    let mut all: Vec<(Option<usize>, Vec<f64>)> = vec![(None, Vec::new())];
     for recipe in model.lobes() {
         let mut longer = Vec::new();
         for (rank, values) in &all {
             for (next, lobe) in lobe_starts(&recipe.shapes(isotropic), several) {
-                if !several || next > *rank || values.is_empty() {
-                    longer.push((next, [values.as_slice(), &lobe].concat()));
+                let values = [values.as_slice(), &lobe].concat();
+                if recipe.name == SHEEN {
+                    longer.push((*rank, values));
+                } else if rank.is_none_or(|rank| next > rank) {
+                    longer.push((Some(next), values));
                 }
             }
         }
@@ -395,6 +420,11 @@ mod tests {
         let starts = start_values(&model, true);
         assert_eq!(starts.len(), 15);
         assert!(starts.iter().all(|s| s.len() == 4 && s[0] < s[2]));
+        // A sheen goes with every roughness.
+        for text in ["ggx+sheen", "sheen+ggx+diffuse"] {
+            let model = FitModel::parse(text).unwrap();
+            assert_eq!(start_values(&model, true).len(), 18);
+        }
     }
 
     #[test]
@@ -404,6 +434,8 @@ mod tests {
             ("wrad", "ward"),
             ("torrence", "torrance"),
             ("", "ggx"),
+            ("shine", "sheen"),
+            ("diffuse", "name a lobe"),
         ] {
             let message = FitModel::parse(text).err().unwrap().to_string();
             assert!(message.contains(near), "{message}");

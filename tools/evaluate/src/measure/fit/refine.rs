@@ -3,7 +3,7 @@
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
 
-use super::metal_rough::MetalRough;
+use super::metal_rough::{MetalRough, SheenLayer};
 use super::search::Target;
 
 /// Steps of the simplex for each coordinate at most.
@@ -17,7 +17,8 @@ const ALPHA: [f64; 2] = [2e-3, 1.0];
 /// Fractions p have the coordinate 4·√p, roughnesses ln α.
 const ROOT: f64 = 4.0;
 
-/// A search over all parameters that the start has: three of colour, metallic, specular, α, and two of a coat.
+/// A search over all parameters that the start has: three of colour, metallic, specular, α, two of a coat, and colour and α of a
+/// sheen.
 struct MetalRoughSearch<'a> {
     target: &'a Target<'a>,
     start: MetalRough,
@@ -27,12 +28,12 @@ struct MetalRoughSearch<'a> {
 pub(super) fn refine(start: MetalRough, target: &Target<'_>) -> MetalRough {
     let search = MetalRoughSearch { target, start };
     let origin = search.coordinates();
+    let ends = search.ends();
     let mut simplex = vec![origin.clone()];
-    for i in 0..origin.len() {
+    for (i, end) in ends.iter().enumerate() {
         let mut corner = origin.clone();
-        // Inwards from the upper ends, 4 for fractions and 0 for roughnesses.
-        let end = if search.is_roughness(i) { 0.0 } else { ROOT };
-        corner[i] += if origin[i] + EDGE > end { -EDGE } else { EDGE };
+        // Inwards from the upper ends.
+        corner[i] += if origin[i] + EDGE > *end { -EDGE } else { EDGE };
         simplex.push(corner);
     }
     let steps = STEPS_PER_COORDINATE * origin.len() as u64;
@@ -70,20 +71,47 @@ impl MetalRoughSearch<'_> {
             x.push(ROOT * weight.sqrt());
             x.push(alpha.ln());
         }
+        if let Some(sheen) = start.sheen {
+            for fraction in sheen.color {
+                x.push(ROOT * fraction.sqrt());
+            }
+            x.push(sheen.alpha.ln());
+        }
         x
     }
 
-    /// Whether a coordinate is that of a roughness.
-    fn is_roughness(&self, i: usize) -> bool {
-        let axes = if self.start.is_one_roughness() { 1 } else { 2 };
-        (5..5 + axes).contains(&i) || i == 6 + axes
+    /// The number of roughnesses of the base.
+    fn axes(&self) -> usize {
+        if self.start.is_one_roughness() { 1 } else { 2 }
+    }
+
+    /// The upper ends of the coordinates: 4 for fractions and 0 for roughnesses.
+    fn ends(&self) -> Vec<f64> {
+        let mut ends = vec![ROOT; 5];
+        ends.resize(5 + self.axes(), 0.0);
+        if self.start.coat.is_some() {
+            ends.extend([ROOT, 0.0]);
+        }
+        if self.start.sheen.is_some() {
+            ends.extend([ROOT, ROOT, ROOT, 0.0]);
+        }
+        ends
     }
 
     /// The parameters at coordinates: what lies outside a domain is moved to its end.
     fn decode(&self, x: &[f64]) -> MetalRough {
-        let axes = if self.start.is_one_roughness() { 1 } else { 2 };
-        let coat = match x.get(5 + axes..7 + axes) {
-            Some([weight, alpha]) => Some([decode_fraction(*weight), decode_alpha(*alpha)]),
+        let axes = self.axes();
+        let (coat, sheen) = match &x[5 + axes..] {
+            [weight, alpha, rest @ ..] if self.start.coat.is_some() => {
+                (Some([decode_fraction(*weight), decode_alpha(*alpha)]), rest)
+            }
+            rest => (None, rest),
+        };
+        let sheen = match sheen {
+            [r, g, b, alpha] => Some(SheenLayer {
+                color: [*r, *g, *b].map(decode_fraction),
+                alpha: decode_alpha(*alpha),
+            }),
             _ => None,
         };
         MetalRough {
@@ -92,6 +120,7 @@ impl MetalRoughSearch<'_> {
             specular: decode_fraction(x[4]),
             alpha: [x[5], x[4 + axes]].map(decode_alpha),
             coat,
+            sheen,
         }
     }
 }
@@ -127,6 +156,7 @@ mod tests {
             specular: 1.0,
             alpha: [0.2; 2],
             coat: None,
+            sheen: None,
         };
         let pairs = FitPairs::draw(300, 1, true);
         let target = Target::new(&truth, &pairs, FitMetric::CubeRoot);
@@ -136,12 +166,17 @@ mod tests {
             specular: 0.5,
             alpha: [0.4; 2],
             coat: None,
+            sheen: None,
         };
         let found = refine(start, &target);
         assert!(target.error(&found) < 2e-3, "{found:?}");
         assert!((found.alpha[0] - 0.2).abs() < 5e-3, "{found:?}");
         let coated = MetalRough {
             coat: Some([0.5, 0.05]),
+            sheen: Some(SheenLayer {
+                color: [0.25, 0.5, 1.0],
+                alpha: 0.3,
+            }),
             ..start
         };
         let search = MetalRoughSearch {
@@ -151,5 +186,9 @@ mod tests {
         let back = search.decode(&search.coordinates());
         assert!((back.coat.unwrap()[1] - 0.05).abs() < 1e-9, "{back:?}");
         assert!((back.alpha[1] - 0.4).abs() < 1e-9, "{back:?}");
+        let sheen = back.sheen.unwrap();
+        assert!((sheen.alpha - 0.3).abs() < 1e-9, "{back:?}");
+        assert!((sheen.color[0] - 0.25).abs() < 1e-9, "{back:?}");
+        assert_eq!(search.ends().len(), search.coordinates().len());
     }
 }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::FitExport;
 
 /// A document of one material. Roughness is √α. Anisotropic lobes become KHR_materials_anisotropy, a second lobe becomes
-/// KHR_materials_clearcoat, and a dielectric that reflects less than 4 % KHR_materials_specular.
+/// KHR_materials_clearcoat, a sheen KHR_materials_sheen, and a dielectric that reflects less than 4 % KHR_materials_specular.
 pub(super) fn write(export: &FitExport<'_>) -> String {
     let material = &export.material;
     let [r, g, b] = material.base_color.map(round);
@@ -21,6 +21,13 @@ pub(super) fn write(export: &FitExport<'_>) -> String {
             "clearcoatRoughnessFactor": round(alpha.sqrt()),
         });
         extensions.insert("KHR_materials_clearcoat".into(), coat);
+    }
+    if let Some(sheen) = material.sheen {
+        let layer = json!({
+            "sheenColorFactor": sheen.color.map(round),
+            "sheenRoughnessFactor": round(sheen.alpha.sqrt()),
+        });
+        extensions.insert("KHR_materials_sheen".into(), layer);
     }
     if ax != ay {
         extensions.insert("KHR_materials_anisotropy".into(), anisotropy(ax, ay));

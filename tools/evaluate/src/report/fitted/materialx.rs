@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{FitExport, join_numbers, show_number};
+use crate::measure::fit::{FittedLobe, SheenLayer};
 
 /// A document of two materials, NAME_openpbr and NAME_standard. Both shaders square their roughness to get α.
 pub(super) fn write(export: &FitExport<'_>) -> String {
@@ -35,6 +36,7 @@ struct SurfaceBase {
     specular_color: [f64; 3],
     ior: f64,
     alpha: [f64; 2],
+    sheen: Option<SheenLayer>,
 }
 
 impl SurfaceBase {
@@ -42,7 +44,7 @@ impl SurfaceBase {
     /// lobes the base is the metallic-roughness one.
     fn choose(export: &FitExport<'_>) -> Self {
         let material = &export.material;
-        if let [lobe] = export.lobes()
+        if let [lobe] = export.highlights().as_slice()
             && let (Some(ax), Some(ay)) = (lobe.shape("ax"), lobe.shape("ay"))
             && let Some(ior) = lobe.shape("nreal")
         {
@@ -53,6 +55,7 @@ impl SurfaceBase {
                 specular_color: lobe.colour,
                 ior,
                 alpha: [ax, ay],
+                sheen: export.lobes().iter().find_map(FittedLobe::sheen),
             };
         }
         Self {
@@ -62,6 +65,7 @@ impl SurfaceBase {
             specular_color: [1.0; 3],
             ior: 1.5,
             alpha: material.alpha,
+            sheen: material.sheen,
         }
     }
 
@@ -70,6 +74,21 @@ impl SurfaceBase {
         let [ax, ay] = self.alpha;
         ax.min(ay) / ax.max(ay)
     }
+}
+
+/// The inputs of a sheen: its weight, its colour with a largest channel of 1, and α, which both surfaces take as it is.
+fn sheen_inputs<'a>(sheen: SheenLayer, names: [&'a str; 3]) -> Vec<(&'a str, &'a str, String)> {
+    let [r, g, b] = sheen.color;
+    let weight = r.max(g).max(b);
+    if weight == 0.0 {
+        return Vec::new();
+    }
+    let color = sheen.color.map(|c| c / weight);
+    vec![
+        (names[0], "float", show_number(weight)),
+        (names[1], "color3", join_numbers(&color, ", ")),
+        (names[2], "float", show_number(sheen.alpha)),
+    ]
 }
 
 /// A shader with its inputs, each a name, a type and a value, and the material that refers to it.
@@ -117,6 +136,12 @@ fn openpbr<'a>(base: &SurfaceBase, coat: Option<[f64; 2]>) -> Vec<(&'a str, &'a 
         inputs.push(("coat_ior", "float", "1.5".into()));
         inputs.push(("coat_darkening", "float", "0".into()));
     }
+    if let Some(sheen) = base.sheen {
+        inputs.extend(sheen_inputs(
+            sheen,
+            ["fuzz_weight", "fuzz_color", "fuzz_roughness"],
+        ));
+    }
     inputs
 }
 
@@ -145,6 +170,12 @@ fn standard<'a>(base: &SurfaceBase, coat: Option<[f64; 2]>) -> Vec<(&'a str, &'a
     if let Some([weight, alpha]) = coat {
         inputs.push(("coat", "float", show_number(weight)));
         inputs.push(("coat_roughness", "float", show_number(alpha.sqrt())));
+    }
+    if let Some(sheen) = base.sheen {
+        inputs.extend(sheen_inputs(
+            sheen,
+            ["sheen", "sheen_color", "sheen_roughness"],
+        ));
     }
     inputs
 }

@@ -23,10 +23,17 @@ pub enum FitFormat {
     Pbrt,
 }
 
+impl FitFormat {
+    /// Whether the format has a sheen like that of the fits.
+    pub fn has_sheen(self) -> bool {
+        matches!(self, Self::MaterialX | Self::Gltf)
+    }
+}
+
 /// The text of a fit for renderers; `name` is that of the material.
 ///
 /// # Errors
-/// [`Error::Argument`] for a fit of other lobes than one or two of GGX, which these formats don't have.
+/// [`Error::Argument`] for a fit of other lobes than one or two of GGX, and for a sheen in a format without one.
 pub fn fitted_text(format: FitFormat, name: &str, fit: &ModelFit) -> Result<String> {
     let Some((material, error)) = fit.metal_rough else {
         return Err(Error::argument(
@@ -34,6 +41,12 @@ pub fn fitted_text(format: FitFormat, name: &str, fit: &ModelFit) -> Result<Stri
             "choose --model ggx or --model ggx+ggx, or --format json",
         ));
     };
+    if material.sheen.is_some() && !format.has_sheen() {
+        return Err(Error::argument(
+            format!("Mitsuba and pbrt have no sheen like that of {}", fit.model),
+            "choose --format materialx, gltf or json, or --model ggx",
+        ));
+    }
     let export = FitExport {
         name: identifier(name),
         fit,
@@ -66,6 +79,12 @@ impl FitExport<'_> {
     /// The parts of the sum apart from the diffuse one.
     fn lobes(&self) -> &[FittedLobe] {
         &self.fit.lobes
+    }
+
+    /// The lobes that are no sheen.
+    fn highlights(&self) -> Vec<&FittedLobe> {
+        let lobes = self.lobes().iter();
+        lobes.filter(|lobe| lobe.sheen().is_none()).collect()
     }
 
     /// The comment without what would end a comment of XML.
@@ -139,6 +158,28 @@ mod tests {
             (factor.as_f64().unwrap() - 0.1f64.sqrt()).abs() < 0.02,
             "{gltf}"
         );
+    }
+
+    #[test]
+    fn a_sheen_is_written_where_the_format_has_one_and_refused_elsewhere() {
+        let cloth =
+            "lambert:reflectance=0.2+ggx:ax=0.5,ay=0.5,nreal=1.5,nimag=0+sheen:alpha=0.25,ks=0.4";
+        let fit = fit(cloth, "ggx+sheen+diffuse");
+        let text = fitted_text(FitFormat::Gltf, "x", &fit).unwrap();
+        let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(document["extensionsUsed"][0], "KHR_materials_sheen");
+        let sheen = &document["materials"][0]["extensions"]["KHR_materials_sheen"];
+        let roughness = sheen["sheenRoughnessFactor"].as_f64().unwrap();
+        // α = 0.25, which glTF's base moves a little: its diffuse part is darker where the highlight is bright.
+        assert!((roughness - 0.5).abs() < 0.1, "{text}");
+        let text = fitted_text(FitFormat::MaterialX, "x", &fit).unwrap();
+        for input in ["fuzz_weight", "fuzz_color", "sheen", "sheen_roughness"] {
+            assert!(text.contains(&format!("name=\"{input}\"")), "{text}");
+        }
+        for format in [FitFormat::Mitsuba, FitFormat::Pbrt] {
+            let message = fitted_text(format, "x", &fit).unwrap_err().to_string();
+            assert!(message.contains("gltf"), "{message}");
+        }
     }
 
     #[test]
