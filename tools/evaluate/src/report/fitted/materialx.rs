@@ -77,7 +77,7 @@ impl SurfaceBase {
 }
 
 /// The inputs of a sheen: its weight, its colour with a largest channel of 1, and α, which both surfaces take as it is.
-fn sheen_inputs<'a>(sheen: SheenLayer, names: [&'a str; 3]) -> Vec<(&'a str, &'a str, String)> {
+fn sheen_inputs(sheen: SheenLayer, names: [&str; 3]) -> Vec<(&str, &str, String)> {
     let [r, g, b] = sheen.color;
     let weight = r.max(g).max(b);
     if weight == 0.0 {
