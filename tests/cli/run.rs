@@ -6,6 +6,8 @@ use std::process::{Output, Stdio};
 
 use assert_cmd::cargo::cargo_bin;
 
+use crate::schemas::assert_documented;
+
 /// Runs `merlkit` in `folder` with `input` on standard input.
 pub fn run_in(folder: &Path, arguments: &[&str], input: &str) -> Output {
     let mut child = std::process::Command::new(cargo_bin!("merlkit"))
@@ -56,6 +58,9 @@ pub fn fails(output: Output) -> String {
     String::from_utf8(output.stderr).unwrap()
 }
 
+/// JSON that a command printed, which its schema documents.
 pub fn json(text: &str) -> serde_json::Value {
-    serde_json::from_str(text).unwrap()
+    let document = serde_json::from_str(text).unwrap();
+    assert_documented(&document);
+    document
 }
