@@ -4,6 +4,7 @@ mod args;
 mod batch;
 mod commands;
 mod failure;
+mod grid;
 mod interrupt;
 mod journal;
 mod labels;
@@ -15,6 +16,7 @@ mod resumable;
 mod sampler_args;
 mod sky;
 mod table;
+mod tiles;
 mod version;
 
 use clap::{CommandFactory, Parser};

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::distribution::Heuristic;
+use merlkit::files::Overwrite;
 use merlkit::glam::DVec3;
 use merlkit::light::LightSpec;
 use merlkit::material::Material;
@@ -18,22 +19,24 @@ use merlkit::render::{
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::report::Sheet;
 
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
+use crate::grid::{Cell, Grid};
 use crate::picture::{Files, Picture};
 use crate::resumable::{self, Resumable};
 use crate::sampler_args;
+use crate::tiles::{Tile, TileFolder, draw_tiles};
 use crate::{args, batch, output, table};
 
-/// Path-trace a row of spheres, one per material, to NAME.exr (linear RGB) and NAME.png (sRGB)
-///
-/// Only the effects that the scene needs are computed; --explain prints which, and why. The same command gives the same bytes
-/// on any number of threads.
+/// Path-trace a sphere of each material to NAME.exr (linear RGB) and NAME.png (sRGB)
+// Without a second paragraph the help has one line or two for each option, instead of three or more.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
+    after_help = "Each sphere is drawn alone, so that its pixels don't depend on the other materials. Only the effects that the scene needs are computed; \
+                  --explain prints which, and why. The same command gives the same bytes on any number of threads.\n\n\
+                  Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, built-in names or formulas; one sphere each, left to right
+    /// MERL binaries, .bsdf files, built-in names or formulas; one sphere each
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// How values between the samples of a table are interpolated [default: floor]
@@ -43,15 +46,18 @@ pub struct Args {
     tables: args::TableOptions,
     #[arg(help_heading = "Scene", long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
     lights: Vec<String>,
-    /// Position of the eye in radii of a sphere; +y is up, +z to the viewer [default: it frames the row]
+    /// Position of the eye in radii of a sphere; +y is up, +z to the viewer [default: it frames the spheres]
     #[arg(help_heading = "Scene", long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with_all = ["elevation", "fov"], value_parser = position)]
     eye: Option<DVec3>,
     /// Elevation of the eye above the horizon in degrees, -89 to 89 [default: 12.4]
     #[arg(help_heading = "Scene", long, value_name = "DEG", allow_negative_numbers = true, value_parser = within::<-89, 89>)]
     elevation: Option<f64>,
-    /// Vertical field of view in degrees, 1 to 120; the row keeps its size [default: 24]
+    /// Vertical field of view in degrees, 1 to 120; spheres keep their size [default: 24]
     #[arg(help_heading = "Scene", long, value_name = "DEG", value_parser = within::<1, 120>)]
     fov: Option<f64>,
+    /// Put all spheres into one scene, in which they light one another [default: each is drawn alone]
+    #[arg(help_heading = "Scene", long, conflicts_with = "columns")]
+    together: bool,
     /// Put the spheres on a grey floor
     #[arg(help_heading = "Scene", long = "ground")]
     ground: bool,
@@ -102,9 +108,12 @@ pub struct Args {
     /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
     #[arg(help_heading = "Sampling", long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     candidates: Option<u32>,
-    /// Size in pixels [default: 320 × the number of spheres, but at least 480, wide; 360 high]
+    /// Size of the whole picture [default: 320 × 360 pixels a sphere; 480 × 360 for one]
     #[arg(help_heading = "Picture", long, value_name = "WxH", value_parser = args::size)]
     size: Option<(usize, usize)>,
+    /// Number of spheres in a row [default: up to 5]
+    #[arg(help_heading = "Picture", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    columns: Option<u32>,
     /// Exposure of the PNG in stops [default: 0]
     #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
@@ -142,47 +151,39 @@ pub const GREY: f32 = 0.35;
 pub fn run(args: &Args) -> Outcome {
     let start = Instant::now();
     let files = Files::named(&args.output);
-    let overwrite = output::overwrite(args.force);
     let names = batch::expand_folders(&args.materials)?;
-    let settings = settings(args, names.len())?;
+    let grid = lay_out(args, names.len())?;
+    let settings = settings(args, grid.tile)?;
     settings.check()?;
-    let (scene, materials) = describe(args, &names, &settings)?;
-    resumable::check_files(&files, overwrite, args.resume)?;
-    let effects = if args.all_effects {
-        PlanRequest::Everything
-    } else {
-        PlanRequest::AsNeeded
+    let materials = match args.together {
+        // Equal names are one material of the scene.
+        true => args::resolve(&SceneSpec::row(&names, 1.0).materials, &args.tables)?,
+        false => args::resolve(&names, &args.tables)?,
     };
-    let plan = EffectPlan::for_scene(&scene, effects);
-    if plan.is_on(Effect::Directions) {
-        for material in &materials {
-            args.sampler.check_supports(&material.facts()?)?;
+    let pictures = describe(args, &names, &materials, settings)?;
+    if pictures.len() == 1 {
+        resumable::check_files(&files, output::overwrite(args.force), args.resume)?;
+    }
+    check_samplers(&pictures)?;
+    if args.explain {
+        for sheet in explanations(&pictures) {
+            output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
         }
     }
-    if args.explain {
-        let sheet = explanation(&scene, &plan);
-        output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
-    }
-    let picture = Picture {
-        scene: &scene,
-        effects,
-        materials: &materials,
-        lookup: args.lookup,
-        sampler: &args.sampler,
-        settings,
-        exposure: args.exposure,
+    let refinement = match &pictures[..] {
+        [picture] => Resumable {
+            picture,
+            files: &files,
+            overwrite: output::overwrite(args.force),
+            resume: args.resume,
+        }
+        .render()?,
+        _ => draw_apart(args, pictures, &grid, &files)?,
     };
-    let resumable = Resumable {
-        picture: &picture,
-        files: &files,
-        overwrite,
-        resume: args.resume,
-    };
-    let refinement = resumable.render()?;
     output::stdout(|out| {
         writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
-        let (w, h) = (settings.width, settings.height);
-        let paths = paths_a_pixel(&settings, refinement.as_ref());
+        let [w, h] = grid.size();
+        let paths = paths_a_pixel(&settings, w * h, refinement.as_ref());
         let seconds = start.elapsed().as_secs_f64();
         writeln!(
             out,
@@ -198,16 +199,68 @@ pub fn run(args: &Args) -> Outcome {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Before the work: samplers that can't be built for the materials are refused.
+fn check_samplers(pictures: &[Picture<'_>]) -> Result<(), Error> {
+    for picture in pictures {
+        let plan = EffectPlan::for_scene(&picture.scene, picture.effects);
+        if !plan.is_on(Effect::Directions) {
+            continue;
+        }
+        for material in picture.materials {
+            picture.sampler.check_supports(&material.facts()?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Draws each sphere by itself and puts them together.
+fn draw_apart(
+    args: &Args,
+    pictures: Vec<Picture<'_>>,
+    grid: &Grid,
+    files: &Files,
+) -> Result<Option<Refinement>, Failure> {
+    let overwrite = match args.resume {
+        true => Overwrite::Replace,
+        false => output::overwrite(args.force),
+    };
+    let folder = TileFolder::beside(files, args.resume);
+    folder.check()?;
+    files.check(overwrite)?;
+    let tiles: Vec<Tile<'_>> = pictures
+        .into_iter()
+        .map(|picture| Tile {
+            variant: String::new(),
+            picture,
+        })
+        .collect();
+    let drawn = draw_tiles(&folder, &tiles, "", |drawn| {
+        let is_finished = drawn.finished == tiles.len();
+        let images = drawn.read(&folder, &tiles)?;
+        let cells: Vec<Cell> = images.into_iter().map(Cell::from).collect();
+        let mut image = grid.compose(&[], &cells)?;
+        if !is_finished {
+            image = image.with_comment(resumable::unfinished("some spheres are missing"));
+        }
+        files.write(&image, args.exposure, overwrite)?;
+        Ok(folder.read_refinement(&tiles)?)
+    })?;
+    Ok(drawn.flatten())
+}
+
 /// How many paths per pixel has; of a target error the mean, and with those that only served decisions.
-fn paths_a_pixel(settings: &RenderSettings, refinement: Option<&Refinement>) -> String {
+fn paths_a_pixel(
+    settings: &RenderSettings,
+    pixels: usize,
+    refinement: Option<&Refinement>,
+) -> String {
     match (settings.budget, refinement) {
         (Budget::Even(paths), _) => paths.to_string(),
         (Budget::Adaptive(paths), _) => format!("about {paths}"),
         (Budget::ToError { most, .. }, None) => format!("at most {most}"),
         (Budget::ToError { .. }, Some(refinement)) => {
-            let pixels = (settings.width * settings.height) as f64;
-            let kept = refinement.paths as f64 / pixels;
-            let traced = refinement.traced as f64 / pixels;
+            let kept = refinement.paths as f64 / pixels as f64;
+            let traced = refinement.traced as f64 / pixels as f64;
             format!("{kept:.1} (traced: {traced:.1})")
         }
     }
@@ -242,10 +295,38 @@ fn stops(argument: &str) -> Result<f32, String> {
 /// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
 const SOBOL_FROM: u64 = 512;
 
-/// Settings of a picture of so many spheres.
-fn settings(args: &Args, spheres: usize) -> Result<RenderSettings, Error> {
-    let default_size = ((320 * spheres).max(480), 360);
-    let (width, height) = args.size.unwrap_or(default_size);
+/// Most spheres in a row, where nothing is said.
+const COLUMNS: usize = 5;
+
+/// Where the spheres are in the picture. Together they are one tile.
+fn lay_out(args: &Args, spheres: usize) -> Result<Grid, Error> {
+    if args.together || spheres == 1 {
+        let size = args.size.unwrap_or(((320 * spheres).max(480), 360));
+        return Ok(Grid::for_tiles(1, None, [size.0, size.1]));
+    }
+    let columns = args.columns.map_or(COLUMNS, |n| n as usize);
+    let grid = Grid::for_tiles(spheres, Some(columns), [320, 360]);
+    let Some((width, height)) = args.size else {
+        grid.check()?;
+        return Ok(grid);
+    };
+    let (columns, rows) = (grid.columns, grid.rows);
+    if width % columns == 0 && height % rows == 0 {
+        let tile = [width / columns, height / rows];
+        return Ok(Grid { tile, ..grid });
+    }
+    let wide = width.div_ceil(columns) * columns;
+    let high = height.div_ceil(rows) * rows;
+    Err(Error::argument(
+        format!(
+            "{width} × {height} pixels are no {columns} × {rows} equal tiles, one for each sphere"
+        ),
+        format!("give --size {wide}x{high}, or another number of --columns"),
+    ))
+}
+
+/// Settings of each tile.
+fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, Error> {
     let budget = match args.target_error {
         Some(error) => Budget::ToError {
             error,
@@ -275,15 +356,50 @@ fn settings(args: &Args, spheres: usize) -> Result<RenderSettings, Error> {
     })
 }
 
-/// The scene, and its materials in the order of [`SceneSpec::materials`]; nothing is loaded.
-fn describe(
+/// The pictures to draw, one for each sphere or one of all together; nothing is loaded. `materials` are those of `names`, each once
+/// if they are together.
+fn describe<'a>(
+    args: &'a Args,
+    names: &[String],
+    materials: &'a [Material],
+    settings: RenderSettings,
+) -> Result<Vec<Picture<'a>>, Error> {
+    let tiles: Vec<(&[String], &[Material])> = match args.together {
+        true => vec![(names, materials)],
+        false => {
+            let names = names.iter().map(std::slice::from_ref);
+            names
+                .zip(materials.iter().map(std::slice::from_ref))
+                .collect()
+        }
+    };
+    let mut pictures = Vec::with_capacity(tiles.len());
+    for (names, materials) in tiles {
+        pictures.push(Picture {
+            scene: describe_scene(args, names, materials, &settings)?,
+            effects: match args.all_effects {
+                true => PlanRequest::Everything,
+                false => PlanRequest::AsNeeded,
+            },
+            materials,
+            lookup: args.lookup,
+            sampler: &args.sampler,
+            settings,
+            exposure: args.exposure,
+        });
+    }
+    Ok(pictures)
+}
+
+/// A scene of the spheres of some materials.
+fn describe_scene(
     args: &Args,
     names: &[String],
+    materials: &[Material],
     settings: &RenderSettings,
-) -> Result<(SceneSpec, Vec<Material>), Error> {
+) -> Result<SceneSpec, Error> {
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
-    let materials = args::resolve(&spec.materials, &args.tables)?;
-    spec.mirrors = args::find_mirrors(&materials)?;
+    spec.mirrors = args::find_mirrors(materials)?;
     spec.lights = args
         .lights
         .iter()
@@ -293,7 +409,7 @@ fn describe(
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
     spec.strategy = strategy(args)?;
-    Ok((spec, materials))
+    Ok(spec)
 }
 
 /// The camera that was asked for, where the scene has `framed`.
@@ -370,24 +486,41 @@ fn light_help() -> String {
     )
 }
 
-/// One line an effect, then one a material and a light.
-fn explanation(spec: &SceneSpec, plan: &EffectPlan) -> Sheet {
+/// One line an effect, then one a material and a light; a table for each kind of plan.
+fn explanations(pictures: &[Picture<'_>]) -> Vec<Sheet> {
+    let mut kinds: Vec<(EffectPlan, Vec<&SceneSpec>)> = Vec::new();
+    for picture in pictures {
+        let plan = EffectPlan::for_scene(&picture.scene, picture.effects);
+        match kinds.iter_mut().find(|(known, _)| *known == plan) {
+            Some((_, scenes)) => scenes.push(&picture.scene),
+            None => kinds.push((plan, vec![&picture.scene])),
+        }
+    }
+    kinds
+        .iter()
+        .map(|kind| explanation(&kind.0, &kind.1))
+        .collect()
+}
+
+/// What a plan decides for scenes that it is the plan of.
+fn explanation(plan: &EffectPlan, scenes: &[&SceneSpec]) -> Sheet {
     let mut sheet = Sheet::new(&["effect", "", "why"]);
-    let mut row = |name: String, decision: Decision| {
-        sheet.push(vec![
-            name,
-            if decision.on { "on" } else { "off" }.into(),
-            decision.why.into(),
-        ]);
-    };
+    let mut rows = Vec::new();
     for effect in Effect::ALL {
-        row(effect.name().into(), plan.effect(effect));
+        rows.push((effect.name().to_owned(), plan.effect(effect)));
     }
-    for (name, decision) in spec.materials.iter().zip(plan.materials()) {
-        row(format!("load material {name}"), *decision);
+    for scene in scenes {
+        for (name, decision) in scene.materials.iter().zip(plan.materials()) {
+            rows.push((format!("load material {name}"), *decision));
+        }
     }
-    for (light, decision) in spec.lights.iter().zip(plan.lights()) {
-        row(format!("load light {}", light.describe()), *decision);
+    let lights = scenes.first().map_or(&[][..], |scene| &scene.lights);
+    for (light, decision) in lights.iter().zip(plan.lights()) {
+        rows.push((format!("load light {}", light.describe()), *decision));
+    }
+    for (name, Decision { on, why }) in rows {
+        let on = if on { "on" } else { "off" };
+        sheet.push(vec![name, on.into(), why.into()]);
     }
     sheet
 }
