@@ -13,7 +13,7 @@ use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::direction_sampler::DirectionSampler;
 use crate::geometry::Frame;
-use crate::light::{Light, LightSpec, MapNotes, SkySampling};
+use crate::light::{Light, LightSpec, MapNotes, SkySampling, TurnedLight};
 use crate::material::analytic::Lambert;
 use crate::sampler::Cosine;
 use crate::{Error, Result};
@@ -48,6 +48,8 @@ pub struct Scene {
     pub(super) camera: Camera,
     pub(super) depth: u32,
     pub(super) strategy: Strategy,
+    pub(super) transparent: bool,
+    pub(super) clamp: f64,
     pub(super) lights: Vec<Arc<dyn Light>>,
     /// The same lights, with what they were loaded from.
     loaded: Vec<LoadedLight>,
@@ -126,8 +128,7 @@ impl Scene {
         let plan = EffectPlan::for_scene(spec, request);
         // Load lights first, so that a missing file is reported before the slow work.
         let loaded = load_lights(known, spec, &plan)?;
-        let lights = loaded.iter().map(|loaded| loaded.light.clone());
-        let lights = lights.collect();
+        let lights = turn_lights(&loaded, spec.light_turn);
         let mut surfaces = load_surfaces(spec, &plan, surface)?;
         check_mirrors(spec, &surfaces)?;
         let objects = collect_objects(spec, surfaces.len());
@@ -137,6 +138,8 @@ impl Scene {
             camera: spec.camera,
             depth: spec.depth,
             strategy: spec.strategy,
+            transparent: spec.transparent,
+            clamp: spec.clamp.unwrap_or(f64::INFINITY),
             lights,
             loaded,
             objects,
@@ -319,6 +322,19 @@ fn load_lights(
     Ok(lights)
 }
 
+/// The lights as the scene has them.
+fn turn_lights(loaded: &[LoadedLight], angle: f64) -> Vec<Arc<dyn Light>> {
+    let mut lights: Vec<Arc<dyn Light>> = Vec::with_capacity(loaded.len());
+    for LoadedLight { light, .. } in loaded {
+        // What is not turned is not to pay for it, nor to be rounded.
+        lights.push(match angle == 0.0 {
+            true => light.clone(),
+            false => Arc::new(TurnedLight::new(light.clone(), angle)),
+        });
+    }
+    lights
+}
+
 fn check(spec: &SceneSpec) -> Result<()> {
     check_objects(spec)?;
     if spec.depth == 0 {
@@ -338,6 +354,14 @@ fn check(spec: &SceneSpec) -> Result<()> {
             "no candidates to resample",
             "give at least 1",
         ));
+    }
+    if !spec.light_turn.is_finite() {
+        let what = "lights that are turned by no finite angle";
+        return Err(Error::argument(what, "give 0.0, for example"));
+    }
+    if spec.clamp.is_some_and(|most| !(most > 0.0)) {
+        let what = "paths that may carry nothing";
+        return Err(Error::argument(what, "give a limit above 0, or none"));
     }
     if let Some(i) = spec.lights.iter().position(|light| !light.is_valid()) {
         let what = format!(
