@@ -3,7 +3,6 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::screen::encode_srgb_alpha;
 use super::{Image, encode_srgb};
 use crate::files::{Overwrite, write_new};
 use crate::{Error, Result};
@@ -16,12 +15,10 @@ use crate::{Error, Result};
 /// # Errors
 /// [`Error::Argument`] if `path` exists and `overwrite` refuses; [`Error::Io`] if it can't be written.
 pub fn write_png(path: &Path, image: &Image, exposure: f32, overwrite: Overwrite) -> Result<()> {
-    let (bytes, color) = match image.file_alpha() {
-        None => (encode_srgb(image, exposure), ::png::ColorType::Rgb),
-        Some(alpha) => {
-            let bytes = encode_srgb_alpha(image, alpha, exposure);
-            (bytes, ::png::ColorType::Rgba)
-        }
+    let bytes = encode_srgb(image, exposure);
+    let color = match image.file_alpha() {
+        None => ::png::ColorType::Rgb,
+        Some(_) => ::png::ColorType::Rgba,
     };
     let size = [image.width(), image.height()];
     write_new(path, overwrite, |out| {

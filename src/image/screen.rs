@@ -21,37 +21,26 @@ pub fn tone_map(x: f32) -> f32 {
 }
 
 /// The picture's pixels as 8-bit sRGB, three bytes each: each channel is multiplied by 2^`exposure`, passes [`tone_map`] and is
-/// encoded by the sRGB transfer function (IEC 61966-2-1). What is transparent shows the picture's backdrop, or black.
+/// encoded by the sRGB transfer function (IEC 61966-2-1). Of a picture with alpha and without a backdrop, four bytes each: the last
+/// is alpha, and the colours are not multiplied by it.
 ///
 /// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 pub fn encode_srgb(image: &Image, exposure: f32) -> Vec<u8> {
     let gain = exposure.exp2();
-    let backdrop = image.backdrop.unwrap_or(Rgb::ZERO);
-    let mut bytes = Vec::with_capacity(3 * image.pixels().len());
+    let mut bytes = Vec::with_capacity(4 * image.pixels().len());
     for (i, colour) in image.pixels().iter().enumerate() {
         let alpha = image.alpha().map_or(1.0, |alpha| alpha[i]);
-        for (x, behind) in straight(*colour, alpha)
-            .into_iter()
-            .zip(backdrop.to_array())
-        {
-            // The curve is for what covers the pixel, not for the backdrop, which is as it is to be seen.
-            let seen = tone_map(x * gain) * alpha + behind * (1.0 - alpha);
-            bytes.push(to_byte(srgb(seen)));
+        let seen = straight(*colour, alpha).map(|x| tone_map(x * gain));
+        if image.file_alpha().is_some() {
+            bytes.extend(seen.map(|x| to_byte(srgb(x))));
+            bytes.push(to_byte(alpha));
+            continue;
         }
-    }
-    bytes
-}
-
-/// [`encode_srgb`] with alpha as the fourth byte, and colours that are not multiplied by it.
-#[cfg(feature = "png")]
-pub(super) fn encode_srgb_alpha(image: &Image, alphas: &[f32], exposure: f32) -> Vec<u8> {
-    let gain = exposure.exp2();
-    let mut bytes = Vec::with_capacity(4 * image.pixels().len());
-    for (colour, &alpha) in image.pixels().iter().zip(alphas) {
-        for x in straight(*colour, alpha) {
-            bytes.push(to_byte(srgb(tone_map(x * gain))));
+        // The curve is for what covers the pixel, not for the backdrop, which is as it is to be seen.
+        let behind = (1.0 - alpha) * image.backdrop.unwrap_or(Rgb::ZERO);
+        for (x, behind) in seen.into_iter().zip(behind.to_array()) {
+            bytes.push(to_byte(srgb(x * alpha + behind)));
         }
-        bytes.push(to_byte(alpha));
     }
     bytes
 }
@@ -117,20 +106,12 @@ mod tests {
     fn a_backdrop_is_seen_as_it_is_and_alpha_divides_the_colour() {
         let half = Image::new(2, 1, vec![Rgb::splat(0.25), Rgb::ZERO]).unwrap();
         let half = half.with_alpha(vec![0.5, 0.0]).unwrap();
-        // Without a backdrop: half of 0.5 over black is 0.25 linear, byte 137.
-        assert_eq!(encode_srgb(&half, 0.0), [137, 137, 137, 0, 0, 0]);
+        let bytes = encode_srgb(&half, 0.0);
+        assert_eq!(bytes, [188, 188, 188, 128, 0, 0, 0, 0]);
         let white = half.clone().with_backdrop(Rgb::ONE);
         // 0.5·0.5 + 0.5 = 0.75 linear is byte 225; white stays white at any exposure.
         assert_eq!(encode_srgb(&white, 0.0), [225, 225, 225, 255, 255, 255]);
         assert_eq!(encode_srgb(&white, -3.0)[3..], [255, 255, 255]);
         assert!(half.with_alpha(vec![1.0]).is_err());
-    }
-
-    #[cfg(feature = "png")]
-    #[test]
-    fn bytes_with_alpha_are_not_multiplied_by_it() {
-        let half = Image::new(2, 1, vec![Rgb::splat(0.25), Rgb::ZERO]).unwrap();
-        let bytes = encode_srgb_alpha(&half, &[0.5, 0.0], 0.0);
-        assert_eq!(bytes, [188, 188, 188, 128, 0, 0, 0, 0]);
     }
 }

@@ -20,6 +20,8 @@ pub struct Grid {
     pub heading: usize,
     /// Height of the line under each tile; 0 for none.
     pub label: usize,
+    /// Radiance of the letters.
+    pub ink: Rgb,
 }
 
 /// What is in a place of a grid.
@@ -42,9 +44,6 @@ impl From<Image> for Cell {
 
 /// Height of a line of text.
 pub const LINE: usize = 12;
-/// Radiance of the letters.
-const INK: Rgb = Rgb::ONE;
-
 impl Grid {
     /// A grid for `count` tiles in so many columns, or as near to a square as may be.
     pub fn for_tiles(count: usize, columns: Option<usize>, tile: [usize; 2]) -> Self {
@@ -57,6 +56,7 @@ impl Grid {
             gap: 0,
             heading: 0,
             label: 0,
+            ink: Rgb::ONE,
         }
     }
 
@@ -94,7 +94,8 @@ impl Grid {
         )
     }
 
-    /// All tiles, each with its label below, and the headings over the columns.
+    /// All tiles, each with its label below, and the headings over the columns. What is around them is black, or transparent if a
+    /// tile has a transparent background.
     ///
     /// # Errors
     /// As [`Image::new`].
@@ -102,7 +103,9 @@ impl Grid {
         let [width, height] = self.size();
         let mut canvas = Canvas {
             width,
+            ink: self.ink,
             pixels: vec![Rgb::ZERO; width * height],
+            alpha: vec![0.0; width * height],
         };
         for (column, heading) in headings.iter().enumerate() {
             let (left, _) = self.corner(column);
@@ -116,21 +119,31 @@ impl Grid {
             let below = [left, top + self.tile[1]];
             canvas.write(&cell.label, below, [self.tile[0], self.label]);
         }
-        Image::new(width, height, canvas.pixels)
+        let image = Image::new(width, height, canvas.pixels)?;
+        let images = cells.iter().filter_map(|cell| cell.image.as_ref());
+        match images.filter_map(Image::alpha).next() {
+            Some(_) => image.with_alpha(canvas.alpha),
+            None => Ok(image),
+        }
     }
 }
 
 /// A picture that tiles and text are put on.
 struct Canvas {
     width: usize,
+    ink: Rgb,
     pixels: Vec<Rgb>,
+    alpha: Vec<f32>,
 }
 
 impl Canvas {
     fn place(&mut self, image: &Image, [left, top]: [usize; 2]) {
         for y in 0..image.height() {
             for x in 0..image.width() {
-                self.pixels[(top + y) * self.width + left + x] = image.pixel(x, y);
+                let i = (top + y) * self.width + left + x;
+                self.pixels[i] = image.pixel(x, y);
+                let alpha = image.alpha();
+                self.alpha[i] = alpha.map_or(1.0, |alpha| alpha[y * image.width() + x]);
             }
         }
     }
@@ -140,7 +153,9 @@ impl Canvas {
         for y in 0..height {
             for x in 0..width {
                 if label.is_inked(x, y) {
-                    self.pixels[(top + y) * self.width + left + x] = INK;
+                    let i = (top + y) * self.width + left + x;
+                    self.pixels[i] = self.ink;
+                    self.alpha[i] = 1.0;
                 }
             }
         }

@@ -13,6 +13,7 @@ use merlkit::sampler::SamplerSpec;
 
 use crate::args;
 use crate::progress::Progress;
+use crate::scene_args::Finish;
 use crate::sky::print_notes;
 
 /// A scene and everything its picture depends on.
@@ -29,8 +30,8 @@ pub struct Picture<'a> {
     pub sampler: &'a SamplerSpec,
     /// Size, seed and budget of paths.
     pub settings: RenderSettings,
-    /// Exposure of the PNG, stops.
-    pub exposure: f32,
+    /// What becomes of the pixels in files.
+    pub finish: Finish,
 }
 
 impl Picture<'_> {
@@ -80,6 +81,9 @@ impl Picture<'_> {
             ("camera".into(), format!("{:?}", scene.camera)),
             ("bounces".into(), scene.depth.to_string()),
             ("strategy".into(), format!("{:?}", scene.strategy)),
+            ("turn".into(), scene.light_turn.to_string()),
+            ("transparent".into(), scene.transparent.to_string()),
+            ("clamp".into(), format!("{:?}", scene.clamp)),
         ]
     }
 
@@ -194,13 +198,20 @@ impl Files {
         Self { exr, png, partial }
     }
 
-    /// Writes both; `exposure` is in stops.
+    /// Writes both; `state` is a sentence about a picture that is not finished.
     ///
     /// # Errors
     /// As [`write_exr`] and [`write_png`].
-    pub fn write(&self, image: &Image, exposure: f32, overwrite: Overwrite) -> Result<(), Error> {
-        write_exr(&self.exr, image, overwrite)?;
-        write_png(&self.png, image, exposure, overwrite)
+    pub fn write(
+        &self,
+        image: Image,
+        finish: &Finish,
+        state: Option<String>,
+        overwrite: Overwrite,
+    ) -> Result<(), Error> {
+        let image = finish.apply(image, state);
+        write_exr(&self.exr, &image, overwrite)?;
+        write_png(&self.png, &image, finish.exposure, overwrite)
     }
 
     /// Tells of files that can't be written before the work, not after it.

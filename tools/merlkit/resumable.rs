@@ -91,7 +91,8 @@ impl Resumable<'_> {
             self.overwrite
         };
         let image = rendered.film.to_image()?;
-        self.files.write(&image, self.picture.exposure, overwrite)?;
+        self.files
+            .write(image, &self.picture.finish, None, overwrite)?;
         if self.resume {
             let partial = &self.files.partial;
             fs::remove_file(partial).map_err(|e| Error::io(partial, "remove", e))?;
@@ -111,8 +112,8 @@ impl Resumable<'_> {
         } else {
             self.overwrite
         };
-        let image = image.with_comment(comment);
-        self.files.write(&image, self.picture.exposure, overwrite)?;
+        self.files
+            .write(image, &self.picture.finish, Some(comment), overwrite)?;
         output::message(&format!(
             "merlkit: {} has {done}; the same command with --resume finishes it",
             self.files.exr.display()

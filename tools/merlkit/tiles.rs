@@ -219,7 +219,7 @@ impl TileFolder {
     ///
     /// # Errors
     /// As [`read_exr`], and [`Error::Argument`] for a file of another size.
-    fn read(&self, tile: &Tile<'_>) -> Result<Image, Error> {
+    pub fn read(&self, tile: &Tile<'_>) -> Result<Image, Error> {
         let path = self.path_of(tile, "exr")?;
         let image = read_exr(&path)?;
         let settings = &tile.picture.settings;

@@ -22,6 +22,7 @@ use crate::grid::{Cell, Grid};
 use crate::output;
 use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
+use crate::scene_args::Finish;
 use crate::table;
 
 /// Demonstrate files, samplers, report and rendering on three built-in materials, in about a minute on two idle cores
@@ -157,6 +158,7 @@ fn pictures(
         points: PointSet::Lattice,
         budget: Budget::Even(args.spp),
     };
+    let finish = Finish::default();
     for (sampler, files) in samplers {
         let started = Instant::now();
         let mut cells = Vec::with_capacity(materials.len());
@@ -170,14 +172,14 @@ fn pictures(
                 lookup: LOOKUP,
                 sampler,
                 settings,
-                exposure: 0.0,
+                finish,
             };
             let scene = parts.load(&picture)?;
             let rendered = render(scene, &settings, &|pixels| progress.advance_by(pixels))?;
             cells.push(Cell::from(rendered.film.to_image()?));
         }
         drop(progress);
-        files.write(&grid.compose(&[], &cells)?, 0.0, overwrite)?;
+        files.write(grid.compose(&[], &cells)?, &finish, None, overwrite)?;
         let seconds = started.elapsed().as_secs_f64();
         output::stdout(|out| {
             writeln!(

@@ -8,7 +8,6 @@ use merlkit::Error;
 use merlkit::distribution::Heuristic;
 use merlkit::files::Overwrite;
 use merlkit::glam::DVec3;
-use merlkit::light::LightSpec;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
@@ -20,10 +19,12 @@ use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::report::Sheet;
 
 use crate::failure::{Failure, Outcome};
+use crate::frames::{FrameOptions, Movie};
 use crate::grid::{Cell, Grid};
 use crate::picture::{Files, Picture};
 use crate::resumable::{self, Resumable};
 use crate::sampler_args;
+use crate::scene_args::SceneOptions;
 use crate::tiles::{Tile, TileFolder, draw_tiles};
 use crate::{args, batch, output, table};
 
@@ -44,8 +45,8 @@ pub struct Args {
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
     tables: args::TableOptions,
-    #[arg(help_heading = "Scene", long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
-    lights: Vec<String>,
+    #[command(flatten, next_help_heading = "Scene")]
+    scene: SceneOptions,
     /// Position of the eye in radii of a sphere; +y is up, +z to the viewer [default: it frames the spheres]
     #[arg(help_heading = "Scene", long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with_all = ["elevation", "fov"], value_parser = position)]
     eye: Option<DVec3>,
@@ -114,6 +115,8 @@ pub struct Args {
     /// Number of spheres in a row [default: up to 5]
     #[arg(help_heading = "Picture", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     columns: Option<u32>,
+    #[command(flatten, next_help_heading = "Picture")]
+    frames: FrameOptions,
     /// Exposure of the PNG in stops [default: 0]
     #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
@@ -161,7 +164,8 @@ pub fn run(args: &Args) -> Outcome {
         false => args::resolve(&names, &args.tables)?,
     };
     let pictures = describe(args, &names, &materials, settings)?;
-    if pictures.len() == 1 {
+    let is_single = pictures.len() == 1 && args.frames.count().is_none();
+    if is_single {
         resumable::check_files(&files, output::overwrite(args.force), args.resume)?;
     }
     check_samplers(&pictures)?;
@@ -171,32 +175,56 @@ pub fn run(args: &Args) -> Outcome {
         }
     }
     let refinement = match &pictures[..] {
-        [picture] => Resumable {
+        [picture] if is_single => Resumable {
             picture,
             files: &files,
             overwrite: output::overwrite(args.force),
             resume: args.resume,
         }
         .render()?,
-        _ => draw_apart(args, pictures, &grid, &files)?,
+        _ => match args.frames.count() {
+            Some(count) => draw_frames(args, &pictures, &grid, count)?,
+            None => draw_apart(args, pictures, &grid, &files)?,
+        },
     };
+    report(args, &grid, &settings, refinement.as_ref(), start)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Prints what was written, and how far the picture came.
+fn report(
+    args: &Args,
+    grid: &Grid,
+    settings: &RenderSettings,
+    refinement: Option<&Refinement>,
+    start: Instant,
+) -> Result<(), Failure> {
     output::stdout(|out| {
-        writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
+        match args.frames.count() {
+            Some(count) => writeln!(out, "{}", Movie::named(&args.output, count).describe())?,
+            None => {
+                let files = Files::named(&args.output);
+                writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
+            }
+        }
         let [w, h] = grid.size();
-        let paths = paths_a_pixel(&settings, w * h, refinement.as_ref());
+        let pixels = w * h * args.frames.count().unwrap_or(1);
+        let paths = paths_a_pixel(settings, pixels, refinement);
         let seconds = start.elapsed().as_secs_f64();
         writeln!(
             out,
             "{w} × {h} pixels, {paths} paths per pixel, {seconds:.2} s in total"
         )?;
+        if let Some(words) = args.scene.finish(args.exposure).warning() {
+            writeln!(out, "{words}")?;
+        }
         match (refinement, settings.budget) {
             (Some(refinement), Budget::ToError { most, .. }) => {
-                writeln!(out, "{}", error_reached(&refinement, most))
+                writeln!(out, "{}", error_reached(refinement, most))
             }
             _ => Ok(()),
         }
-    })?;
-    Ok(ExitCode::SUCCESS)
+    })
 }
 
 /// Before the work: samplers that can't be built for the materials are refused.
@@ -238,11 +266,52 @@ fn draw_apart(
         let is_finished = drawn.finished == tiles.len();
         let images = drawn.read(&folder, &tiles)?;
         let cells: Vec<Cell> = images.into_iter().map(Cell::from).collect();
-        let mut image = grid.compose(&[], &cells)?;
-        if !is_finished {
-            image = image.with_comment(resumable::unfinished("some spheres are missing"));
+        let state = resumable::unfinished("some spheres are missing");
+        let state = (!is_finished).then_some(state);
+        let finish = args.scene.finish(args.exposure);
+        files.write(grid.compose(&[], &cells)?, &finish, state, overwrite)?;
+        Ok(folder.read_refinement(&tiles)?)
+    })?;
+    Ok(drawn.flatten())
+}
+
+/// Draws the spheres of each frame, all frames of a sphere before the next one, which is then not in memory.
+fn draw_frames(
+    args: &Args,
+    pictures: &[Picture<'_>],
+    grid: &Grid,
+    count: usize,
+) -> Result<Option<Refinement>, Failure> {
+    let movie = Movie::named(&args.output, count);
+    let folder = TileFolder::beside(&Files::named(&args.output), args.resume);
+    folder.check()?;
+    movie.check(output::overwrite(args.force))?;
+    let mut tiles = Vec::with_capacity(pictures.len() * count);
+    for picture in pictures {
+        for frame in 0..count {
+            tiles.push(Tile {
+                variant: format!("_{frame:04}"),
+                picture: Picture {
+                    scene: args.frames.turn(&picture.scene, frame),
+                    ..*picture
+                },
+            });
         }
-        files.write(&image, args.exposure, overwrite)?;
+    }
+    let finish = args.scene.finish(args.exposure);
+    let drawn = draw_tiles(&folder, &tiles, &args.frames.describe(), |drawn| {
+        if drawn.finished < tiles.len() {
+            return Ok(None);
+        }
+        let compose = |frame: usize| {
+            let spheres = tiles.iter().skip(frame).step_by(count);
+            let mut cells = Vec::with_capacity(pictures.len());
+            for tile in spheres {
+                cells.push(Cell::from(folder.read(tile)?));
+            }
+            grid.compose(&[], &cells)
+        };
+        movie.write(count, compose, &finish, output::overwrite(args.force))?;
         Ok(folder.read_refinement(&tiles)?)
     })?;
     Ok(drawn.flatten())
@@ -385,7 +454,7 @@ fn describe<'a>(
             lookup: args.lookup,
             sampler: &args.sampler,
             settings,
-            exposure: args.exposure,
+            finish: args.scene.finish(args.exposure),
         });
     }
     Ok(pictures)
@@ -400,11 +469,7 @@ fn describe_scene(
 ) -> Result<SceneSpec, Error> {
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
     spec.mirrors = args::find_mirrors(materials)?;
-    spec.lights = args
-        .lights
-        .iter()
-        .map(|name| spec.light(name))
-        .collect::<Result<_, _>>()?;
+    args.scene.apply(&mut spec)?;
     spec.camera = camera(args, spec.camera);
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
@@ -476,13 +541,6 @@ fn no_effect(strategy: &str, option: &str, wanted: &str) -> Error {
     Error::argument(
         format!("{option} has no effect with --strategy {strategy}"),
         format!("omit it, or pass --strategy {wanted}"),
-    )
-}
-
-fn light_help() -> String {
-    format!(
-        "{}: a map (EXR, HDR, PFM, PNG; its top is +y, its centre −z, its right half +x); repeatable [default: studio]",
-        LightSpec::words()
     )
 }
 

@@ -19,6 +19,7 @@ use crate::output;
 use crate::picture::{Files, Picture};
 use crate::resumable::unfinished;
 use crate::sampler_args;
+use crate::scene_args::SceneOptions;
 use crate::tiles::{Tile, TileFolder, draw_tiles};
 
 /// Render a contact sheet: each material as a sphere of its own, with its name
@@ -36,15 +37,8 @@ pub struct Args {
     /// How values between the samples of a table are interpolated
     #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    /// Light, as of `merlkit render` [default: environment]
-    #[arg(
-        help_heading = "Picture",
-        long = "light",
-        value_name = "LIGHT",
-        default_value = "environment",
-        hide_default_value = true
-    )]
-    lights: Vec<String>,
+    #[command(flatten, next_help_heading = "Scene")]
+    scene: SceneOptions,
     /// Number of spheres in a row [default: as near to a square as may be]
     #[arg(help_heading = "Picture", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     columns: Option<u32>,
@@ -130,11 +124,9 @@ pub fn run(args: &Args) -> Outcome {
                 label: label_of(material).to_owned(),
             });
         }
-        let mut image = grid.compose(&[], &cells)?;
-        if !is_finished {
-            image = image.with_comment(unfinished("some spheres are missing"));
-        }
-        Ok(files.write(&image, args.exposure, overwrite)?)
+        let state = (!is_finished).then(|| unfinished("some spheres are missing"));
+        let finish = args.scene.finish(args.exposure);
+        Ok(files.write(grid.compose(&[], &cells)?, &finish, state, overwrite)?)
     })?;
     output::stdout(|out| {
         writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
@@ -155,6 +147,7 @@ fn lay_out(args: &Args, count: usize) -> Grid {
     Grid {
         gap: GAP,
         label,
+        ink: args.scene.ink(),
         ..Grid::for_tiles(count, columns, [args.size as usize; 2])
     }
 }
@@ -162,8 +155,7 @@ fn lay_out(args: &Args, count: usize) -> Grid {
 /// The scene of every tile: one sphere under the lights.
 fn describe_scene(args: &Args) -> Result<SceneSpec, Error> {
     let mut scene = SceneSpec::row(&["sphere".to_owned()], 1.0);
-    let lights = args.lights.iter().map(|name| scene.light(name));
-    scene.lights = lights.collect::<Result<_, _>>()?;
+    args.scene.apply(&mut scene)?;
     scene.camera = camera();
     Ok(scene)
 }
@@ -191,7 +183,7 @@ fn picture<'a>(
             points: PointSet::Lattice,
             budget: Budget::Even(args.spp),
         },
-        exposure: args.exposure,
+        finish: args.scene.finish(args.exposure),
     })
 }
 
