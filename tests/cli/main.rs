@@ -26,6 +26,7 @@ mod reports;
 mod resume;
 mod run;
 mod samplers;
+mod scenes;
 mod sheet;
 mod shell;
 mod unlucky;

@@ -42,8 +42,10 @@ impl From<Image> for Cell {
     }
 }
 
-/// Height of a line of text.
-pub const LINE: usize = 12;
+/// Height of a line of text under tiles of some width.
+pub fn line_height(width: usize) -> usize {
+    (width / 12).clamp(12, 22)
+}
 impl Grid {
     /// A grid for `count` tiles in so many columns, or as near to a square as may be.
     pub fn for_tiles(count: usize, columns: Option<usize>, tile: [usize; 2]) -> Self {

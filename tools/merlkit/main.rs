@@ -2,6 +2,7 @@
 
 mod args;
 mod batch;
+mod columns;
 mod commands;
 mod failure;
 mod frames;

@@ -153,7 +153,7 @@ fn background(argument: &str) -> Result<Background, String> {
 }
 
 /// The inverse of sRGB's transfer function (IEC 61966-2-1).
-fn linear(encoded: f32) -> f32 {
+pub fn linear(encoded: f32) -> f32 {
     if encoded <= 0.040_45 {
         encoded / 12.92
     } else {

@@ -7,19 +7,23 @@ use std::time::Instant;
 use merlkit::Error;
 use merlkit::files::Overwrite;
 use merlkit::glam::DVec3;
+use merlkit::image::Image;
 use merlkit::material::{LookupRule, Material, Origin};
 use merlkit::points::PointSet;
 use merlkit::render::{Budget, Camera, PlanRequest, RenderSettings, SceneSpec};
 use merlkit::sampler::SamplerSpec;
+use merlkit_evaluate::report::Sheet;
 
 use crate::args;
+use crate::columns::{ColumnsBy, compare_rows};
 use crate::failure::Outcome;
-use crate::grid::{Cell, Grid, LINE};
+use crate::grid::{Cell, Grid, line_height};
 use crate::output;
 use crate::picture::{Files, Picture};
 use crate::resumable::unfinished;
 use crate::sampler_args;
 use crate::scene_args::SceneOptions;
+use crate::table;
 use crate::tiles::{Tile, TileFolder, draw_tiles};
 
 /// Render a contact sheet: each material as a sphere of its own, with its name
@@ -29,7 +33,7 @@ use crate::tiles::{Tile, TileFolder, draw_tiles};
 /// same command with --resume goes on from there.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  merlkit sheet --all -o merl100\n  merlkit sheet nickel chrome ward:sx=0.2,sy=0.4 --columns 3 --size 256 --spp 256"
+    after_help = "Examples:\n  merlkit sheet --all -o merl100\n  merlkit sheet nickel chrome ward:sx=0.2,sy=0.4 --columns 3 --size 256 --spp 256\n  merlkit sheet nickel teflon --columns-by sampler --sampler cosine --sampler half-vector --difference"
 )]
 pub struct Args {
     #[command(flatten, next_help_heading = "Materials")]
@@ -57,15 +61,25 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     exposure: f32,
-    /// BRDF sampler, with settings (`merlkit samplers` lists them)
-    #[arg(help_heading = "Sampling", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
-    sampler: SamplerSpec,
+    /// BRDF sampler, with settings (`merlkit samplers` lists them); repeatable with --columns-by sampler
+    #[arg(help_heading = "Sampling", long = "sampler", value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
+    samplers: Vec<SamplerSpec>,
     /// Paths per pixel
     #[arg(help_heading = "Sampling", long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
     /// Seed of all random numbers
     #[arg(help_heading = "Sampling", long, value_name = "K", default_value_t = 0)]
     seed: u64,
+    /// A row for each material, a column for each sampler or value of a parameter: sampler, or such as sx=sy=0.1,0.2,0.4. The
+    /// first column is the reference, and under each other sphere is its error [default: no meaning of columns]
+    #[arg(help_heading = "Comparison", long, value_name = "sampler|PARAM=V,V,…", conflicts_with = "columns", value_parser = ColumnsBy::parse)]
+    columns_by: Option<ColumnsBy>,
+    /// Add to each row a row of differences from the reference, as FLIP sees them: dark for none, yellow for 1
+    #[arg(help_heading = "Comparison", long, requires = "columns_by")]
+    difference: bool,
+    /// Paths per pixel of the reference [default: 16 × --spp]
+    #[arg(help_heading = "Comparison", long, value_name = "N", requires = "columns_by", value_parser = clap::value_parser!(u64).range(1..))]
+    reference_spp: Option<u64>,
     /// Finish a sheet that Ctrl-C interrupted; the bytes are those of an uninterrupted run
     #[arg(help_heading = "Output", long)]
     resume: bool,
@@ -94,19 +108,22 @@ pub fn run(args: &Args) -> Outcome {
     let start = Instant::now();
     let (materials, unreadable) = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
-    for material in &materials {
-        args.sampler.check_supports(&material.facts()?)?;
+    if args.samplers.len() > 1 && args.columns_by != Some(ColumnsBy::Sampler) {
+        let what = "several samplers without a column for each";
+        return Err(Error::argument(what, "pass --columns-by sampler").into());
+    }
+    let spheres = plan_spheres(args, &materials)?;
+    for sphere in &spheres {
+        let facts = sphere.material.facts()?;
+        sphere.sampler.check_supports(&facts)?;
     }
     let grid = lay_out(args, materials.len());
     grid.check()?;
     let files = Files::named(&args.output);
     let scene = describe_scene(args)?;
-    let mut tiles = Vec::with_capacity(materials.len());
-    for material in &materials {
-        tiles.push(Tile {
-            variant: String::new(),
-            picture: picture(args, &scene, material)?,
-        });
+    let mut tiles = Vec::with_capacity(spheres.len());
+    for sphere in &spheres {
+        tiles.push(sphere.tile(args, &scene)?);
     }
     let folder = TileFolder::beside(&files, args.resume);
     folder.check()?;
@@ -115,41 +132,166 @@ pub fn run(args: &Args) -> Outcome {
         false => output::overwrite(args.force),
     };
     files.check(overwrite)?;
-    draw_tiles(&folder, &tiles, "", |drawn| {
+    let layout = format!("{:?} {:?}", args.columns_by, args.reference_spp);
+    let errors = draw_tiles(&folder, &tiles, &layout, |drawn| {
         let is_finished = drawn.finished == tiles.len();
-        let mut cells = Vec::with_capacity(tiles.len());
-        for (image, material) in drawn.read(&folder, &tiles)?.into_iter().zip(&materials) {
-            cells.push(Cell {
-                image: Some(image),
-                label: label_of(material).to_owned(),
-            });
-        }
         let state = (!is_finished).then(|| unfinished("some spheres are missing"));
         let finish = args.scene.finish(args.exposure);
-        Ok(files.write(grid.compose(&[], &cells)?, &finish, state, overwrite)?)
+        let images = drawn.read(&folder, &tiles)?;
+        let (image, errors) = compose(args, &grid, &materials, images)?;
+        files.write(image, &finish, state, overwrite)?;
+        Ok(errors)
     })?;
     output::stdout(|out| {
+        if let Some(errors) = errors.flatten() {
+            writeln!(out, "{}", table::render(&errors))?;
+        }
         writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
         let seconds = start.elapsed().as_secs_f64();
-        let (n, size, spp) = (materials.len(), args.size, args.spp);
+        let (n, size, spp) = (spheres.len(), args.size, args.spp);
         writeln!(
             out,
             "{n} spheres of {size} × {size} pixels, {spp} paths per pixel, {seconds:.1} s in total"
-        )
+        )?;
+        match args.scene.finish(args.exposure).warning() {
+            Some(words) => writeln!(out, "{words}"),
+            None => Ok(()),
+        }
     })?;
     unreadable.end(materials.len(), ExitCode::SUCCESS)
 }
 
+/// A sphere of the sheet.
+struct Sphere<'a> {
+    material: Material,
+    sampler: &'a SamplerSpec,
+    paths: u64,
+    points: PointSet,
+    seed: u64,
+    /// Distinguishes the spheres of a material.
+    variant: String,
+}
+
+/// Paths of the reference for each path of the others.
+const REFERENCE_PATHS: u64 = 16;
+
+/// All spheres in the order in which they are drawn: row after row, without the rows of differences.
+fn plan_spheres<'a>(args: &'a Args, materials: &[Material]) -> Result<Vec<Sphere<'a>>, Error> {
+    let Some(first) = args.samplers.first() else {
+        return Ok(Vec::new());
+    };
+    let mut spheres = Vec::new();
+    for material in materials {
+        let plain = Sphere {
+            material: material.clone(),
+            sampler: first,
+            paths: args.spp,
+            points: PointSet::Lattice,
+            seed: args.seed,
+            variant: String::new(),
+        };
+        let Some(columns) = &args.columns_by else {
+            spheres.push(plain);
+            continue;
+        };
+        // Other points and another seed: the reference shares no noise with the others.
+        spheres.push(Sphere {
+            paths: args
+                .reference_spp
+                .unwrap_or(args.spp.saturating_mul(REFERENCE_PATHS)),
+            points: PointSet::Sobol,
+            seed: args.seed.wrapping_add(1),
+            variant: "-reference".into(),
+            ..plain
+        });
+        let varied = columns.materials(material, args.samplers.len())?;
+        for (number, material) in varied.into_iter().enumerate() {
+            spheres.push(Sphere {
+                material,
+                sampler: args.samplers.get(number).unwrap_or(first),
+                paths: args.spp,
+                points: PointSet::Lattice,
+                seed: args.seed,
+                variant: format!("-{number}"),
+            });
+        }
+    }
+    Ok(spheres)
+}
+
+impl Sphere<'_> {
+    fn tile<'a>(&'a self, args: &Args, scene: &SceneSpec) -> Result<Tile<'a>, Error> {
+        let materials = std::slice::from_ref(&self.material);
+        let picture = Picture {
+            scene: SceneSpec {
+                mirrors: args::find_mirrors(materials)?,
+                ..scene.clone()
+            },
+            effects: PlanRequest::AsNeeded,
+            materials,
+            lookup: args.lookup,
+            sampler: self.sampler,
+            settings: RenderSettings {
+                width: args.size as usize,
+                height: args.size as usize,
+                seed: self.seed,
+                points: self.points,
+                budget: Budget::Even(self.paths),
+            },
+            finish: args.scene.finish(args.exposure),
+        };
+        Ok(Tile {
+            variant: self.variant.clone(),
+            picture,
+        })
+    }
+}
+
 /// Where the tiles are.
-fn lay_out(args: &Args, count: usize) -> Grid {
-    let columns = args.columns.map(|n| n as usize);
-    let label = if args.no_labels { 0 } else { LINE };
+fn lay_out(args: &Args, materials: usize) -> Grid {
+    let tile = [args.size as usize; 2];
+    let line = line_height(tile[0]);
+    let grid = match &args.columns_by {
+        None => Grid::for_tiles(materials, args.columns.map(|n| n as usize), tile),
+        Some(columns) => {
+            let columns = 1 + columns.headings(&args.samplers).len();
+            let rows = materials * (1 + usize::from(args.difference));
+            Grid {
+                heading: if args.no_labels { 0 } else { line },
+                ..Grid::for_tiles(columns * rows, Some(columns), tile)
+            }
+        }
+    };
     Grid {
         gap: GAP,
-        label,
+        label: if args.no_labels { 0 } else { line },
         ink: args.scene.ink(),
-        ..Grid::for_tiles(count, columns, [args.size as usize; 2])
+        ..grid
     }
+}
+
+/// The sheet of the spheres that are drawn, and a table of their errors if they have any.
+fn compose(
+    args: &Args,
+    grid: &Grid,
+    materials: &[Material],
+    images: Vec<Image>,
+) -> Result<(Image, Option<Sheet>), Error> {
+    let names: Vec<&str> = materials.iter().map(label_of).collect();
+    let Some(columns) = &args.columns_by else {
+        let mut cells = Vec::with_capacity(images.len());
+        for (image, name) in images.into_iter().zip(&names) {
+            cells.push(Cell {
+                image: Some(image),
+                label: (*name).to_owned(),
+            });
+        }
+        return Ok((grid.compose(&[], &cells)?, None));
+    };
+    let mut headings = columns.headings(&args.samplers);
+    let rows = compare_rows(images, &names, &headings, args.difference, args.exposure)?;
+    headings.insert(0, "reference".into());
+    Ok((grid.compose(&headings, &rows.cells)?, Some(rows.sheet)))
 }
 
 /// The scene of every tile: one sphere under the lights.
@@ -158,33 +300,6 @@ fn describe_scene(args: &Args) -> Result<SceneSpec, Error> {
     args.scene.apply(&mut scene)?;
     scene.camera = camera();
     Ok(scene)
-}
-
-/// The picture of one material's sphere.
-fn picture<'a>(
-    args: &'a Args,
-    scene: &SceneSpec,
-    material: &'a Material,
-) -> Result<Picture<'a>, Error> {
-    let materials = std::slice::from_ref(material);
-    Ok(Picture {
-        scene: SceneSpec {
-            mirrors: args::find_mirrors(materials)?,
-            ..scene.clone()
-        },
-        effects: PlanRequest::AsNeeded,
-        materials,
-        lookup: args.lookup,
-        sampler: &args.sampler,
-        settings: RenderSettings {
-            width: args.size as usize,
-            height: args.size as usize,
-            seed: args.seed,
-            points: PointSet::Lattice,
-            budget: Budget::Even(args.spp),
-        },
-        finish: args.scene.finish(args.exposure),
-    })
 }
 
 /// A camera whose axis goes through the centre of the sphere at (0, 1, 0): its outline is a circle.
