@@ -67,8 +67,8 @@ impl ColumnsBy {
         match self {
             Self::Sampler => Ok(vec![material.clone(); count]),
             Self::Parameter { names, values } => {
-                let vary = |value| vary(material, names, value);
-                values.iter().map(vary).collect()
+                let varied = values.iter().map(|value| vary(material, names, value));
+                varied.collect()
             }
         }
     }
@@ -151,7 +151,7 @@ pub fn compare_rows(
             let Some(image) = images.next() else { break };
             let difference = measure(&image, &reference)?;
             let [error, flip] = match &difference {
-                Some(d) => [format!("{:.2e}", d.rel_mse), format!("{:.4}", d.flip)],
+                Some(d) => [format_error(d.rel_mse), format_error(d.flip)],
                 None => ["black".to_owned(), "black".to_owned()],
             };
             differences.push(Cell {
@@ -177,6 +177,19 @@ pub fn compare_rows(
         }
     }
     Ok(rows)
+}
+
+/// Three digits, without an exponent where few zeros are needed.
+fn format_error(error: f64) -> String {
+    let digits = match error {
+        e if e >= 10.0 => 1,
+        e if e >= 1.0 => 2,
+        e if e >= 0.1 => 3,
+        e if e >= 0.01 => 4,
+        e if e >= 0.001 || e == 0.0 => 5,
+        _ => return format!("{error:.2e}"),
+    };
+    format!("{error:.digits$}")
 }
 
 /// The difference from a reference; `None` if that is black.
@@ -238,6 +251,12 @@ mod tests {
         let nickel = Material::resolve("nickel").unwrap();
         let by = ColumnsBy::parse("sx=0.1").unwrap();
         assert!(by.materials(&nickel, 1).is_err());
+    }
+
+    #[test]
+    fn errors_have_three_digits() {
+        let shown = [123.45, 9.714, 0.2716, 0.010_44, 1.044e-5].map(format_error);
+        assert_eq!(shown, ["123.5", "9.71", "0.272", "0.0104", "1.04e-5"]);
     }
 
     #[test]

@@ -26,14 +26,14 @@ use crate::scene_args::SceneOptions;
 use crate::table;
 use crate::tiles::{Tile, TileFolder, draw_tiles};
 
-/// Render a contact sheet: each material as a sphere of its own, with its name
-///
-/// Each sphere is alone in its tile, in the middle and far from the eye, so that its outline is a circle and its pixels don't depend
-/// on its neighbours. Writes NAME.exr (linear RGB) and NAME.png. Ctrl-C keeps the finished spheres in the folder NAME.tiles; the
-/// same command with --resume goes on from there.
+/// Render a contact sheet to NAME.exr and NAME.png: each material as a sphere of its own, with its name
+// Without a second paragraph the help has one line or two for each option, instead of three or more.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  merlkit sheet --all -o merl100\n  merlkit sheet nickel chrome ward:sx=0.2,sy=0.4 --columns 3 --size 256 --spp 256\n  merlkit sheet nickel teflon --columns-by sampler --sampler cosine --sampler half-vector --difference"
+    after_help = "Each sphere is alone in its tile, in the middle and far from the eye, so that its outline is a circle and its pixels don't \
+                  depend on its neighbours. Ctrl-C keeps the finished spheres in the folder NAME.tiles; the same command with --resume \
+                  goes on from there.\n\n\
+                  Examples:\n  merlkit sheet --all -o merl100\n  merlkit sheet nickel chrome ward:sx=0.2,sy=0.4 --columns 3 --size 256 --spp 256\n  merlkit sheet nickel teflon --columns-by sampler --sampler cosine --sampler half-vector --difference"
 )]
 pub struct Args {
     #[command(flatten, next_help_heading = "Materials")]
@@ -112,7 +112,8 @@ pub fn run(args: &Args) -> Outcome {
         let what = "several samplers without a column for each";
         return Err(Error::argument(what, "pass --columns-by sampler").into());
     }
-    let spheres = plan_spheres(args, &materials)?;
+    let default: SamplerSpec = sampler_args::DEFAULT.parse()?;
+    let spheres = plan_spheres(args, &materials, &default)?;
     for sphere in &spheres {
         let facts = sphere.material.facts()?;
         sphere.sampler.check_supports(&facts)?;
@@ -175,8 +176,13 @@ struct Sphere<'a> {
 /// Paths of the reference for each path of the others.
 const REFERENCE_PATHS: u64 = 16;
 
-/// All spheres in the order in which they are drawn: row after row, without the rows of differences.
-fn plan_spheres<'a>(args: &'a Args, materials: &[Material]) -> Result<Vec<Sphere<'a>>, Error> {
+/// All spheres in the order in which they are drawn: row after row, without the rows of differences. References are drawn by the
+/// `default` sampler where it takes their material.
+fn plan_spheres<'a>(
+    args: &'a Args,
+    materials: &[Material],
+    default: &'a SamplerSpec,
+) -> Result<Vec<Sphere<'a>>, Error> {
     let Some(first) = args.samplers.first() else {
         return Ok(Vec::new());
     };
@@ -196,6 +202,10 @@ fn plan_spheres<'a>(args: &'a Args, materials: &[Material]) -> Result<Vec<Sphere
         };
         // Other points and another seed: the reference shares no noise with the others.
         spheres.push(Sphere {
+            sampler: match default.check_supports(&material.facts()?) {
+                Ok(()) => default,
+                Err(_) => first,
+            },
             paths: args
                 .reference_spp
                 .unwrap_or(args.spp.saturating_mul(REFERENCE_PATHS)),
