@@ -66,6 +66,7 @@ fn a_sphere_is_drawn_alone_unless_together() {
     for (options, complaint) in [
         (["--size", "47x30"], "give --size 48x30"),
         (["--together", "--columns=2"], "cannot be used with"),
+        (["--size", "480x7"], "240 × 7 pixels for each sphere"),
     ] {
         let command = [&["render", &red, &grey][..], &options].concat();
         let message = fails(run_in(folder.path(), &command, ""));

@@ -2,8 +2,10 @@
 
 mod args;
 mod batch;
+mod camera_args;
 mod columns;
 mod commands;
+mod explanation;
 mod failure;
 mod frames;
 mod grid;

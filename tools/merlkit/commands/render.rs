@@ -7,17 +7,16 @@ use std::time::Instant;
 use merlkit::Error;
 use merlkit::distribution::Heuristic;
 use merlkit::files::Overwrite;
-use merlkit::glam::DVec3;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Budget, Camera, Decision, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings,
-    SceneSpec, Strategy,
+    Budget, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings, SceneSpec, Strategy,
 };
 use merlkit::sampler::SamplerSpec;
-use merlkit_evaluate::report::Sheet;
 
+use crate::camera_args::CameraOptions;
+use crate::explanation::explain_plans;
 use crate::failure::{Failure, Outcome};
 use crate::frames::{FrameOptions, Movie};
 use crate::grid::{Cell, Grid};
@@ -47,15 +46,8 @@ pub struct Args {
     tables: args::TableOptions,
     #[command(flatten, next_help_heading = "Scene")]
     scene: SceneOptions,
-    /// Position of the eye in radii of a sphere; +y is up, +z to the viewer [default: it frames the spheres]
-    #[arg(help_heading = "Scene", long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with_all = ["elevation", "fov"], value_parser = position)]
-    eye: Option<DVec3>,
-    /// Elevation of the eye above the horizon in degrees, -89 to 89 [default: 12.4]
-    #[arg(help_heading = "Scene", long, value_name = "DEG", allow_negative_numbers = true, value_parser = within::<-89, 89>)]
-    elevation: Option<f64>,
-    /// Vertical field of view in degrees, 1 to 120; spheres keep their size [default: 24]
-    #[arg(help_heading = "Scene", long, value_name = "DEG", value_parser = within::<1, 120>)]
-    fov: Option<f64>,
+    #[command(flatten, next_help_heading = "Scene")]
+    camera: CameraOptions,
     /// Put all spheres into one scene, in which they light one another [default: each is drawn alone]
     #[arg(help_heading = "Scene", long, conflicts_with = "columns")]
     together: bool,
@@ -170,7 +162,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     check_samplers(&pictures)?;
     if args.explain {
-        for sheet in explanations(&pictures) {
+        for sheet in explain_plans(&pictures) {
             output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
         }
     }
@@ -367,6 +359,9 @@ const SOBOL_FROM: u64 = 512;
 /// Most spheres in a row, where nothing is said.
 const COLUMNS: usize = 5;
 
+/// Pixels of a tile's sides, at least: with fewer, nothing can be seen.
+const LEAST_SIDE: usize = 8;
+
 /// Where the spheres are in the picture. Together they are one tile.
 fn lay_out(args: &Args, spheres: usize) -> Result<Grid, Error> {
     if args.together || spheres == 1 {
@@ -382,6 +377,13 @@ fn lay_out(args: &Args, spheres: usize) -> Result<Grid, Error> {
     let (columns, rows) = (grid.columns, grid.rows);
     if width % columns == 0 && height % rows == 0 {
         let tile = [width / columns, height / rows];
+        if tile[0].min(tile[1]) < LEAST_SIDE {
+            let [w, h] = tile;
+            return Err(Error::argument(
+                format!("a picture with {w} × {h} pixels for each sphere"),
+                "give a larger --size, or another number of --columns",
+            ));
+        }
         return Ok(Grid { tile, ..grid });
     }
     let wide = width.div_ceil(columns) * columns;
@@ -470,57 +472,11 @@ fn describe_scene(
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
     spec.mirrors = args::find_mirrors(materials)?;
     args.scene.apply(&mut spec)?;
-    spec.camera = camera(args, spec.camera);
+    spec.camera = args.camera.place(spec.camera);
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
     spec.strategy = strategy(args)?;
     Ok(spec)
-}
-
-/// The camera that was asked for, where the scene has `framed`.
-fn camera(args: &Args, framed: Camera) -> Camera {
-    if let Some(eye) = args.eye {
-        return Camera { eye, ..framed };
-    }
-    let Camera {
-        eye,
-        target,
-        vertical_angle: framed_angle,
-    } = framed;
-    let vertical_angle = args.fov.map_or(framed_angle, f64::to_radians);
-    // The nearest points of the spheres, one radius before their centres, keep their size in the picture.
-    let zoom = (0.5 * framed_angle).tan() / (0.5 * vertical_angle).tan();
-    let distance = ((eye - target).length() - 1.0) * zoom + 1.0;
-    let towards = match args.elevation.map(f64::to_radians) {
-        Some(elevation) => DVec3::new(0.0, elevation.sin(), elevation.cos()),
-        None => (eye - target).normalize(),
-    };
-    Camera {
-        eye: target + towards * distance,
-        target,
-        vertical_angle,
-    }
-}
-
-/// "X,Y,Z" as a point.
-fn position(argument: &str) -> Result<DVec3, String> {
-    let numbers: Option<Vec<f64>> = argument.split(',').map(|n| n.trim().parse().ok()).collect();
-    let point = match numbers.as_deref() {
-        Some(&[x, y, z]) => Some(DVec3::new(x, y, z)),
-        _ => None,
-    };
-    point
-        .filter(|p| p.is_finite())
-        .ok_or_else(|| "expected three numbers, such as 0,2,8".into())
-}
-
-/// A number from `LEAST` to `MOST`.
-fn within<const LEAST: i32, const MOST: i32>(argument: &str) -> Result<f64, String> {
-    let domain = f64::from(LEAST)..=f64::from(MOST);
-    let number = argument.parse().ok();
-    number
-        .filter(|x| domain.contains(x))
-        .ok_or_else(|| format!("expected a number from {LEAST} to {MOST}"))
 }
 
 fn strategy(args: &Args) -> Result<Strategy, Error> {
@@ -542,43 +498,4 @@ fn no_effect(strategy: &str, option: &str, wanted: &str) -> Error {
         format!("{option} has no effect with --strategy {strategy}"),
         format!("omit it, or pass --strategy {wanted}"),
     )
-}
-
-/// One line an effect, then one a material and a light; a table for each kind of plan.
-fn explanations(pictures: &[Picture<'_>]) -> Vec<Sheet> {
-    let mut kinds: Vec<(EffectPlan, Vec<&SceneSpec>)> = Vec::new();
-    for picture in pictures {
-        let plan = EffectPlan::for_scene(&picture.scene, picture.effects);
-        match kinds.iter_mut().find(|(known, _)| *known == plan) {
-            Some((_, scenes)) => scenes.push(&picture.scene),
-            None => kinds.push((plan, vec![&picture.scene])),
-        }
-    }
-    kinds
-        .iter()
-        .map(|kind| explanation(&kind.0, &kind.1))
-        .collect()
-}
-
-/// What a plan decides for scenes that it is the plan of.
-fn explanation(plan: &EffectPlan, scenes: &[&SceneSpec]) -> Sheet {
-    let mut sheet = Sheet::new(&["effect", "", "why"]);
-    let mut rows = Vec::new();
-    for effect in Effect::ALL {
-        rows.push((effect.name().to_owned(), plan.effect(effect)));
-    }
-    for scene in scenes {
-        for (name, decision) in scene.materials.iter().zip(plan.materials()) {
-            rows.push((format!("load material {name}"), *decision));
-        }
-    }
-    let lights = scenes.first().map_or(&[][..], |scene| &scene.lights);
-    for (light, decision) in lights.iter().zip(plan.lights()) {
-        rows.push((format!("load light {}", light.describe()), *decision));
-    }
-    for (name, Decision { on, why }) in rows {
-        let on = if on { "on" } else { "off" };
-        sheet.push(vec![name, on.into(), why.into()]);
-    }
-    sheet
 }
