@@ -41,11 +41,10 @@ impl Picture<'_> {
     /// Those of loading and building.
     pub fn load(&self) -> Result<Scene, Error> {
         let mut parts = LoadedParts::default();
-        parts.load(self)?;
-        // It was loaded a line before.
-        parts
-            .scene
-            .ok_or_else(|| Error::argument("no scene was loaded", "report this"))
+        let surface = |i, directions| parts.surface(self, i, directions);
+        let scene = Scene::build(&self.scene, self.effects, surface)?;
+        print_notes(scene.light_notes());
+        Ok(scene)
     }
 
     /// A bar that counts pixels.

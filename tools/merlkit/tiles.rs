@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use merlkit::Error;
 use merlkit::files::{Overwrite, write_new};
 use merlkit::image::{Image, read_exr, write_exr};
+use merlkit::material::Material;
 use merlkit::render::{Refinement, Rendering, Tile as RefinedTile};
+use sha2::{Digest, Sha256};
 
 use crate::failure::Failure;
 use crate::interrupt::StoppableWork;
@@ -14,12 +16,42 @@ use crate::output;
 use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
 
-/// A picture of one sphere, which becomes a part of a larger one.
+/// A picture that becomes a part of a larger one, or a frame: in most cases of one sphere.
 pub struct Tile<'a> {
-    /// What it is, apart from its material: distinguishes the tiles of one material.
-    pub variant: String,
-    /// Its scene, with one material, and its settings.
+    /// What its files are called, without an extension.
+    name: String,
+    /// Its scene and its settings.
     pub picture: Picture<'a>,
+}
+
+impl<'a> Tile<'a> {
+    /// A tile of the picture's material. `key` is that of [`tile_key`], and `variant` distinguishes the tiles of one material.
+    pub fn new(key: &str, variant: &str, picture: Picture<'a>) -> Self {
+        Self {
+            name: format!("{key}{variant}"),
+            picture,
+        }
+    }
+}
+
+/// A name that follows from the materials of a picture and from their content: what has changed is drawn again.
+///
+/// # Errors
+/// As [`Material::sha256`].
+pub fn tile_key(materials: &[Material]) -> Result<String, Error> {
+    let sums: Vec<String> = materials
+        .iter()
+        .map(Material::sha256)
+        .collect::<Result<_, _>>()?;
+    let (name, sum) = match (materials, &sums[..]) {
+        ([material], [sum]) => (material.name(), sum.clone()),
+        _ => ("together", to_hex(&Sha256::digest(sums.concat()))),
+    };
+    Ok(format!("{name}-{}", &sum[..16.min(sum.len())]))
+}
+
+fn to_hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// What was drawn before a signal came.
@@ -158,7 +190,7 @@ impl TileFolder {
         let progress = Progress::new("drawing", pixels);
         let mut parts = LoadedParts::default();
         for (finished, tile) in tiles.iter().enumerate() {
-            let path = self.path_of(tile, "exr")?;
+            let path = self.path_of(tile, "exr");
             if path.exists() {
                 progress.advance_by(tile.picture.pixels());
                 continue;
@@ -193,7 +225,7 @@ impl TileFolder {
         let picture = &tile.picture;
         let scene = parts.load(picture)?;
         let mut rendering = Rendering::begin(scene, &picture.settings)?;
-        let partial = self.path_of(tile, "partial")?;
+        let partial = self.path_of(tile, "partial");
         let goes_on = partial.exists();
         if goes_on {
             rendering.restore(&partial, &picture.facts())?;
@@ -220,7 +252,7 @@ impl TileFolder {
     /// # Errors
     /// As [`read_exr`], and [`Error::Argument`] for a file of another size.
     pub fn read(&self, tile: &Tile<'_>) -> Result<Image, Error> {
-        let path = self.path_of(tile, "exr")?;
+        let path = self.path_of(tile, "exr");
         let image = read_exr(&path)?;
         let settings = &tile.picture.settings;
         if (image.width(), image.height()) != (settings.width, settings.height) {
@@ -237,7 +269,7 @@ impl TileFolder {
     pub fn read_refinement(&self, tiles: &[Tile<'_>]) -> Result<Option<Refinement>, Error> {
         let mut all: Option<Refinement> = None;
         for tile in tiles {
-            let path = self.path_of(tile, "json")?;
+            let path = self.path_of(tile, "json");
             if !path.exists() {
                 continue;
             }
@@ -273,23 +305,14 @@ impl TileFolder {
             paths: refinement.paths,
             traced: refinement.traced,
         };
-        let path = self.path_of(tile, "json")?;
+        let path = self.path_of(tile, "json");
         write_new(&path, Overwrite::Replace, |out| {
             serde_json::to_writer(out, &record).map_err(|e| Error::io(&path, "write", e.into()))
         })
     }
 
-    /// A file of a tile: its material's name and checksum, so that a changed material is drawn again.
-    fn path_of(&self, tile: &Tile<'_>, extension: &str) -> Result<PathBuf, Error> {
-        let [material] = tile.picture.materials else {
-            return Err(Error::argument("a tile without a material", "name one"));
-        };
-        let sum = material.sha256()?;
-        let sum = &sum[..16.min(sum.len())];
-        let (name, variant) = (material.name(), &tile.variant);
-        Ok(self
-            .folder
-            .join(format!("{name}{variant}-{sum}.{extension}")))
+    fn path_of(&self, tile: &Tile<'_>, extension: &str) -> PathBuf {
+        self.folder.join(format!("{}.{extension}", tile.name))
     }
 
     /// Says how many spheres are kept.

@@ -24,7 +24,7 @@ use crate::picture::{Files, Picture};
 use crate::resumable::{self, Resumable};
 use crate::sampler_args;
 use crate::scene_args::SceneOptions;
-use crate::tiles::{Tile, TileFolder, draw_tiles};
+use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
 use crate::{args, batch, output, table};
 
 /// Path-trace a sphere of each material to NAME.exr (linear RGB) and NAME.png (sRGB)
@@ -247,13 +247,11 @@ fn draw_apart(
     let folder = TileFolder::beside(files, args.resume);
     folder.check()?;
     files.check(overwrite)?;
-    let tiles: Vec<Tile<'_>> = pictures
-        .into_iter()
-        .map(|picture| Tile {
-            variant: String::new(),
-            picture,
-        })
-        .collect();
+    let mut tiles = Vec::with_capacity(pictures.len());
+    for picture in pictures {
+        let key = tile_key(picture.materials)?;
+        tiles.push(Tile::new(&key, "", picture));
+    }
     let drawn = draw_tiles(&folder, &tiles, "", |drawn| {
         let is_finished = drawn.finished == tiles.len();
         let images = drawn.read(&folder, &tiles)?;
@@ -277,17 +275,20 @@ fn draw_frames(
     let movie = Movie::named(&args.output, count);
     let folder = TileFolder::beside(&Files::named(&args.output), args.resume);
     folder.check()?;
-    movie.check(output::overwrite(args.force))?;
+    let overwrite = match args.resume {
+        true => Overwrite::Replace,
+        false => output::overwrite(args.force),
+    };
+    movie.check(overwrite)?;
     let mut tiles = Vec::with_capacity(pictures.len() * count);
     for picture in pictures {
+        let key = tile_key(picture.materials)?;
         for frame in 0..count {
-            tiles.push(Tile {
-                variant: format!("_{frame:04}"),
-                picture: Picture {
-                    scene: args.frames.turn(&picture.scene, frame),
-                    ..*picture
-                },
-            });
+            let picture = Picture {
+                scene: args.frames.turn(&picture.scene, frame),
+                ..*picture
+            };
+            tiles.push(Tile::new(&key, &format!("_{frame:04}"), picture));
         }
     }
     let finish = args.scene.finish(args.exposure);
@@ -303,7 +304,7 @@ fn draw_frames(
             }
             grid.compose(&[], &cells)
         };
-        movie.write(count, compose, &finish, output::overwrite(args.force))?;
+        movie.write(count, compose, &finish, overwrite)?;
         Ok(folder.read_refinement(&tiles)?)
     })?;
     Ok(drawn.flatten())

@@ -24,7 +24,7 @@ use crate::resumable::unfinished;
 use crate::sampler_args;
 use crate::scene_args::SceneOptions;
 use crate::table;
-use crate::tiles::{Tile, TileFolder, draw_tiles};
+use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
 
 /// Render a contact sheet to NAME.exr and NAME.png: each material as a sphere of its own, with its name
 // Without a second paragraph the help has one line or two for each option, instead of three or more.
@@ -250,10 +250,8 @@ impl Sphere<'_> {
             },
             finish: args.scene.finish(args.exposure),
         };
-        Ok(Tile {
-            variant: self.variant.clone(),
-            picture,
-        })
+        let key = tile_key(materials)?;
+        Ok(Tile::new(&key, &self.variant, picture))
     }
 }
 
