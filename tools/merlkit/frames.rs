@@ -162,6 +162,10 @@ fn encode_frame(image: Image, finish: &Finish) -> ([usize; 2], Vec<u8>) {
     (size, opaque)
 }
 
+fn write_error(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Error {
+    Error::io(path, "write", std::io::Error::other(error))
+}
+
 /// How thoroughly colours are chosen, from 1 to 30, the fastest.
 const GIF_SPEED: i32 = 10;
 
@@ -180,10 +184,12 @@ fn write_gif(
             "choose a smaller --size, or -o NAME.apng",
         ));
     };
-    let failed = |e: gif::EncodingError| Error::io(path, "write", std::io::Error::other(e));
     write_new(path, overwrite, |out| {
-        let mut encoder = gif::Encoder::new(out, width, height, &[]).map_err(failed)?;
-        encoder.set_repeat(gif::Repeat::Infinite).map_err(failed)?;
+        let mut encoder =
+            gif::Encoder::new(out, width, height, &[]).map_err(|e| write_error(path, e))?;
+        encoder
+            .set_repeat(gif::Repeat::Infinite)
+            .map_err(|e| write_error(path, e))?;
         let mut pixels = first.clone();
         for number in 0..count {
             if number > 0 {
@@ -192,7 +198,9 @@ fn write_gif(
             let mut shown = gif::Frame::from_rgba_speed(width, height, &mut pixels, GIF_SPEED);
             shown.delay = delay(count);
             shown.dispose = gif::DisposalMethod::Background;
-            encoder.write_frame(&shown).map_err(failed)?;
+            encoder
+                .write_frame(&shown)
+                .map_err(|e| write_error(path, e))?;
         }
         Ok(())
     })
@@ -207,26 +215,33 @@ fn write_apng(
 ) -> Result<(), Error> {
     let (size, first) = encode_frame(frame(0)?, finish);
     let [width, height] = size.map(|side| u32::try_from(side).unwrap_or(0));
-    let failed = |e: png::EncodingError| Error::io(path, "write", std::io::Error::other(e));
     write_new(path, overwrite, |out| {
         let mut encoder = png::Encoder::new(out, width, height);
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         // 0 repeats for ever.
-        encoder.set_animated(count as u32, 0).map_err(failed)?;
-        encoder.set_frame_delay(delay(count), 100).map_err(failed)?;
+        encoder
+            .set_animated(count as u32, 0)
+            .map_err(|e| write_error(path, e))?;
+        encoder
+            .set_frame_delay(delay(count), 100)
+            .map_err(|e| write_error(path, e))?;
         if let Some(words) = finish.warning() {
             let comment = encoder.add_itxt_chunk("Comment".into(), words);
-            comment.map_err(failed)?;
+            comment.map_err(|e| write_error(path, e))?;
         }
-        let mut writer = encoder.write_header().map_err(failed)?;
-        writer.write_image_data(&first).map_err(failed)?;
+        let mut writer = encoder.write_header().map_err(|e| write_error(path, e))?;
+        writer
+            .write_image_data(&first)
+            .map_err(|e| write_error(path, e))?;
         for number in 1..count {
             let (_, pixels) = encode_frame(frame(number)?, finish);
-            writer.write_image_data(&pixels).map_err(failed)?;
+            writer
+                .write_image_data(&pixels)
+                .map_err(|e| write_error(path, e))?;
         }
-        writer.finish().map_err(failed)
+        writer.finish().map_err(|e| write_error(path, e))
     })
 }
 

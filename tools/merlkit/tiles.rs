@@ -195,17 +195,17 @@ impl TileFolder {
                 progress.advance_by(tile.picture.pixels());
                 continue;
             }
-            let stopped = |unfinished| Drawn {
+            let unfinished = match work.should_stop() {
+                true => None,
+                false => match self.draw_tile(tile, &path, &mut parts, work, &progress)? {
+                    None => continue,
+                    unfinished => unfinished,
+                },
+            };
+            return Ok(Drawn {
                 finished,
                 unfinished,
-            };
-            if work.should_stop() {
-                return Ok(stopped(None));
-            }
-            let unfinished = self.draw_tile(tile, &path, &mut parts, work, &progress)?;
-            if unfinished.is_some() {
-                return Ok(stopped(unfinished));
-            }
+            });
         }
         Ok(Drawn {
             finished: tiles.len(),

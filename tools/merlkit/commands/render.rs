@@ -7,6 +7,7 @@ use std::time::Instant;
 use merlkit::Error;
 use merlkit::distribution::Heuristic;
 use merlkit::files::Overwrite;
+use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
@@ -265,6 +266,20 @@ fn draw_apart(
     Ok(drawn.flatten())
 }
 
+/// A frame of so many, from the tiles of all.
+fn compose_frame(
+    grid: &Grid,
+    folder: &TileFolder,
+    tiles: &[Tile<'_>],
+    [frame, count]: [usize; 2],
+) -> Result<Image, Error> {
+    let mut cells = Vec::new();
+    for tile in tiles.iter().skip(frame).step_by(count) {
+        cells.push(Cell::from(folder.read(tile)?));
+    }
+    grid.compose(&[], &cells)
+}
+
 /// Draws the spheres of each frame, all frames of a sphere before the next one, which is then not in memory.
 fn draw_frames(
     args: &Args,
@@ -296,15 +311,12 @@ fn draw_frames(
         if drawn.finished < tiles.len() {
             return Ok(None);
         }
-        let compose = |frame: usize| {
-            let spheres = tiles.iter().skip(frame).step_by(count);
-            let mut cells = Vec::with_capacity(pictures.len());
-            for tile in spheres {
-                cells.push(Cell::from(folder.read(tile)?));
-            }
-            grid.compose(&[], &cells)
-        };
-        movie.write(count, compose, &finish, overwrite)?;
+        movie.write(
+            count,
+            |frame| compose_frame(grid, &folder, &tiles, [frame, count]),
+            &finish,
+            overwrite,
+        )?;
         Ok(folder.read_refinement(&tiles)?)
     })?;
     Ok(drawn.flatten())

@@ -16,7 +16,7 @@ use merlkit_evaluate::report::Sheet;
 
 use crate::args;
 use crate::columns::{ColumnsBy, compare_rows};
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use crate::grid::{Cell, Grid, line_height};
 use crate::output;
 use crate::picture::{Files, Picture};
@@ -143,23 +143,34 @@ pub fn run(args: &Args) -> Outcome {
         files.write(image, &finish, state, overwrite)?;
         Ok(errors)
     })?;
+    report(args, spheres.len(), errors.flatten(), start)?;
+    unreadable.end(materials.len(), ExitCode::SUCCESS)
+}
+
+/// Prints what was drawn.
+fn report(
+    args: &Args,
+    spheres: usize,
+    errors: Option<Sheet>,
+    start: Instant,
+) -> Result<(), Failure> {
     output::stdout(|out| {
-        if let Some(errors) = errors.flatten() {
+        if let Some(errors) = errors {
             writeln!(out, "{}", table::render(&errors))?;
         }
+        let files = Files::named(&args.output);
         writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
         let seconds = start.elapsed().as_secs_f64();
-        let (n, size, spp) = (spheres.len(), args.size, args.spp);
+        let (size, spp) = (args.size, args.spp);
         writeln!(
             out,
-            "{n} spheres of {size} × {size} pixels, {spp} paths per pixel, {seconds:.1} s in total"
+            "{spheres} spheres of {size} × {size} pixels, {spp} paths per pixel, {seconds:.1} s in total"
         )?;
         match args.scene.finish(args.exposure).warning() {
             Some(words) => writeln!(out, "{words}"),
             None => Ok(()),
         }
-    })?;
-    unreadable.end(materials.len(), ExitCode::SUCCESS)
+    })
 }
 
 /// A sphere of the sheet.
