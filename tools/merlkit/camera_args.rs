@@ -19,7 +19,7 @@ pub struct CameraOptions {
 
 impl CameraOptions {
     /// The camera that was asked for, where the scene has `framed`.
-    pub fn place(&self, framed: Camera) -> Camera {
+    pub fn aim(&self, framed: Camera) -> Camera {
         if let Some(eye) = self.eye {
             return Camera { eye, ..framed };
         }

@@ -116,7 +116,7 @@ impl Grid {
         for (number, cell) in cells.iter().enumerate() {
             let (left, top) = self.corner(number);
             if let Some(image) = &cell.image {
-                canvas.place(image, [left, top]);
+                canvas.paste(image, [left, top]);
             }
             let below = [left, top + self.tile[1]];
             canvas.write(&cell.label, below, [self.tile[0], self.label]);
@@ -139,7 +139,7 @@ struct Canvas {
 }
 
 impl Canvas {
-    fn place(&mut self, image: &Image, [left, top]: [usize; 2]) {
+    fn paste(&mut self, image: &Image, [left, top]: [usize; 2]) {
         for y in 0..image.height() {
             for x in 0..image.width() {
                 let i = (top + y) * self.width + left + x;

@@ -129,7 +129,7 @@ pub struct TileFolder {
 
 impl TileFolder {
     /// The folder of tiles of `files`.
-    pub fn beside(files: &Files, resume: bool) -> Self {
+    pub fn named(files: &Files, resume: bool) -> Self {
         Self {
             folder: files.exr.with_extension("tiles"),
             resume,

@@ -245,7 +245,7 @@ fn draw_apart(
         true => Overwrite::Replace,
         false => output::overwrite(args.force),
     };
-    let folder = TileFolder::beside(files, args.resume);
+    let folder = TileFolder::named(files, args.resume);
     folder.check()?;
     files.check(overwrite)?;
     let mut tiles = Vec::with_capacity(pictures.len());
@@ -288,7 +288,7 @@ fn draw_frames(
     count: usize,
 ) -> Result<Option<Refinement>, Failure> {
     let movie = Movie::named(&args.output, count);
-    let folder = TileFolder::beside(&Files::named(&args.output), args.resume);
+    let folder = TileFolder::named(&Files::named(&args.output), args.resume);
     folder.check()?;
     let overwrite = match args.resume {
         true => Overwrite::Replace,
@@ -485,7 +485,7 @@ fn describe_scene(
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
     spec.mirrors = args::find_mirrors(materials)?;
     args.scene.apply(&mut spec)?;
-    spec.camera = args.camera.place(spec.camera);
+    spec.camera = args.camera.aim(spec.camera);
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
     spec.strategy = strategy(args)?;

@@ -126,7 +126,7 @@ pub fn run(args: &Args) -> Outcome {
     for sphere in &spheres {
         tiles.push(sphere.tile(args, &scene)?);
     }
-    let folder = TileFolder::beside(&files, args.resume);
+    let folder = TileFolder::named(&files, args.resume);
     folder.check()?;
     let overwrite = match args.resume {
         true => Overwrite::Replace,
