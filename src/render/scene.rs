@@ -359,7 +359,7 @@ fn check(spec: &SceneSpec) -> Result<()> {
         let what = "lights that are turned by no finite angle";
         return Err(Error::argument(what, "give 0.0, for example"));
     }
-    if spec.clamp.is_some_and(|most| !(most > 0.0)) {
+    if spec.clamp.is_some_and(|most| most.is_nan() || most <= 0.0) {
         let what = "paths that may carry nothing";
         return Err(Error::argument(what, "give a limit above 0, or none"));
     }
