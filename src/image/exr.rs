@@ -1,15 +1,16 @@
 //! OpenEXR: 32-bit linear RGB out, any colours or luminance in.
 
-use std::io::{BufReader, Cursor, Read, Seek};
+use std::io::{BufReader, Cursor, Read, Seek, Write};
 use std::path::Path;
 
 use ::exr::error::Error as ExrError;
 use ::exr::image::Image as ExrImage;
+use ::exr::image::write::channels::WritableChannels;
 use ::exr::meta::BlockDescription;
 use ::exr::meta::attribute::Text;
 use ::exr::meta::header::Header;
 use ::exr::prelude::{
-    ReadChannels, ReadLayers, ReadSpecificChannel, SpecificChannels, Vec2, WritableImage,
+    Layer, ReadChannels, ReadLayers, ReadSpecificChannel, SpecificChannels, Vec2, WritableImage,
 };
 
 use super::{Image, MAX_PIXELS};
@@ -17,35 +18,59 @@ use crate::color::Rgb;
 use crate::files::{Overwrite, RegularFile, write_new};
 use crate::{Error, Result};
 
-/// Writes `image` as an OpenEXR file of three 32-bit channels; equal pictures give equal bytes.
+/// Writes `image` as an OpenEXR file of 32-bit channels, three or with alpha four; equal pictures give equal bytes.
 ///
 /// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 ///
 /// # Errors
 /// [`Error::Argument`] if `path` exists and `overwrite` refuses; [`Error::Io`] if it can't be written.
 pub fn write_exr(path: &Path, image: &Image, overwrite: Overwrite) -> Result<()> {
-    write_new(path, overwrite, |out| {
-        let channels = SpecificChannels::rgb(|Vec2(x, y)| {
-            let c = image.pixel(x, y);
-            (c.x, c.y, c.z)
-        });
-        let mut file = ExrImage::from_channels((image.width, image.height), channels);
-        // UTF-8, as readers of today take it; the bytes of a string are not limited.
-        if let Some(comment) = &image.comment {
-            let text = Text::from_slice_unchecked(comment.as_bytes());
-            file.layer_data.attributes.comments = Some(text);
+    let (width, size) = (image.width, (image.width, image.height));
+    write_new(path, overwrite, |out| match image.file_alpha() {
+        None => {
+            let channels = SpecificChannels::rgb(|Vec2(x, y)| {
+                let c = image.composite(y * width + x);
+                (c.x, c.y, c.z)
+            });
+            let file = describe_file(ExrImage::from_channels(size, channels), image);
+            write_file(out, &file, path)
         }
-        // Parallel compression writes its blocks in the order in which they finish.
-        file.write()
-            .non_parallel()
-            .to_buffered(out)
-            .map_err(|e| write_error(path, e))
+        Some(alpha) => {
+            let channels = SpecificChannels::rgba(|Vec2(x, y)| {
+                let c: Rgb = image.pixels[y * width + x];
+                (c.x, c.y, c.z, alpha[y * width + x])
+            });
+            let file = describe_file(ExrImage::from_channels(size, channels), image);
+            write_file(out, &file, path)
+        }
     })
+}
+
+/// A file of one layer, with the comment of `image`.
+fn describe_file<C>(mut file: ExrImage<Layer<C>>, image: &Image) -> ExrImage<Layer<C>> {
+    // UTF-8, as readers of today take it; the bytes of a string are not limited.
+    if let Some(comment) = &image.comment {
+        let text = Text::from_slice_unchecked(comment.as_bytes());
+        file.layer_data.attributes.comments = Some(text);
+    }
+    file
+}
+
+fn write_file<'f, C: WritableChannels<'f>>(
+    out: impl Write + Seek,
+    file: &'f ExrImage<Layer<C>>,
+    path: &Path,
+) -> Result<()> {
+    // Parallel compression writes its blocks in the order in which they finish.
+    file.write()
+        .non_parallel()
+        .to_buffered(out)
+        .map_err(|e| write_error(path, e))
 }
 
 /// Reads the colours of an OpenEXR file, at its largest resolution: channels R, G and B of the first layer that has them, else
 /// luminance Y, which is grey, else the only channels whose names end in `.R`, `.G` and `.B`, as Blender's
-/// `ViewLayer.Combined.R`. Values are as the file has them: they may be negative, infinite or NaN. Alpha is left out.
+/// `ViewLayer.Combined.R`. Values are as the file has them: they may be negative, infinite or NaN. Alpha is read beside R, G and B.
 ///
 /// See [`Image`](crate::image::Image) for an example of what is returned.
 ///
@@ -78,7 +103,10 @@ fn decode<R: Read + Seek>(mut source: R, len: u64, path: &Path) -> Result<Image>
     source.rewind().map_err(|e| Error::io(path, "read", e))?;
     match channels {
         ExrChannels::Luminance => read_luminance(source, len, path),
-        ExrChannels::Colours(prefix) => read_colours(source, &prefix, len, path),
+        ExrChannels::Colours(prefix) => {
+            let has_alpha = has_alpha(&headers, &prefix);
+            read_colours(source, &prefix, has_alpha, len, path)
+        }
     }
 }
 
@@ -163,9 +191,23 @@ fn no_channels(prefixes: &[String], headers: &[Header], path: &Path) -> Error {
     }
 }
 
-/// Channels `prefix`R, G and B.
-fn read_colours<R: Read + Seek>(source: R, prefix: &str, len: u64, path: &Path) -> Result<Image> {
-    let [red, green, blue] = ["R", "G", "B"].map(|channel| format!("{prefix}{channel}"));
+/// Pixels on their way from a file.
+struct ColourPixels {
+    width: usize,
+    colours: Vec<Rgb>,
+    /// Empty where the file has no alpha.
+    alpha: Vec<f32>,
+}
+
+/// Channels `prefix`R, G and B, and A if `has_alpha`.
+fn read_colours<R: Read + Seek>(
+    source: R,
+    prefix: &str,
+    has_alpha: bool,
+    len: u64,
+    path: &Path,
+) -> Result<Image> {
+    let [red, green, blue, alpha] = ["R", "G", "B", "A"].map(|name| format!("{prefix}{name}"));
     let read = ::exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -173,11 +215,27 @@ fn read_colours<R: Read + Seek>(source: R, prefix: &str, len: u64, path: &Path) 
         .required(red.as_str())
         .required(green.as_str())
         .required(blue.as_str())
+        .optional(alpha.as_str(), 1.0)
         .collect_pixels(
-            |size, _| (size.width(), vec![Rgb::ZERO; size.width() * size.height()]),
-            |(width, pixels): &mut (usize, Vec<Rgb>), at, (r, g, b): (f32, f32, f32)| {
-                if let Some(pixel) = pixels.get_mut(at.y() * *width + at.x()) {
-                    *pixel = Rgb::new(r, g, b);
+            |size, _| ColourPixels {
+                width: size.width(),
+                colours: vec![Rgb::ZERO; size.width() * size.height()],
+                alpha: vec![
+                    1.0;
+                    if has_alpha {
+                        size.width() * size.height()
+                    } else {
+                        0
+                    }
+                ],
+            },
+            |pixels: &mut ColourPixels, at, (r, g, b, a): (f32, f32, f32, f32)| {
+                let i = at.y() * pixels.width + at.x();
+                if let Some(colour) = pixels.colours.get_mut(i) {
+                    *colour = Rgb::new(r, g, b);
+                }
+                if let Some(alpha) = pixels.alpha.get_mut(i) {
+                    *alpha = a;
                 }
             },
         )
@@ -187,8 +245,19 @@ fn read_colours<R: Read + Seek>(source: R, prefix: &str, len: u64, path: &Path) 
         .from_buffered(source)
         .map_err(|e| read_error(path, len, e))?;
     let size = read.layer_data.size;
-    let (_, pixels) = read.layer_data.channel_data.pixels;
-    Image::new(size.width(), size.height(), pixels)
+    let ColourPixels { colours, alpha, .. } = read.layer_data.channel_data.pixels;
+    let image = Image::new(size.width(), size.height(), colours)?;
+    match has_alpha {
+        true => image.with_alpha(alpha),
+        false => Ok(image),
+    }
+}
+
+/// Whether a layer with these colours has alpha as well.
+fn has_alpha(headers: &[Header], prefix: &str) -> bool {
+    let name = format!("{prefix}A");
+    let mut channels = headers.iter().flat_map(|header| &header.channels.list);
+    channels.any(|channel| channel.name.to_string() == name)
 }
 
 /// Channel Y as grey.

@@ -50,6 +50,9 @@ pub struct Image {
     width: usize,
     height: usize,
     pixels: Vec<Rgb>,
+    /// `[y][x]`
+    alpha: Option<Vec<f32>>,
+    backdrop: Option<Rgb>,
     comment: Option<String>,
 }
 
@@ -75,8 +78,58 @@ impl Image {
             width,
             height,
             pixels,
+            alpha: None,
+            backdrop: None,
             comment: None,
         })
+    }
+
+    /// The same picture with the fraction of each pixel that is covered, `[y][x]`; the colours are those of what covers it, times
+    /// that fraction. [`write_exr`] writes both as they are; [`write_png`] divides the colours by it.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if there is not one number for each pixel.
+    pub fn with_alpha(self, alpha: Vec<f32>) -> Result<Self> {
+        if alpha.len() != self.pixels.len() {
+            return Err(Error::argument(
+                format!("{} alphas for {} pixels", alpha.len(), self.pixels.len()),
+                "give one for each pixel",
+            ));
+        }
+        Ok(Self {
+            alpha: Some(alpha),
+            ..self
+        })
+    }
+
+    /// The fraction of each pixel that is covered, `[y][x]`; `None` of a picture without transparency.
+    pub fn alpha(&self) -> Option<&[f32]> {
+        self.alpha.as_deref()
+    }
+
+    /// The same picture, in whose files a colour takes the place of transparency: linear, from 0 to 1, as it is to be seen on the
+    /// screen at any exposure.
+    pub fn with_backdrop(self, colour: Rgb) -> Self {
+        Self {
+            backdrop: Some(colour),
+            ..self
+        }
+    }
+
+    /// The alphas that a file is to have.
+    fn file_alpha(&self) -> Option<&[f32]> {
+        match self.backdrop {
+            Some(_) => None,
+            None => self.alpha(),
+        }
+    }
+
+    /// Linear light of a pixel with what shows through it: c + (1 − α)·backdrop.
+    fn composite(&self, i: usize) -> Rgb {
+        match (&self.alpha, self.backdrop) {
+            (Some(alpha), Some(backdrop)) => self.pixels[i] + (1.0 - alpha[i]) * backdrop,
+            _ => self.pixels[i],
+        }
     }
 
     /// The same picture, of which the headers of [`write_exr`] (`comments`) and [`write_png`] (`Comment`) will say `comment`. Readers

@@ -1,6 +1,7 @@
 //! Linear light on its way to the screen: exposure, tone curve, sRGB.
 
 use super::Image;
+use crate::color::Rgb;
 
 /// Where the tone curve leaves the straight line.
 const SHOULDER: f32 = 0.5;
@@ -20,18 +21,41 @@ pub fn tone_map(x: f32) -> f32 {
 }
 
 /// The picture's pixels as 8-bit sRGB, three bytes each: each channel is multiplied by 2^`exposure`, passes [`tone_map`] and is
-/// encoded by the sRGB transfer function (IEC 61966-2-1).
+/// encoded by the sRGB transfer function (IEC 61966-2-1). Of a picture with alpha and without a backdrop, four bytes each: the last
+/// is alpha, and the colours are not multiplied by it.
 ///
 /// The example of [`Image`](crate::image::Image) makes a picture and the bytes of its PNG.
 pub fn encode_srgb(image: &Image, exposure: f32) -> Vec<u8> {
     let gain = exposure.exp2();
-    let mut bytes = Vec::with_capacity(3 * image.pixels().len());
-    for colour in image.pixels() {
-        for x in colour.to_array() {
-            bytes.push((srgb(tone_map(x * gain)) * 255.0).round() as u8);
+    let mut bytes = Vec::with_capacity(4 * image.pixels().len());
+    for (i, colour) in image.pixels().iter().enumerate() {
+        let alpha = image.alpha().map_or(1.0, |alpha| alpha[i]);
+        let seen = straight(*colour, alpha).map(|x| tone_map(x * gain));
+        if image.file_alpha().is_some() {
+            bytes.extend(seen.map(|x| to_byte(srgb(x))));
+            bytes.push(to_byte(alpha));
+            continue;
+        }
+        // The curve is for what covers the pixel, not for the backdrop, which is as it is to be seen.
+        let behind = (1.0 - alpha) * image.backdrop.unwrap_or(Rgb::ZERO);
+        for (x, behind) in seen.into_iter().zip(behind.to_array()) {
+            bytes.push(to_byte(srgb(x * alpha + behind)));
         }
     }
     bytes
+}
+
+/// The colour of what covers a pixel: c/α, and 0 where nothing does.
+fn straight(colour: Rgb, alpha: f32) -> [f32; 3] {
+    match alpha {
+        1.0 => colour.to_array(),
+        _ if alpha > 0.0 => (colour / alpha).to_array(),
+        _ => [0.0; 3],
+    }
+}
+
+fn to_byte(x: f32) -> u8 {
+    (x * 255.0).round() as u8
 }
 
 /// sRGB's transfer function, from linear [0, 1] to encoded [0, 1].
@@ -46,7 +70,6 @@ fn srgb(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Rgb;
 
     #[test]
     fn the_tone_curve_starts_as_a_line_and_approaches_one() {
@@ -77,5 +100,18 @@ mod tests {
                 0.0
             )
         );
+    }
+
+    #[test]
+    fn a_backdrop_is_seen_as_it_is_and_alpha_divides_the_colour() {
+        let half = Image::new(2, 1, vec![Rgb::splat(0.25), Rgb::ZERO]).unwrap();
+        let half = half.with_alpha(vec![0.5, 0.0]).unwrap();
+        let bytes = encode_srgb(&half, 0.0);
+        assert_eq!(bytes, [188, 188, 188, 128, 0, 0, 0, 0]);
+        let white = half.clone().with_backdrop(Rgb::ONE);
+        // 0.5·0.5 + 0.5 = 0.75 linear is byte 225; white stays white at any exposure.
+        assert_eq!(encode_srgb(&white, 0.0), [225, 225, 225, 255, 255, 255]);
+        assert_eq!(encode_srgb(&white, -3.0)[3..], [255, 255, 255]);
+        assert!(half.with_alpha(vec![1.0]).is_err());
     }
 }

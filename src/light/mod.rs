@@ -12,6 +12,7 @@ mod environment;
 mod light_source;
 mod point;
 mod spec;
+mod turned;
 
 pub use area::Area;
 pub use directional::Directional;
@@ -21,6 +22,8 @@ pub use environment::{
 pub use light_source::Placement;
 pub use point::Point;
 pub use spec::LightSpec;
+
+pub(crate) use turned::TurnedLight;
 
 use glam::{DVec2, DVec3};
 

@@ -14,6 +14,8 @@ pub struct Film {
     width: usize,
     height: usize,
     pixels: Vec<Pixel>,
+    /// How much of each pixel objects cover, where the background is left out.
+    coverage: Option<Vec<f32>>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,6 +31,15 @@ impl Film {
             width,
             height,
             pixels,
+            coverage: None,
+        }
+    }
+
+    /// The same picture, with the fraction of each pixel that objects cover.
+    pub(super) fn with_coverage(self, coverage: Vec<f32>) -> Self {
+        Self {
+            coverage: Some(coverage),
+            ..self
         }
     }
 
@@ -54,7 +65,7 @@ impl Film {
         self.pixel(x, y).map_or(DVec3::ZERO, |p| p.error)
     }
 
-    /// The means as 32-bit pixels; what exceeds f32 becomes its largest value.
+    /// The means as 32-bit pixels; what exceeds f32 becomes its largest value. With alpha, if the scene's background is left out.
     ///
     /// # Errors
     /// None for a film that [`super::render()`] returned.
@@ -63,7 +74,11 @@ impl Film {
         for pixel in &self.pixels {
             pixels.push(pixel.mean.as_vec3().min(Rgb::splat(f32::MAX)));
         }
-        Image::new(self.width, self.height, pixels)
+        let image = Image::new(self.width, self.height, pixels)?;
+        match &self.coverage {
+            Some(coverage) => image.with_alpha(coverage.clone()),
+            None => Ok(image),
+        }
     }
 
     fn pixel(&self, x: usize, y: usize) -> Option<&Pixel> {

@@ -62,7 +62,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Makes the rays that paths begin with.
-    fn start(&self, bundle: &mut Bundle<'a>) {
+    pub(super) fn start(&self, bundle: &mut Bundle<'a>) {
         let Bundle {
             paths,
             ids,
@@ -118,6 +118,10 @@ impl<'a> Tracer<'a> {
             if !is_representable {
                 *sum = DVec3::ZERO;
             }
+            let most = sum.max_element();
+            if most > self.scene.clamp {
+                *sum *= self.scene.clamp / most;
+            }
         }
     }
 
@@ -126,7 +130,11 @@ impl<'a> Tracer<'a> {
         self.scene.find_hits(&mut bundle.rays);
         // No other technique finds what the camera sees without a surface in between, so it counts in full.
         let emitted = &mut bundle.scratch.emitted;
-        self.sum_emitted(&bundle.rays, emitted, |_, _| 1.0);
+        let (rays, transparent) = (&bundle.rays, self.scene.transparent);
+        self.sum_emitted(rays, emitted, |i, _| {
+            // Where the background is left out, only what is in front of an object is seen.
+            f64::from(u8::from(!transparent || rays.objects[i] != NOTHING))
+        });
         bundle.radiance.clear();
         bundle.radiance.extend_from_slice(&emitted.sums);
     }

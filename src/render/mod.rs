@@ -13,6 +13,7 @@
 mod budget;
 mod bundle;
 mod camera;
+mod coverage;
 mod direct;
 mod film;
 mod follow;

@@ -13,7 +13,7 @@ use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::direction_sampler::DirectionSampler;
 use crate::geometry::Frame;
-use crate::light::{Light, MapNotes, SkySampling};
+use crate::light::{Light, LightSpec, MapNotes, SkySampling, TurnedLight};
 use crate::material::analytic::Lambert;
 use crate::sampler::Cosine;
 use crate::{Error, Result};
@@ -48,9 +48,20 @@ pub struct Scene {
     pub(super) camera: Camera,
     pub(super) depth: u32,
     pub(super) strategy: Strategy,
-    pub(super) lights: Vec<Box<dyn Light>>,
+    pub(super) transparent: bool,
+    pub(super) clamp: f64,
+    pub(super) lights: Vec<Arc<dyn Light>>,
+    /// The same lights, with what they were loaded from.
+    loaded: Vec<LoadedLight>,
     objects: Vec<Object>,
     surfaces: Vec<Option<Surface>>,
+}
+
+/// A light and the description that it was loaded from.
+struct LoadedLight {
+    spec: LightSpec,
+    sampling: SkySampling,
+    light: Arc<dyn Light>,
 }
 
 struct Object {
@@ -91,10 +102,33 @@ impl Scene {
         request: PlanRequest,
         surface: impl FnMut(usize, bool) -> Result<Surface>,
     ) -> Result<Self> {
+        Self::build_with(&[], spec, request, surface)
+    }
+
+    /// [`Self::build`] of a scene that has lights in common with this one: they are not loaded again.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub fn build_next(
+        &self,
+        spec: &SceneSpec,
+        request: PlanRequest,
+        surface: impl FnMut(usize, bool) -> Result<Surface>,
+    ) -> Result<Self> {
+        Self::build_with(&self.loaded, spec, request, surface)
+    }
+
+    fn build_with(
+        known: &[LoadedLight],
+        spec: &SceneSpec,
+        request: PlanRequest,
+        surface: impl FnMut(usize, bool) -> Result<Surface>,
+    ) -> Result<Self> {
         check(spec)?;
         let plan = EffectPlan::for_scene(spec, request);
         // Load lights first, so that a missing file is reported before the slow work.
-        let lights = load_lights(spec, &plan)?;
+        let loaded = load_lights(known, spec, &plan)?;
+        let lights = turn_lights(&loaded, spec.light_turn);
         let mut surfaces = load_surfaces(spec, &plan, surface)?;
         check_mirrors(spec, &surfaces)?;
         let objects = collect_objects(spec, surfaces.len());
@@ -104,7 +138,10 @@ impl Scene {
             camera: spec.camera,
             depth: spec.depth,
             strategy: spec.strategy,
+            transparent: spec.transparent,
+            clamp: spec.clamp.unwrap_or(f64::INFINITY),
             lights,
+            loaded,
             objects,
             surfaces,
         })
@@ -255,19 +292,47 @@ fn load_surfaces(
     Ok(surfaces)
 }
 
-fn load_lights(spec: &SceneSpec, plan: &EffectPlan) -> Result<Vec<Box<dyn Light>>> {
+/// Loads the lights that the plan calls for, but for those that are `known`.
+fn load_lights(
+    known: &[LoadedLight],
+    spec: &SceneSpec,
+    plan: &EffectPlan,
+) -> Result<Vec<LoadedLight>> {
     let sampling = if plan.is_on(Effect::EnvironmentTables) {
         SkySampling::Importance
     } else {
         SkySampling::Uniform
     };
     let mut lights = Vec::new();
-    for (light, decision) in spec.lights.iter().zip(plan.lights()) {
-        if decision.on {
-            lights.push(light.load(sampling)?);
+    for (spec, decision) in spec.lights.iter().zip(plan.lights()) {
+        if !decision.on {
+            continue;
         }
+        let same = |light: &&LoadedLight| light.sampling == sampling && light.spec == *spec;
+        let light = match known.iter().find(same) {
+            Some(known) => known.light.clone(),
+            None => Arc::from(spec.load(sampling)?),
+        };
+        lights.push(LoadedLight {
+            spec: spec.clone(),
+            sampling,
+            light,
+        });
     }
     Ok(lights)
+}
+
+/// The lights as the scene has them.
+fn turn_lights(loaded: &[LoadedLight], angle: f64) -> Vec<Arc<dyn Light>> {
+    let mut lights: Vec<Arc<dyn Light>> = Vec::with_capacity(loaded.len());
+    for LoadedLight { light, .. } in loaded {
+        // What is not turned is not to pay for it, nor to be rounded.
+        lights.push(match angle == 0.0 {
+            true => light.clone(),
+            false => Arc::new(TurnedLight::new(light.clone(), angle)),
+        });
+    }
+    lights
 }
 
 fn check(spec: &SceneSpec) -> Result<()> {
@@ -289,6 +354,14 @@ fn check(spec: &SceneSpec) -> Result<()> {
             "no candidates to resample",
             "give at least 1",
         ));
+    }
+    if !spec.light_turn.is_finite() {
+        let what = "lights that are turned by no finite angle";
+        return Err(Error::argument(what, "give 0.0, for example"));
+    }
+    if spec.clamp.is_some_and(|most| most.is_nan() || most <= 0.0) {
+        let what = "paths that may carry nothing";
+        return Err(Error::argument(what, "give a limit above 0, or none"));
     }
     if let Some(i) = spec.lights.iter().position(|light| !light.is_valid()) {
         let what = format!(

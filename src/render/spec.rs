@@ -33,6 +33,14 @@ pub struct SceneSpec {
     pub depth: u32,
     /// How light from lights with an extent is found.
     pub strategy: Strategy,
+    /// Angle by which all lights are turned about the axis x = z = 0, radians, counter-clockwise as seen from above.
+    pub light_turn: f64,
+    /// Whether the picture leaves out what is seen past the objects and says how much of each pixel they cover
+    /// ([`crate::image::Image::alpha`]).
+    pub transparent: bool,
+    /// The most that a path may carry in a channel: one that carries more is scaled down to it, which makes the picture darker.
+    /// `None`: no limit.
+    pub clamp: Option<f64>,
 }
 
 /// A sphere and its material.
@@ -142,6 +150,9 @@ impl SceneSpec {
             camera: frame_row(half, aspect),
             depth: 8,
             strategy: Strategy::default(),
+            light_turn: 0.0,
+            transparent: false,
+            clamp: None,
         }
     }
 

@@ -27,6 +27,7 @@ mod resume;
 mod run;
 mod samplers;
 mod schemas;
+mod scenes;
 mod sheet;
 mod shell;
 mod unlucky;

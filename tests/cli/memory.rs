@@ -112,7 +112,7 @@ fn a_report_of_many_materials_takes_no_more_than_one_of_few() {
 }
 
 #[test]
-fn a_render_holds_one_table_a_material() {
+fn a_render_holds_one_table_a_material_of_a_scene() {
     let folder = tempfile::tempdir().unwrap();
     let render = |materials: &[&str]| {
         let options = [
@@ -125,7 +125,8 @@ fn a_render_holds_one_table_a_material() {
     };
     let one = render(&["nickel"]);
     let same = render(&["nickel", "nickel", "nickel"]);
-    let three = render(&["nickel", "red-plastic", "pvc"]);
+    let three = render(&["nickel", "red-plastic", "pvc", "--together"]);
+    let apart = render(&["nickel", "red-plastic", "pvc"]);
     assert!(
         same < one + TABLE / 2,
         "{one} bytes for one ball, {same} for three of one material"
@@ -133,6 +134,11 @@ fn a_render_holds_one_table_a_material() {
     assert!(
         three > one + 3 * TABLE / 2,
         "{one} bytes for one material, {three} for three"
+    );
+    // The table of a sphere that is drawn, and of the next while it is loaded.
+    assert!(
+        apart < one + 3 * TABLE / 2,
+        "{one} bytes for one material, {apart} for three apart"
     );
     // An embedded material's colours stand beside its table while it is decoded.
     let decoding = TABLE / 4 * 3;

@@ -25,6 +25,94 @@ fn a_folder_is_rendered_as_its_materials() {
     assert_eq!(decode(&whole).pixels(), decode(&both).pixels());
 }
 
+/// Renders with few paths, and reads the picture.
+fn picture(folder: &std::path::Path, command: &str) -> merlkit::image::Image {
+    let command = format!("render {command} --sampler cosine --spp 16 --force");
+    let arguments: Vec<&str> = command.split(' ').collect();
+    succeeds(run_in(folder, &arguments, ""));
+    merlkit::image::read_exr(&folder.join("render.exr")).unwrap()
+}
+
+/// The pixels of a tile of 24 × 30 pixels in the given column and row.
+fn tile(image: &merlkit::image::Image, column: usize, row: usize) -> Vec<[f32; 3]> {
+    let places = (0..24 * 30).map(|i| (24 * column + i % 24, 30 * row + i / 24));
+    places.map(|(x, y)| image.pixel(x, y).to_array()).collect()
+}
+
+#[test]
+fn a_sphere_is_drawn_alone_unless_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let draw = |command: &str| picture(folder.path(), command);
+    let [red, grey, white] =
+        ["0.8/0.1/0.1", "0.5", "0.9"].map(|r| format!("lambert:reflectance={r}"));
+    for light in ["studio", "point", "area --ground"] {
+        let alone = tile(&draw(&format!("{grey} --size 24x30 --light {light}")), 0, 0);
+        let two = draw(&format!("{red} {grey} --size 48x30 --light {light}"));
+        assert!(
+            tile(&two, 1, 0) == alone && tile(&two, 0, 0) != alone,
+            "{light}"
+        );
+        let command = format!("{white} {grey} {red} --columns 2 --size 48x60 --light {light}");
+        let three = draw(&command);
+        assert!(tile(&three, 1, 0) == alone && tile(&three, 0, 1) == tile(&two, 0, 0));
+        // The place without a sphere is black.
+        assert!(tile(&three, 1, 1).iter().all(|pixel| *pixel == [0.0; 3]));
+        assert!(draw(&format!("{command} --threads 1")) == three);
+        let together = draw(&format!(
+            "{red} {grey} --together --size 48x30 --light {light}"
+        ));
+        assert!(tile(&together, 1, 0) != alone, "{light}");
+    }
+    for (options, complaint) in [
+        (["--size", "47x30"], "give --size 48x30"),
+        (["--together", "--columns=2"], "cannot be used with"),
+        (["--size", "480x7"], "240 × 7 pixels for each sphere"),
+    ] {
+        let command = [&["render", &red, &grey][..], &options].concat();
+        let message = fails(run_in(folder.path(), &command, ""));
+        assert!(message.contains(complaint), "{message}");
+    }
+}
+
+/// Width over height of the outline of what is black in the picture between two columns: of an ellipse the ratio of its axes.
+fn outline_ratio(image: &merlkit::image::Image, columns: std::ops::Range<usize>) -> f64 {
+    let (mut sum, mut first, mut second) = (0.0, [0.0; 2], [0.0; 2]);
+    for y in 0..image.height() {
+        for x in columns.clone() {
+            let covered = 1.0 - f64::from(image.pixel(x, y).x);
+            sum += covered;
+            for (axis, place) in [x as f64, y as f64].into_iter().enumerate() {
+                first[axis] += covered * place;
+                second[axis] += covered * place * place;
+            }
+        }
+    }
+    let variance = |axis: usize| second[axis] / sum - (first[axis] / sum).powi(2);
+    (variance(0) / variance(1)).sqrt()
+}
+
+#[test]
+fn a_sphere_is_round() {
+    let folder = tempfile::tempdir().unwrap();
+    let black = "lambert:reflectance=0 ".repeat(4) + "--light uniform --size 400x120";
+    for view in [
+        "",
+        " --elevation 60",
+        " --fov 8",
+        " --fov 50",
+        " --eye 3,0.2,7",
+    ] {
+        let image = picture(folder.path(), &format!("{black}{view}"));
+        for column in 0..4 {
+            let ratio = outline_ratio(&image, 100 * column..100 * column + 100);
+            assert!((ratio - 1.0).abs() < 0.01, "{view} {column}: {ratio}");
+        }
+    }
+    // Far from the middle of a wide view a sphere is an egg.
+    let image = picture(folder.path(), &format!("{black} --together"));
+    assert!(outline_ratio(&image, 0..119) > 1.05);
+}
+
 #[test]
 fn strategies_are_explained_and_differ() {
     let folder = tempfile::tempdir().unwrap();

@@ -130,6 +130,60 @@ fn refuse_all_else(folder: &Path) {
     assert!(before == KEPT.map(|name| fs::read(folder.join(name)).unwrap()));
 }
 
+/// Spheres that are drawn apart, and frames of them.
+#[test]
+fn several_spheres_go_on_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let spheres = "lambert:reflectance=0.5 lambert:reflectance=0.1 --size 320x120";
+    let command = COMMAND
+        .replace("lambert:reflectance=0.5 ", "")
+        .replace("--size 160x120", spheres);
+    for (more, kept) in [
+        ("", &["p.exr", "p.png", "p.tiles"][..]),
+        (" --frames 2 --turn light", &["p.tiles"]),
+    ] {
+        let command = format!("{command}{more}");
+        let messages = stop_midway(folder.path(), &arguments(&command, "-o p"), "-INT", 130);
+        assert!(
+            messages.contains(" spheres are kept in p.tiles"),
+            "{messages}"
+        );
+        assert_eq!(names(folder.path()), kept);
+        if more.is_empty() {
+            assert!(says(
+                &folder.path().join("p.exr"),
+                "unfinished: some spheres are missing"
+            ));
+        }
+        let other = command.replace("--bounces 2", "--bounces 3");
+        let text = fails(run_in(
+            folder.path(),
+            &arguments(&other, "-o p --resume"),
+            "",
+        ));
+        assert!(text.contains("other settings: bounces 2"), "{text}");
+        let again = format!("{command} --resume --threads 3");
+        succeeds(run_in(folder.path(), &arguments(&again, "-o p"), ""));
+        let resumed = names(folder.path());
+        let bytes = || {
+            resumed
+                .iter()
+                .map(|name| fs::read(folder.path().join(name)).unwrap())
+        };
+        let resumed_bytes: Vec<Vec<u8>> = bytes().collect();
+        assert!(!resumed.iter().any(|name| name == "p.tiles"));
+        succeeds(run_in(
+            folder.path(),
+            &arguments(&command, "-o p --force --threads 1"),
+            "",
+        ));
+        assert!(bytes().eq(resumed_bytes), "{more}");
+        for name in resumed {
+            fs::remove_file(folder.path().join(name)).unwrap();
+        }
+    }
+}
+
 /// SIGTERM, twice, and a target error.
 #[test]
 fn a_target_error_goes_on_too() {

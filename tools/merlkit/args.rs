@@ -158,11 +158,6 @@ impl Materials {
         self.all
     }
 
-    /// How tables are held in memory.
-    pub fn tables(&self) -> &TableOptions {
-        &self.tables
-    }
-
     /// Resolves all of them before any work begins; what can't be read is set apart.
     pub fn resolve(&self) -> Result<(Vec<Material>, Unreadable), Error> {
         let (mut materials, unreadable) = batch::resolve(if self.all {

@@ -2,8 +2,13 @@
 
 mod args;
 mod batch;
+mod camera_args;
+mod columns;
 mod commands;
+mod explanation;
 mod failure;
+mod frames;
+mod grid;
 mod interrupt;
 mod journal;
 mod labels;
@@ -13,8 +18,10 @@ mod progress;
 mod raster;
 mod resumable;
 mod sampler_args;
+mod scene_args;
 mod sky;
 mod table;
+mod tiles;
 mod version;
 
 use clap::{CommandFactory, Parser};

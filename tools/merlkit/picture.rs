@@ -1,23 +1,25 @@
-//! Rendering a scene to files: what `render` and `demo` share.
+//! A scene, what its picture depends on, and the files that it becomes.
 
 use std::path::{Path, PathBuf};
 
 use merlkit::Error;
-use merlkit::files::{Overwrite, check_writable};
+use merlkit::files::{Overwrite, RegularFile, check_writable};
 use merlkit::image::{Image, write_exr, write_png};
-use merlkit::material::Material;
+use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::merl::LookupRule;
-use merlkit::render::{PlanRequest, RenderSettings, Scene, SceneSpec, Surface, render};
+use merlkit::material::{Loaded, Material};
+use merlkit::render::{PlanRequest, RenderSettings, Scene, SceneSpec, Surface};
 use merlkit::sampler::SamplerSpec;
 
 use crate::args;
 use crate::progress::Progress;
+use crate::scene_args::Finish;
 use crate::sky::print_notes;
 
 /// A scene and everything its picture depends on.
 pub struct Picture<'a> {
     /// The scene; nothing is loaded.
-    pub scene: &'a SceneSpec,
+    pub scene: SceneSpec,
     /// Which effects will be computed.
     pub effects: PlanRequest,
     /// Materials in the order of the scene's.
@@ -28,51 +30,143 @@ pub struct Picture<'a> {
     pub sampler: &'a SamplerSpec,
     /// Size, seed and budget of paths.
     pub settings: RenderSettings,
-    /// Exposure of the PNG, stops.
-    pub exposure: f32,
+    /// What becomes of the pixels in files.
+    pub finish: Finish,
 }
 
 impl Picture<'_> {
-    /// Loads what the scene's plan calls for, renders, and writes both files.
-    ///
-    /// # Errors
-    /// Those of loading, building, rendering and writing.
-    pub fn render(&self, files: &Files, overwrite: Overwrite) -> Result<(), Error> {
-        let scene = self.load()?;
-        let progress = self.progress();
-        let advance = |pixels| progress.advance_by(pixels);
-        let rendered = render(&scene, &self.settings, &advance)?;
-        drop(progress);
-        files.write(&rendered.film.to_image()?, self.exposure, overwrite)
-    }
-
     /// Loads what the scene's plan calls for, and says what is to be known of it.
     ///
     /// # Errors
     /// Those of loading and building.
     pub fn load(&self) -> Result<Scene, Error> {
-        let surface = |i, directions| self.surface(i, directions);
-        let scene = Scene::build(self.scene, self.effects, surface)?;
+        let mut parts = LoadedParts::default();
+        let surface = |i, directions| parts.surface(self, i, directions);
+        let scene = Scene::build(&self.scene, self.effects, surface)?;
         print_notes(scene.light_notes());
         Ok(scene)
     }
 
     /// A bar that counts pixels.
     pub fn progress(&self) -> Progress {
-        Progress::new("rendering", self.settings.width * self.settings.height)
+        Progress::new("rendering", self.pixels())
     }
 
-    fn surface(&self, material: usize, directions: bool) -> Result<Surface, Error> {
-        let brdf = args::load(&self.materials[material], self.lookup)?;
-        let sampler = if directions {
-            Some(self.sampler.build(&brdf)?.shared())
-        } else {
-            None
+    /// How many pixels it has.
+    pub fn pixels(&self) -> usize {
+        self.settings.width * self.settings.height
+    }
+
+    /// All that the pixels follow from, apart from the settings and what is in files.
+    pub fn facts(&self) -> Vec<(String, String)> {
+        let scene = &self.scene;
+        let (mut invalid, mut cells) = (Vec::new(), Vec::new());
+        for material in self.materials {
+            invalid.push(match material.keeps_channels_apart() {
+                true => "channel",
+                false => "cell",
+            });
+            cells.push(material.cell_format().name());
+        }
+        vec![
+            ("sampler".into(), self.sampler.to_string()),
+            ("lookup".into(), self.lookup.name().into()),
+            ("invalid".into(), invalid.join(", ")),
+            ("table".into(), cells.join(", ")),
+            ("effects".into(), format!("{:?}", self.effects)),
+            ("spheres".into(), format!("{:?}", scene.spheres)),
+            ("floor".into(), format!("{:?}", scene.floor)),
+            ("lights".into(), format!("{:?}", scene.lights)),
+            ("camera".into(), format!("{:?}", scene.camera)),
+            ("bounces".into(), scene.depth.to_string()),
+            ("strategy".into(), format!("{:?}", scene.strategy)),
+            ("turn".into(), scene.light_turn.to_string()),
+            ("transparent".into(), scene.transparent.to_string()),
+            ("clamp".into(), format!("{:?}", scene.clamp)),
+        ]
+    }
+
+    /// SHA-256 of each file that a light comes from.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if a file can't be read.
+    pub fn checksums_of_maps(&self) -> Result<Vec<String>, Error> {
+        let maps = self.scene.lights.iter().filter_map(map_file);
+        maps.map(|path| RegularFile::open(path)?.sha256()).collect()
+    }
+}
+
+/// What the last picture was drawn with. The next one takes the same lights and the same material from here.
+#[derive(Default)]
+pub struct LoadedParts {
+    scene: Option<Scene>,
+    material: Option<(String, Loaded)>,
+    surface: Option<(String, Surface)>,
+}
+
+impl LoadedParts {
+    /// Loads what the plan of a picture's scene calls for and is not loaded already, and says what is to be known of it.
+    ///
+    /// # Errors
+    /// Those of loading and building.
+    pub fn load(&mut self, picture: &Picture<'_>) -> Result<&Scene, Error> {
+        let previous = self.scene.take();
+        let surface = |i, directions| self.surface(picture, i, directions);
+        let scene = match &previous {
+            Some(previous) => previous.build_next(&picture.scene, picture.effects, surface)?,
+            None => Scene::build(&picture.scene, picture.effects, surface)?,
         };
-        Ok(Surface {
-            brdf: brdf.brdf().clone(),
+        if previous.is_none() {
+            print_notes(scene.light_notes());
+        }
+        Ok(self.scene.insert(scene))
+    }
+
+    fn surface(
+        &mut self,
+        picture: &Picture<'_>,
+        number: usize,
+        directions: bool,
+    ) -> Result<Surface, Error> {
+        let material = &picture.materials[number];
+        let key = format!("{:?} {}", material.origin(), picture.lookup.name());
+        let surface_key = format!("{key} {directions} {}", picture.sampler);
+        if let Some((known, surface)) = &self.surface
+            && *known == surface_key
+        {
+            return Ok(surface.clone());
+        }
+        self.surface = None;
+        if self
+            .material
+            .as_ref()
+            .is_none_or(|(known, _)| *known != key)
+        {
+            self.material = None;
+        }
+        let loaded = match self.material.take() {
+            Some((_, loaded)) => loaded,
+            None => args::load(material, picture.lookup)?,
+        };
+        let sampler = match directions {
+            true => Some(picture.sampler.build(&loaded)?.shared()),
+            false => None,
+        };
+        let surface = Surface {
+            brdf: loaded.brdf().clone(),
             sampler,
-        })
+        };
+        self.material = Some((key, loaded));
+        self.surface = Some((surface_key, surface.clone()));
+        Ok(surface)
+    }
+}
+
+/// The file of a light that comes from one.
+pub fn map_file(light: &LightSpec) -> Option<&Path> {
+    match light {
+        LightSpec::Environment(EnvironmentSource::File { path, .. }) => Some(path),
+        _ => None,
     }
 }
 
@@ -103,13 +197,20 @@ impl Files {
         Self { exr, png, partial }
     }
 
-    /// Writes both; `exposure` is in stops.
+    /// Writes both; `state` is a sentence about a picture that is not finished.
     ///
     /// # Errors
     /// As [`write_exr`] and [`write_png`].
-    pub fn write(&self, image: &Image, exposure: f32, overwrite: Overwrite) -> Result<(), Error> {
-        write_exr(&self.exr, image, overwrite)?;
-        write_png(&self.png, image, exposure, overwrite)
+    pub fn write(
+        &self,
+        image: Image,
+        finish: &Finish,
+        state: Option<String>,
+        overwrite: Overwrite,
+    ) -> Result<(), Error> {
+        let image = finish.apply(image, state);
+        write_exr(&self.exr, &image, overwrite)?;
+        write_png(&self.png, &image, finish.exposure, overwrite)
     }
 
     /// Tells of files that can't be written before the work, not after it.

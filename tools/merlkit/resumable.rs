@@ -7,14 +7,13 @@ use std::time::SystemTime;
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, RegularFile, check_writable};
-use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::{Material, Origin};
 use merlkit::render::{Refinement, Rendering};
 
 use crate::failure::Failure;
 use crate::interrupt::StoppableWork;
 use crate::output;
-use crate::picture::{Files, Picture};
+use crate::picture::{Files, Picture, map_file};
 
 /// Shown when a signal comes.
 const STOPPING: &str = "merlkit: stopping once every pixel has the same number of paths (press Ctrl-C again to stop now and discard the picture)";
@@ -92,7 +91,8 @@ impl Resumable<'_> {
             self.overwrite
         };
         let image = rendered.film.to_image()?;
-        self.files.write(&image, self.picture.exposure, overwrite)?;
+        self.files
+            .write(image, &self.picture.finish, None, overwrite)?;
         if self.resume {
             let partial = &self.files.partial;
             fs::remove_file(partial).map_err(|e| Error::io(partial, "remove", e))?;
@@ -104,11 +104,7 @@ impl Resumable<'_> {
     fn keep(&self, rendering: Rendering<'_>, sources: &Sources) -> Result<(), Error> {
         rendering.save(&self.files.partial, &self.facts(sources)?)?;
         let done = rendering.describe_progress();
-        let comment = format!(
-            "unfinished: {done}, seed {}; to finish it: {}",
-            self.picture.settings.seed,
-            command_to_resume()
-        );
+        let comment = unfinished(&format!("{done}, seed {}", self.picture.settings.seed));
         let image = rendering.into_rendered().film.to_image()?;
         // Another picture may have come there meanwhile, unless it is the one that is gone on with.
         let overwrite = if self.resume {
@@ -116,8 +112,8 @@ impl Resumable<'_> {
         } else {
             self.overwrite
         };
-        let image = image.with_comment(comment);
-        self.files.write(&image, self.picture.exposure, overwrite)?;
+        self.files
+            .write(image, &self.picture.finish, Some(comment), overwrite)?;
         output::message(&format!(
             "merlkit: {} has {done}; the same command with --resume finishes it",
             self.files.exr.display()
@@ -128,28 +124,8 @@ impl Resumable<'_> {
     /// All that the pixels follow from, apart from the settings.
     fn facts(&self, sources: &Sources) -> Result<Vec<(String, String)>, Error> {
         let picture = self.picture;
-        let scene = picture.scene;
-        let (mut invalid, mut cells) = (Vec::new(), Vec::new());
-        for material in picture.materials {
-            invalid.push(match material.keeps_channels_apart() {
-                true => "channel",
-                false => "cell",
-            });
-            cells.push(material.cell_format().name());
-        }
-        let mut facts = vec![
-            ("sampler".into(), picture.sampler.to_string()),
-            ("lookup".into(), picture.lookup.name().into()),
-            ("invalid".into(), invalid.join(", ")),
-            ("table".into(), cells.join(", ")),
-            ("effects".into(), format!("{:?}", picture.effects)),
-            ("spheres".into(), format!("{:?}", scene.spheres)),
-            ("floor".into(), format!("{:?}", scene.floor)),
-            ("lights".into(), format!("{:?}", scene.lights)),
-            ("camera".into(), format!("{:?}", scene.camera)),
-            ("bounces".into(), scene.depth.to_string()),
-            ("strategy".into(), format!("{:?}", scene.strategy)),
-        ];
+        let scene = &picture.scene;
+        let mut facts = picture.facts();
         for (name, material) in scene.materials.iter().zip(picture.materials) {
             let sum = match material.origin() {
                 Origin::File(path) => sources.checksum(path)?,
@@ -208,12 +184,9 @@ fn material_file(material: &Material) -> Option<&Path> {
     }
 }
 
-/// The file of a light that comes from one.
-pub fn map_file(light: &LightSpec) -> Option<&Path> {
-    match light {
-        LightSpec::Environment(EnvironmentSource::File { path, .. }) => Some(path),
-        _ => None,
-    }
+/// The comment of a picture that is not finished.
+pub fn unfinished(done: &str) -> String {
+    format!("unfinished: {done}; to finish it: {}", command_to_resume())
 }
 
 /// The command of this process with `--resume`, as a shell takes it.

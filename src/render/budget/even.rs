@@ -28,6 +28,11 @@ impl EvenPicture {
         self.done == self.paths
     }
 
+    /// Paths that each pixel has, and will have.
+    pub(super) fn paths_done(&self) -> (u64, u64) {
+        (self.done, self.paths)
+    }
+
     pub(super) fn describe_progress(&self) -> String {
         format!("{} of {} paths per pixel", self.done, self.paths)
     }

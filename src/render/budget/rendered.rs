@@ -46,6 +46,15 @@ pub struct Tile {
     pub reached: bool,
 }
 
+impl From<Film> for Rendered {
+    fn from(film: Film) -> Self {
+        Self {
+            film,
+            refinement: None,
+        }
+    }
+}
+
 impl Refinement {
     /// The picture's error, estimated: root of the mean square of its tiles' errors, each weighing as many as it has pixels.
     /// Pixels that show no object don't count. 0 for a picture without objects.

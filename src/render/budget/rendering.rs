@@ -12,6 +12,7 @@ use super::words::{WordReader, WordWriter};
 use crate::Result;
 use crate::files::Overwrite;
 use crate::points::PointSet;
+use crate::render::coverage::measure_coverage;
 use crate::render::scene::Scene;
 use crate::render::settings::{Budget, RenderSettings};
 use crate::render::tracer::Tracer;
@@ -29,6 +30,9 @@ pub struct Rendering<'a> {
     settings: RenderSettings,
     picture: BudgetPicture,
 }
+
+/// Rays that measure how much of a pixel objects cover where pixels have different numbers of paths.
+const UNEVEN_RAYS: u64 = 256;
 
 enum BudgetPicture {
     Even(EvenPicture),
@@ -109,15 +113,27 @@ impl<'a> Rendering<'a> {
     /// The picture as it is now. Of an unfinished [`Budget::ToError`], pixels without a path get 16 first; of others that were
     /// never advanced, it is black.
     pub fn into_rendered(self) -> Rendered {
-        let film = match self.picture {
-            BudgetPicture::Even(picture) => picture.into_film(&self.settings),
-            BudgetPicture::Adaptive(picture) => picture.into_film(&self.settings),
-            BudgetPicture::ToError(picture) => return picture.into_rendered(&self.tracer),
+        let coverage = self.measure_coverage();
+        let mut rendered = match self.picture {
+            BudgetPicture::Even(picture) => Rendered::from(picture.into_film(&self.settings)),
+            BudgetPicture::Adaptive(picture) => Rendered::from(picture.into_film(&self.settings)),
+            BudgetPicture::ToError(picture) => picture.into_rendered(&self.tracer),
         };
-        Rendered {
-            film,
-            refinement: None,
+        if let Some(coverage) = coverage {
+            rendered.film = rendered.film.with_coverage(coverage);
         }
+        rendered
+    }
+
+    /// How much of each pixel objects cover, where the scene's background is left out.
+    fn measure_coverage(&self) -> Option<Vec<f32>> {
+        let (done, paths) = match &self.picture {
+            BudgetPicture::Even(picture) => picture.paths_done(),
+            // Pixels have paths of different numbers.
+            BudgetPicture::Adaptive(_) | BudgetPicture::ToError(_) => (UNEVEN_RAYS, UNEVEN_RAYS),
+        };
+        let is_needed = self.tracer.scene.transparent;
+        is_needed.then(|| measure_coverage(&self.tracer, done, paths))
     }
 
     /// Writes all that is needed to go on to `path`, at once or not at all, in place of a file that is there.

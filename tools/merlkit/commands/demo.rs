@@ -11,16 +11,18 @@ use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::material::merl::write;
 use merlkit::points::PointSet;
-use merlkit::render::{Budget, PlanRequest, RenderSettings, SceneSpec};
+use merlkit::render::{Budget, PlanRequest, RenderSettings, SceneSpec, render};
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
 use merlkit_evaluate::report::{SamplerReport, thesis_legend};
 
 use super::render::GREY;
 use crate::failure::{Failure, Outcome};
+use crate::grid::{Cell, Grid};
 use crate::output;
-use crate::picture::{Files, Picture};
+use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
+use crate::scene_args::Finish;
 use crate::table;
 
 /// Demonstrate files, samplers, report and rendering on three built-in materials, in about a minute on two idle cores
@@ -148,29 +150,36 @@ fn pictures(
     samplers: &[(SamplerSpec, Files)],
     overwrite: Overwrite,
 ) -> Result<(), Failure> {
+    let grid = Grid::for_tiles(materials.len(), Some(materials.len()), [200, 240]);
     let settings = RenderSettings {
-        width: 600,
-        height: 240,
+        width: grid.tile[0],
+        height: grid.tile[1],
         seed: args.seed,
         points: PointSet::Lattice,
         budget: Budget::Even(args.spp),
     };
-    let names: Vec<String> = NAMES.map(String::from).to_vec();
-    let mut scene = SceneSpec::row(&names, settings.width as f64 / settings.height as f64);
-    scene.lights = vec![LightSpec::Environment(EnvironmentSource::Studio)];
-    scene.floor = Some(GREY);
+    let finish = Finish::default();
     for (sampler, files) in samplers {
         let started = Instant::now();
-        let picture = Picture {
-            scene: &scene,
-            effects: PlanRequest::AsNeeded,
-            materials,
-            lookup: LOOKUP,
-            sampler,
-            settings,
-            exposure: 0.0,
-        };
-        picture.render(files, overwrite)?;
+        let mut cells = Vec::with_capacity(materials.len());
+        let mut parts = LoadedParts::default();
+        let progress = Progress::new("rendering", grid.size().iter().product());
+        for material in materials {
+            let picture = Picture {
+                scene: describe_scene(material, &settings),
+                effects: PlanRequest::AsNeeded,
+                materials: std::slice::from_ref(material),
+                lookup: LOOKUP,
+                sampler,
+                settings,
+                finish,
+            };
+            let scene = parts.load(&picture)?;
+            let rendered = render(scene, &settings, &|pixels| progress.advance_by(pixels))?;
+            cells.push(Cell::from(rendered.film.to_image()?));
+        }
+        drop(progress);
+        files.write(grid.compose(&[], &cells)?, &finish, None, overwrite)?;
         let seconds = started.elapsed().as_secs_f64();
         output::stdout(|out| {
             writeln!(
@@ -182,4 +191,14 @@ fn pictures(
         })?;
     }
     Ok(())
+}
+
+/// A sphere on a grey floor in the studio.
+fn describe_scene(material: &Material, settings: &RenderSettings) -> SceneSpec {
+    let aspect = settings.width as f64 / settings.height as f64;
+    SceneSpec {
+        lights: vec![LightSpec::Environment(EnvironmentSource::Studio)],
+        floor: Some(GREY),
+        ..SceneSpec::row(&[material.name().to_owned()], aspect)
+    }
 }

@@ -6,34 +6,38 @@ use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::distribution::Heuristic;
-use merlkit::glam::DVec3;
-use merlkit::light::LightSpec;
+use merlkit::files::Overwrite;
+use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Budget, Camera, Decision, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings,
-    SceneSpec, Strategy,
+    Budget, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings, SceneSpec, Strategy,
 };
 use merlkit::sampler::SamplerSpec;
-use merlkit_evaluate::report::Sheet;
 
-use crate::failure::Outcome;
+use crate::camera_args::CameraOptions;
+use crate::explanation::explain_plans;
+use crate::failure::{Failure, Outcome};
+use crate::frames::{FrameOptions, Movie};
+use crate::grid::{Cell, Grid};
 use crate::picture::{Files, Picture};
 use crate::resumable::{self, Resumable};
 use crate::sampler_args;
+use crate::scene_args::SceneOptions;
+use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
 use crate::{args, batch, output, table};
 
-/// Path-trace a row of spheres, one per material, to NAME.exr (linear RGB) and NAME.png (sRGB)
-///
-/// Only the effects that the scene needs are computed; --explain prints which, and why. The same command gives the same bytes
-/// on any number of threads.
+/// Path-trace a sphere of each material to NAME.exr (linear RGB) and NAME.png (sRGB)
+// Without a second paragraph the help has one line or two for each option, instead of three or more.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
+    after_help = "Each sphere is drawn alone, so that its pixels don't depend on the other materials. Only the effects that the scene needs are computed; \
+                  --explain prints which, and why. The same command gives the same bytes on any number of threads.\n\n\
+                  Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, built-in names or formulas; one sphere each, left to right
+    /// MERL binaries, .bsdf files, built-in names or formulas; one sphere each
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// How values between the samples of a table are interpolated [default: floor]
@@ -41,17 +45,13 @@ pub struct Args {
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
     tables: args::TableOptions,
-    #[arg(help_heading = "Scene", long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
-    lights: Vec<String>,
-    /// Position of the eye in radii of a sphere; +y is up, +z to the viewer [default: it frames the row]
-    #[arg(help_heading = "Scene", long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with_all = ["elevation", "fov"], value_parser = position)]
-    eye: Option<DVec3>,
-    /// Elevation of the eye above the horizon in degrees, -89 to 89 [default: 12.4]
-    #[arg(help_heading = "Scene", long, value_name = "DEG", allow_negative_numbers = true, value_parser = within::<-89, 89>)]
-    elevation: Option<f64>,
-    /// Vertical field of view in degrees, 1 to 120; the row keeps its size [default: 24]
-    #[arg(help_heading = "Scene", long, value_name = "DEG", value_parser = within::<1, 120>)]
-    fov: Option<f64>,
+    #[command(flatten, next_help_heading = "Scene")]
+    scene: SceneOptions,
+    #[command(flatten, next_help_heading = "Scene")]
+    camera: CameraOptions,
+    /// Put all spheres into one scene, in which they light one another [default: each is drawn alone]
+    #[arg(help_heading = "Scene", long, conflicts_with = "columns")]
+    together: bool,
     /// Put the spheres on a grey floor
     #[arg(help_heading = "Scene", long = "ground")]
     ground: bool,
@@ -102,9 +102,14 @@ pub struct Args {
     /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
     #[arg(help_heading = "Sampling", long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     candidates: Option<u32>,
-    /// Size in pixels [default: 320 × the number of spheres, but at least 480, wide; 360 high]
+    /// Size of the whole picture [default: 320 × 360 pixels a sphere; 480 × 360 for one]
     #[arg(help_heading = "Picture", long, value_name = "WxH", value_parser = args::size)]
     size: Option<(usize, usize)>,
+    /// Number of spheres in a row [default: up to 5]
+    #[arg(help_heading = "Picture", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    columns: Option<u32>,
+    #[command(flatten, next_help_heading = "Picture")]
+    frames: FrameOptions,
     /// Exposure of the PNG in stops [default: 0]
     #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
@@ -142,72 +147,194 @@ pub const GREY: f32 = 0.35;
 pub fn run(args: &Args) -> Outcome {
     let start = Instant::now();
     let files = Files::named(&args.output);
-    let overwrite = output::overwrite(args.force);
     let names = batch::expand_folders(&args.materials)?;
-    let settings = settings(args, names.len())?;
+    let grid = lay_out(args, names.len())?;
+    let settings = settings(args, grid.tile)?;
     settings.check()?;
-    let (scene, materials) = describe(args, &names, &settings)?;
-    resumable::check_files(&files, overwrite, args.resume)?;
-    let effects = if args.all_effects {
-        PlanRequest::Everything
-    } else {
-        PlanRequest::AsNeeded
+    let materials = match args.together {
+        // Equal names are one material of the scene.
+        true => args::resolve(&SceneSpec::row(&names, 1.0).materials, &args.tables)?,
+        false => args::resolve(&names, &args.tables)?,
     };
-    let plan = EffectPlan::for_scene(&scene, effects);
-    if plan.is_on(Effect::Directions) {
-        for material in &materials {
-            args.sampler.check_supports(&material.facts()?)?;
+    let pictures = describe(args, &names, &materials, settings)?;
+    let is_single = pictures.len() == 1 && args.frames.count().is_none();
+    if is_single {
+        resumable::check_files(&files, output::overwrite(args.force), args.resume)?;
+    }
+    check_samplers(&pictures)?;
+    if args.explain {
+        for sheet in explain_plans(&pictures) {
+            output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
         }
     }
-    if args.explain {
-        let sheet = explanation(&scene, &plan);
-        output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
-    }
-    let picture = Picture {
-        scene: &scene,
-        effects,
-        materials: &materials,
-        lookup: args.lookup,
-        sampler: &args.sampler,
-        settings,
-        exposure: args.exposure,
+    let refinement = match &pictures[..] {
+        [picture] if is_single => Resumable {
+            picture,
+            files: &files,
+            overwrite: output::overwrite(args.force),
+            resume: args.resume,
+        }
+        .render()?,
+        _ => match args.frames.count() {
+            Some(count) => draw_frames(args, &pictures, &grid, count)?,
+            None => draw_apart(args, pictures, &grid, &files)?,
+        },
     };
-    let resumable = Resumable {
-        picture: &picture,
-        files: &files,
-        overwrite,
-        resume: args.resume,
-    };
-    let refinement = resumable.render()?;
+    report(args, &grid, &settings, refinement.as_ref(), start)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Prints what was written, and how far the picture came.
+fn report(
+    args: &Args,
+    grid: &Grid,
+    settings: &RenderSettings,
+    refinement: Option<&Refinement>,
+    start: Instant,
+) -> Result<(), Failure> {
     output::stdout(|out| {
-        writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
-        let (w, h) = (settings.width, settings.height);
-        let paths = paths_a_pixel(&settings, refinement.as_ref());
+        match args.frames.count() {
+            Some(count) => writeln!(out, "{}", Movie::named(&args.output, count).describe())?,
+            None => {
+                let files = Files::named(&args.output);
+                writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
+            }
+        }
+        let [w, h] = grid.size();
+        let pixels = w * h * args.frames.count().unwrap_or(1);
+        let paths = paths_a_pixel(settings, pixels, refinement);
         let seconds = start.elapsed().as_secs_f64();
         writeln!(
             out,
             "{w} × {h} pixels, {paths} paths per pixel, {seconds:.2} s in total"
         )?;
+        if let Some(words) = args.scene.finish(args.exposure).warning() {
+            writeln!(out, "{words}")?;
+        }
         match (refinement, settings.budget) {
             (Some(refinement), Budget::ToError { most, .. }) => {
-                writeln!(out, "{}", error_reached(&refinement, most))
+                writeln!(out, "{}", error_reached(refinement, most))
             }
             _ => Ok(()),
         }
+    })
+}
+
+/// Before the work: samplers that can't be built for the materials are refused.
+fn check_samplers(pictures: &[Picture<'_>]) -> Result<(), Error> {
+    for picture in pictures {
+        let plan = EffectPlan::for_scene(&picture.scene, picture.effects);
+        if !plan.is_on(Effect::Directions) {
+            continue;
+        }
+        for material in picture.materials {
+            picture.sampler.check_supports(&material.facts()?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Draws each sphere by itself and puts them together.
+fn draw_apart(
+    args: &Args,
+    pictures: Vec<Picture<'_>>,
+    grid: &Grid,
+    files: &Files,
+) -> Result<Option<Refinement>, Failure> {
+    let overwrite = match args.resume {
+        true => Overwrite::Replace,
+        false => output::overwrite(args.force),
+    };
+    let folder = TileFolder::named(files, args.resume);
+    folder.check()?;
+    files.check(overwrite)?;
+    let mut tiles = Vec::with_capacity(pictures.len());
+    for picture in pictures {
+        let key = tile_key(picture.materials)?;
+        tiles.push(Tile::new(&key, "", picture));
+    }
+    let drawn = draw_tiles(&folder, &tiles, "", |drawn| {
+        let is_finished = drawn.finished == tiles.len();
+        let images = drawn.read(&folder, &tiles)?;
+        let cells: Vec<Cell> = images.into_iter().map(Cell::from).collect();
+        let state = resumable::unfinished("some spheres are missing");
+        let state = (!is_finished).then_some(state);
+        let finish = args.scene.finish(args.exposure);
+        files.write(grid.compose(&[], &cells)?, &finish, state, overwrite)?;
+        Ok(folder.read_refinement(&tiles)?)
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(drawn.flatten())
+}
+
+/// A frame of so many, from the tiles of all.
+fn compose_frame(
+    grid: &Grid,
+    folder: &TileFolder,
+    tiles: &[Tile<'_>],
+    [frame, count]: [usize; 2],
+) -> Result<Image, Error> {
+    let mut cells = Vec::new();
+    for tile in tiles.iter().skip(frame).step_by(count) {
+        cells.push(Cell::from(folder.read(tile)?));
+    }
+    grid.compose(&[], &cells)
+}
+
+/// Draws the spheres of each frame, all frames of a sphere before the next one, which is then not in memory.
+fn draw_frames(
+    args: &Args,
+    pictures: &[Picture<'_>],
+    grid: &Grid,
+    count: usize,
+) -> Result<Option<Refinement>, Failure> {
+    let movie = Movie::named(&args.output, count);
+    let folder = TileFolder::named(&Files::named(&args.output), args.resume);
+    folder.check()?;
+    let overwrite = match args.resume {
+        true => Overwrite::Replace,
+        false => output::overwrite(args.force),
+    };
+    movie.check(overwrite)?;
+    let mut tiles = Vec::with_capacity(pictures.len() * count);
+    for picture in pictures {
+        let key = tile_key(picture.materials)?;
+        for frame in 0..count {
+            let picture = Picture {
+                scene: args.frames.turn(&picture.scene, frame),
+                ..*picture
+            };
+            tiles.push(Tile::new(&key, &format!("_{frame:04}"), picture));
+        }
+    }
+    let finish = args.scene.finish(args.exposure);
+    let drawn = draw_tiles(&folder, &tiles, &args.frames.describe(), |drawn| {
+        if drawn.finished < tiles.len() {
+            return Ok(None);
+        }
+        movie.write(
+            count,
+            |frame| compose_frame(grid, &folder, &tiles, [frame, count]),
+            &finish,
+            overwrite,
+        )?;
+        Ok(folder.read_refinement(&tiles)?)
+    })?;
+    Ok(drawn.flatten())
 }
 
 /// How many paths per pixel has; of a target error the mean, and with those that only served decisions.
-fn paths_a_pixel(settings: &RenderSettings, refinement: Option<&Refinement>) -> String {
+fn paths_a_pixel(
+    settings: &RenderSettings,
+    pixels: usize,
+    refinement: Option<&Refinement>,
+) -> String {
     match (settings.budget, refinement) {
         (Budget::Even(paths), _) => paths.to_string(),
         (Budget::Adaptive(paths), _) => format!("about {paths}"),
         (Budget::ToError { most, .. }, None) => format!("at most {most}"),
         (Budget::ToError { .. }, Some(refinement)) => {
-            let pixels = (settings.width * settings.height) as f64;
-            let kept = refinement.paths as f64 / pixels;
-            let traced = refinement.traced as f64 / pixels;
+            let kept = refinement.paths as f64 / pixels as f64;
+            let traced = refinement.traced as f64 / pixels as f64;
             format!("{kept:.1} (traced: {traced:.1})")
         }
     }
@@ -242,10 +369,48 @@ fn stops(argument: &str) -> Result<f32, String> {
 /// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
 const SOBOL_FROM: u64 = 512;
 
-/// Settings of a picture of so many spheres.
-fn settings(args: &Args, spheres: usize) -> Result<RenderSettings, Error> {
-    let default_size = ((320 * spheres).max(480), 360);
-    let (width, height) = args.size.unwrap_or(default_size);
+/// Most spheres in a row, where nothing is said.
+const COLUMNS: usize = 5;
+
+/// Pixels of a tile's sides, at least: with fewer, nothing can be seen.
+const LEAST_SIDE: usize = 8;
+
+/// Where the spheres are in the picture. Together they are one tile.
+fn lay_out(args: &Args, spheres: usize) -> Result<Grid, Error> {
+    if args.together || spheres == 1 {
+        let size = args.size.unwrap_or(((320 * spheres).max(480), 360));
+        return Ok(Grid::for_tiles(1, None, [size.0, size.1]));
+    }
+    let columns = args.columns.map_or(COLUMNS, |n| n as usize);
+    let grid = Grid::for_tiles(spheres, Some(columns), [320, 360]);
+    let Some((width, height)) = args.size else {
+        grid.check()?;
+        return Ok(grid);
+    };
+    let (columns, rows) = (grid.columns, grid.rows);
+    if width % columns == 0 && height % rows == 0 {
+        let tile = [width / columns, height / rows];
+        if tile[0].min(tile[1]) < LEAST_SIDE {
+            let [w, h] = tile;
+            return Err(Error::argument(
+                format!("a picture with {w} × {h} pixels for each sphere"),
+                "give a larger --size, or another number of --columns",
+            ));
+        }
+        return Ok(Grid { tile, ..grid });
+    }
+    let wide = width.div_ceil(columns) * columns;
+    let high = height.div_ceil(rows) * rows;
+    Err(Error::argument(
+        format!(
+            "{width} × {height} pixels are no {columns} × {rows} equal tiles, one for each sphere"
+        ),
+        format!("give --size {wide}x{high}, or another number of --columns"),
+    ))
+}
+
+/// Settings of each tile.
+fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, Error> {
     let budget = match args.target_error {
         Some(error) => Budget::ToError {
             error,
@@ -275,71 +440,56 @@ fn settings(args: &Args, spheres: usize) -> Result<RenderSettings, Error> {
     })
 }
 
-/// The scene, and its materials in the order of [`SceneSpec::materials`]; nothing is loaded.
-fn describe(
+/// The pictures to draw, one for each sphere or one of all together; nothing is loaded. `materials` are those of `names`, each once
+/// if they are together.
+fn describe<'a>(
+    args: &'a Args,
+    names: &[String],
+    materials: &'a [Material],
+    settings: RenderSettings,
+) -> Result<Vec<Picture<'a>>, Error> {
+    let tiles: Vec<(&[String], &[Material])> = match args.together {
+        true => vec![(names, materials)],
+        false => {
+            let names = names.iter().map(std::slice::from_ref);
+            names
+                .zip(materials.iter().map(std::slice::from_ref))
+                .collect()
+        }
+    };
+    let mut pictures = Vec::with_capacity(tiles.len());
+    for (names, materials) in tiles {
+        pictures.push(Picture {
+            scene: describe_scene(args, names, materials, &settings)?,
+            effects: match args.all_effects {
+                true => PlanRequest::Everything,
+                false => PlanRequest::AsNeeded,
+            },
+            materials,
+            lookup: args.lookup,
+            sampler: &args.sampler,
+            settings,
+            finish: args.scene.finish(args.exposure),
+        });
+    }
+    Ok(pictures)
+}
+
+/// A scene of the spheres of some materials.
+fn describe_scene(
     args: &Args,
     names: &[String],
+    materials: &[Material],
     settings: &RenderSettings,
-) -> Result<(SceneSpec, Vec<Material>), Error> {
+) -> Result<SceneSpec, Error> {
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
-    let materials = args::resolve(&spec.materials, &args.tables)?;
-    spec.mirrors = args::find_mirrors(&materials)?;
-    spec.lights = args
-        .lights
-        .iter()
-        .map(|name| spec.light(name))
-        .collect::<Result<_, _>>()?;
-    spec.camera = camera(args, spec.camera);
+    spec.mirrors = args::find_mirrors(materials)?;
+    args.scene.apply(&mut spec)?;
+    spec.camera = args.camera.aim(spec.camera);
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
     spec.strategy = strategy(args)?;
-    Ok((spec, materials))
-}
-
-/// The camera that was asked for, where the scene has `framed`.
-fn camera(args: &Args, framed: Camera) -> Camera {
-    if let Some(eye) = args.eye {
-        return Camera { eye, ..framed };
-    }
-    let Camera {
-        eye,
-        target,
-        vertical_angle: framed_angle,
-    } = framed;
-    let vertical_angle = args.fov.map_or(framed_angle, f64::to_radians);
-    // The nearest points of the spheres, one radius before their centres, keep their size in the picture.
-    let zoom = (0.5 * framed_angle).tan() / (0.5 * vertical_angle).tan();
-    let distance = ((eye - target).length() - 1.0) * zoom + 1.0;
-    let towards = match args.elevation.map(f64::to_radians) {
-        Some(elevation) => DVec3::new(0.0, elevation.sin(), elevation.cos()),
-        None => (eye - target).normalize(),
-    };
-    Camera {
-        eye: target + towards * distance,
-        target,
-        vertical_angle,
-    }
-}
-
-/// "X,Y,Z" as a point.
-fn position(argument: &str) -> Result<DVec3, String> {
-    let numbers: Option<Vec<f64>> = argument.split(',').map(|n| n.trim().parse().ok()).collect();
-    let point = match numbers.as_deref() {
-        Some(&[x, y, z]) => Some(DVec3::new(x, y, z)),
-        _ => None,
-    };
-    point
-        .filter(|p| p.is_finite())
-        .ok_or_else(|| "expected three numbers, such as 0,2,8".into())
-}
-
-/// A number from `LEAST` to `MOST`.
-fn within<const LEAST: i32, const MOST: i32>(argument: &str) -> Result<f64, String> {
-    let domain = f64::from(LEAST)..=f64::from(MOST);
-    let number = argument.parse().ok();
-    number
-        .filter(|x| domain.contains(x))
-        .ok_or_else(|| format!("expected a number from {LEAST} to {MOST}"))
+    Ok(spec)
 }
 
 fn strategy(args: &Args) -> Result<Strategy, Error> {
@@ -361,33 +511,4 @@ fn no_effect(strategy: &str, option: &str, wanted: &str) -> Error {
         format!("{option} has no effect with --strategy {strategy}"),
         format!("omit it, or pass --strategy {wanted}"),
     )
-}
-
-fn light_help() -> String {
-    format!(
-        "{}: a map (EXR, HDR, PFM, PNG; its top is +y, its centre −z, its right half +x); repeatable [default: studio]",
-        LightSpec::words()
-    )
-}
-
-/// One line an effect, then one a material and a light.
-fn explanation(spec: &SceneSpec, plan: &EffectPlan) -> Sheet {
-    let mut sheet = Sheet::new(&["effect", "", "why"]);
-    let mut row = |name: String, decision: Decision| {
-        sheet.push(vec![
-            name,
-            if decision.on { "on" } else { "off" }.into(),
-            decision.why.into(),
-        ]);
-    };
-    for effect in Effect::ALL {
-        row(effect.name().into(), plan.effect(effect));
-    }
-    for (name, decision) in spec.materials.iter().zip(plan.materials()) {
-        row(format!("load material {name}"), *decision);
-    }
-    for (light, decision) in spec.lights.iter().zip(plan.lights()) {
-        row(format!("load light {}", light.describe()), *decision);
-    }
-    sheet
 }

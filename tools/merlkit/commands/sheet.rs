@@ -1,38 +1,39 @@
 //! `merlkit sheet`
 
-use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use merlkit::Error;
-use merlkit::color::Rgb;
-use merlkit::files::{Overwrite, RegularFile, write_new};
+use merlkit::files::Overwrite;
 use merlkit::glam::DVec3;
-use merlkit::image::{Image, MAX_PIXELS, read_exr, write_exr};
+use merlkit::image::Image;
 use merlkit::material::{LookupRule, Material, Origin};
 use merlkit::points::PointSet;
-use merlkit::render::{Budget, Camera, PlanRequest, RenderSettings, SceneSpec, render};
+use merlkit::render::{Budget, Camera, PlanRequest, RenderSettings, SceneSpec};
 use merlkit::sampler::SamplerSpec;
+use merlkit_evaluate::report::Sheet;
 
 use crate::args;
+use crate::columns::{ColumnsBy, compare_rows};
 use crate::failure::{Failure, Outcome};
-use crate::interrupt::StoppableWork;
-use crate::labels::Label;
+use crate::grid::{Cell, Grid, line_height};
 use crate::output;
 use crate::picture::{Files, Picture};
-use crate::progress::Progress;
-use crate::resumable::map_file;
+use crate::resumable::unfinished;
 use crate::sampler_args;
+use crate::scene_args::SceneOptions;
+use crate::table;
+use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
 
-/// Render a contact sheet: each material as a sphere of its own, with its name
-///
-/// Each sphere is alone in its tile, in the middle and far from the eye, so that its outline is a circle and its pixels don't depend
-/// on its neighbours. Writes NAME.exr (linear RGB) and NAME.png. Ctrl-C keeps the finished spheres in the folder NAME.tiles; the
-/// same command with --resume goes on from there.
+/// Render a contact sheet to NAME.exr and NAME.png: each material as a sphere of its own, with its name
+// Without a second paragraph the help has one line or two for each option, instead of three or more.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  merlkit sheet --all -o merl100\n  merlkit sheet nickel chrome ward:sx=0.2,sy=0.4 --columns 3 --size 256 --spp 256"
+    after_help = "Each sphere is alone in its tile, in the middle and far from the eye, so that its outline is a circle and its pixels don't \
+                  depend on its neighbours. Ctrl-C keeps the finished spheres in the folder NAME.tiles; the same command with --resume \
+                  goes on from there.\n\n\
+                  Examples:\n  merlkit sheet --all -o merl100\n  merlkit sheet nickel chrome ward:sx=0.2,sy=0.4 --columns 3 --size 256 --spp 256\n  merlkit sheet nickel teflon --columns-by sampler --sampler cosine --sampler half-vector --difference"
 )]
 pub struct Args {
     #[command(flatten, next_help_heading = "Materials")]
@@ -40,15 +41,8 @@ pub struct Args {
     /// How values between the samples of a table are interpolated
     #[arg(help_heading = "Materials", long, value_name = "RULE", default_value = "floor", value_parser = args::lookup_rule())]
     lookup: LookupRule,
-    /// Light, as of `merlkit render` [default: environment]
-    #[arg(
-        help_heading = "Picture",
-        long = "light",
-        value_name = "LIGHT",
-        default_value = "environment",
-        hide_default_value = true
-    )]
-    lights: Vec<String>,
+    #[command(flatten, next_help_heading = "Scene")]
+    scene: SceneOptions,
     /// Number of spheres in a row [default: as near to a square as may be]
     #[arg(help_heading = "Picture", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     columns: Option<u32>,
@@ -67,15 +61,25 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     exposure: f32,
-    /// BRDF sampler, with settings (`merlkit samplers` lists them)
-    #[arg(help_heading = "Sampling", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
-    sampler: SamplerSpec,
+    /// BRDF sampler, with settings (`merlkit samplers` lists them); repeatable with --columns-by sampler
+    #[arg(help_heading = "Sampling", long = "sampler", value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT)]
+    samplers: Vec<SamplerSpec>,
     /// Paths per pixel
     #[arg(help_heading = "Sampling", long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
     /// Seed of all random numbers
     #[arg(help_heading = "Sampling", long, value_name = "K", default_value_t = 0)]
     seed: u64,
+    /// A row for each material, a column for each sampler or value of a parameter: sampler, or such as sx=sy=0.1,0.2,0.4. The
+    /// first column is the reference, and under each other sphere is its error [default: no meaning of columns]
+    #[arg(help_heading = "Comparison", long, value_name = "sampler|PARAM=V,V,…", conflicts_with = "columns", value_parser = ColumnsBy::parse)]
+    columns_by: Option<ColumnsBy>,
+    /// Add to each row a row of differences from the reference, as FLIP sees them: dark for none, yellow for 1
+    #[arg(help_heading = "Comparison", long, requires = "columns_by")]
+    difference: bool,
+    /// Paths per pixel of the reference [default: 16 × --spp]
+    #[arg(help_heading = "Comparison", long, value_name = "N", requires = "columns_by", value_parser = clap::value_parser!(u64).range(1..))]
+    reference_spp: Option<u64>,
     /// Finish a sheet that Ctrl-C interrupted; the bytes are those of an uninterrupted run
     #[arg(help_heading = "Output", long)]
     resume: bool,
@@ -95,117 +99,226 @@ pub struct Args {
 
 /// Pixels between tiles.
 const GAP: usize = 4;
-/// Height of a line of text.
-const LABEL: usize = 12;
-/// Radiance of the letters.
-const INK: Rgb = Rgb::ONE;
 /// The fraction of the tile's height that the sphere takes.
 const FILLED: f64 = 0.92;
 /// The angle under which a tile is seen: so small that nearly half of the sphere shows.
 const ANGLE: f64 = 4.0;
 
-const STOPPING: &str = "merlkit: stopping after this sphere (press Ctrl-C again to stop now)";
-
 pub fn run(args: &Args) -> Outcome {
     let start = Instant::now();
     let (materials, unreadable) = args.materials.resolve()?;
     args::refuse_repeated(&materials)?;
-    for material in &materials {
-        args.sampler.check_supports(&material.facts()?)?;
+    if args.samplers.len() > 1 && args.columns_by != Some(ColumnsBy::Sampler) {
+        let what = "several samplers without a column for each";
+        return Err(Error::argument(what, "pass --columns-by sampler").into());
     }
-    let grid = Grid::new(args, materials.len())?;
+    let default: SamplerSpec = sampler_args::DEFAULT.parse()?;
+    let spheres = plan_spheres(args, &materials, &default)?;
+    for sphere in &spheres {
+        let facts = sphere.material.facts()?;
+        sphere.sampler.check_supports(&facts)?;
+    }
+    let grid = lay_out(args, materials.len());
+    grid.check()?;
     let files = Files::named(&args.output);
     let scene = describe_scene(args)?;
-    let tiles = TileFolder::open(args, &files, &scene)?;
-    let work = StoppableWork::begin(STOPPING);
-    let outcome = match draw_tiles(args, &scene, &materials, &tiles, &work) {
-        Ok(Some(drawn)) => finish(args, &grid, &materials, &drawn, &files, &tiles),
-        Ok(None) => Ok(()),
-        Err(error) => {
-            tiles.remove_without_spheres();
-            Err(error.into())
-        }
+    let mut tiles = Vec::with_capacity(spheres.len());
+    for sphere in &spheres {
+        tiles.push(sphere.tile(args, &scene)?);
+    }
+    let folder = TileFolder::named(&files, args.resume);
+    folder.check()?;
+    let overwrite = match args.resume {
+        true => Overwrite::Replace,
+        false => output::overwrite(args.force),
     };
-    work.end(outcome)?;
-    output::stdout(|out| {
-        writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
-        let seconds = start.elapsed().as_secs_f64();
-        let (n, size, spp) = (materials.len(), args.size, args.spp);
-        writeln!(
-            out,
-            "{n} spheres of {size} × {size} pixels, {spp} paths per pixel, {seconds:.1} s in total"
-        )
+    files.check(overwrite)?;
+    let layout = format!("{:?} {:?}", args.columns_by, args.reference_spp);
+    let errors = draw_tiles(&folder, &tiles, &layout, |drawn| {
+        let is_finished = drawn.finished == tiles.len();
+        let state = (!is_finished).then(|| unfinished("some spheres are missing"));
+        let finish = args.scene.finish(args.exposure);
+        let images = drawn.read(&folder, &tiles)?;
+        let (image, errors) = compose(args, &grid, &materials, images)?;
+        files.write(image, &finish, state, overwrite)?;
+        Ok(errors)
     })?;
+    report(args, spheres.len(), errors.flatten(), start)?;
     unreadable.end(materials.len(), ExitCode::SUCCESS)
 }
 
-/// Draws each sphere, or reads it back; `None` if a signal came first.
-fn draw_tiles(
+/// Prints what was drawn.
+fn report(
     args: &Args,
-    scene: &SceneSpec,
-    materials: &[Material],
-    tiles: &TileFolder,
-    work: &StoppableWork,
-) -> Result<Option<Vec<Image>>, Error> {
-    let progress = Progress::new("drawing", materials.len());
-    let mut drawn = Vec::with_capacity(materials.len());
-    for material in materials {
-        if work.should_stop() {
-            output::message(&format!(
-                "merlkit: {} of {} spheres are kept in {}; the same command with --resume goes on",
-                drawn.len(),
-                materials.len(),
-                tiles.folder.display()
-            ));
-            return Ok(None);
+    spheres: usize,
+    errors: Option<Sheet>,
+    start: Instant,
+) -> Result<(), Failure> {
+    output::stdout(|out| {
+        if let Some(errors) = errors {
+            writeln!(out, "{}", table::render(&errors))?;
         }
-        let path = tiles.path_of(material)?;
-        let tile = if path.exists() {
-            read_exr(&path)?
-        } else {
-            let tile = draw_sphere(args, scene, material)?;
-            write_exr(&path, &tile, Overwrite::Replace)?;
-            tile
+        let files = Files::named(&args.output);
+        writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
+        let seconds = start.elapsed().as_secs_f64();
+        let (size, spp) = (args.size, args.spp);
+        writeln!(
+            out,
+            "{spheres} spheres of {size} × {size} pixels, {spp} paths per pixel, {seconds:.1} s in total"
+        )?;
+        match args.scene.finish(args.exposure).warning() {
+            Some(words) => writeln!(out, "{words}"),
+            None => Ok(()),
+        }
+    })
+}
+
+/// A sphere of the sheet.
+struct Sphere<'a> {
+    material: Material,
+    sampler: &'a SamplerSpec,
+    paths: u64,
+    points: PointSet,
+    seed: u64,
+    /// Distinguishes the spheres of a material.
+    variant: String,
+}
+
+/// Paths of the reference for each path of the others.
+const REFERENCE_PATHS: u64 = 16;
+
+/// All spheres in the order in which they are drawn: row after row, without the rows of differences. References are drawn by the
+/// `default` sampler where it takes their material.
+fn plan_spheres<'a>(
+    args: &'a Args,
+    materials: &[Material],
+    default: &'a SamplerSpec,
+) -> Result<Vec<Sphere<'a>>, Error> {
+    let Some(first) = args.samplers.first() else {
+        return Ok(Vec::new());
+    };
+    let mut spheres = Vec::new();
+    for material in materials {
+        let plain = Sphere {
+            material: material.clone(),
+            sampler: first,
+            paths: args.spp,
+            points: PointSet::Lattice,
+            seed: args.seed,
+            variant: String::new(),
         };
-        drawn.push(tile);
-        progress.advance();
+        let Some(columns) = &args.columns_by else {
+            spheres.push(plain);
+            continue;
+        };
+        // Other points and another seed: the reference shares no noise with the others.
+        spheres.push(Sphere {
+            sampler: match default.check_supports(&material.facts()?) {
+                Ok(()) => default,
+                Err(_) => first,
+            },
+            paths: args
+                .reference_spp
+                .unwrap_or(args.spp.saturating_mul(REFERENCE_PATHS)),
+            points: PointSet::Sobol,
+            seed: args.seed.wrapping_add(1),
+            variant: "-reference".into(),
+            ..plain
+        });
+        let varied = columns.materials(material, args.samplers.len())?;
+        for (number, material) in varied.into_iter().enumerate() {
+            spheres.push(Sphere {
+                material,
+                sampler: args.samplers.get(number).unwrap_or(first),
+                paths: args.spp,
+                points: PointSet::Lattice,
+                seed: args.seed,
+                variant: format!("-{number}"),
+            });
+        }
     }
-    Ok(Some(drawn))
+    Ok(spheres)
+}
+
+impl Sphere<'_> {
+    fn tile<'a>(&'a self, args: &Args, scene: &SceneSpec) -> Result<Tile<'a>, Error> {
+        let materials = std::slice::from_ref(&self.material);
+        let picture = Picture {
+            scene: SceneSpec {
+                mirrors: args::find_mirrors(materials)?,
+                ..scene.clone()
+            },
+            effects: PlanRequest::AsNeeded,
+            materials,
+            lookup: args.lookup,
+            sampler: self.sampler,
+            settings: RenderSettings {
+                width: args.size as usize,
+                height: args.size as usize,
+                seed: self.seed,
+                points: self.points,
+                budget: Budget::Even(self.paths),
+            },
+            finish: args.scene.finish(args.exposure),
+        };
+        let key = tile_key(materials)?;
+        Ok(Tile::new(&key, &self.variant, picture))
+    }
+}
+
+/// Where the tiles are.
+fn lay_out(args: &Args, materials: usize) -> Grid {
+    let tile = [args.size as usize; 2];
+    let line = line_height(tile[0]);
+    let grid = match &args.columns_by {
+        None => Grid::for_tiles(materials, args.columns.map(|n| n as usize), tile),
+        Some(columns) => {
+            let columns = 1 + columns.headings(&args.samplers).len();
+            let rows = materials * (1 + usize::from(args.difference));
+            Grid {
+                heading: if args.no_labels { 0 } else { line },
+                ..Grid::for_tiles(columns * rows, Some(columns), tile)
+            }
+        }
+    };
+    Grid {
+        gap: GAP,
+        label: if args.no_labels { 0 } else { line },
+        ink: args.scene.ink(),
+        ..grid
+    }
+}
+
+/// The sheet of the spheres that are drawn, and a table of their errors if they have any.
+fn compose(
+    args: &Args,
+    grid: &Grid,
+    materials: &[Material],
+    images: Vec<Image>,
+) -> Result<(Image, Option<Sheet>), Error> {
+    let names: Vec<&str> = materials.iter().map(label_of).collect();
+    let Some(columns) = &args.columns_by else {
+        let mut cells = Vec::with_capacity(images.len());
+        for (image, name) in images.into_iter().zip(&names) {
+            cells.push(Cell {
+                image: Some(image),
+                label: (*name).to_owned(),
+            });
+        }
+        return Ok((grid.compose(&[], &cells)?, None));
+    };
+    let mut headings = columns.headings(&args.samplers);
+    let rows = compare_rows(images, &names, &headings, args.difference, args.exposure)?;
+    headings.insert(0, "reference".into());
+    Ok((grid.compose(&headings, &rows.cells)?, Some(rows.sheet)))
 }
 
 /// The scene of every tile: one sphere under the lights.
 fn describe_scene(args: &Args) -> Result<SceneSpec, Error> {
     let mut scene = SceneSpec::row(&["sphere".to_owned()], 1.0);
-    let lights = args.lights.iter().map(|name| scene.light(name));
-    scene.lights = lights.collect::<Result<_, _>>()?;
+    args.scene.apply(&mut scene)?;
     scene.camera = camera();
     Ok(scene)
-}
-
-/// The sphere of one material.
-fn draw_sphere(args: &Args, scene: &SceneSpec, material: &Material) -> Result<Image, Error> {
-    let materials = std::slice::from_ref(material);
-    let scene = SceneSpec {
-        mirrors: args::find_mirrors(materials)?,
-        ..scene.clone()
-    };
-    let picture = Picture {
-        scene: &scene,
-        effects: PlanRequest::AsNeeded,
-        materials,
-        lookup: args.lookup,
-        sampler: &args.sampler,
-        settings: RenderSettings {
-            width: args.size as usize,
-            height: args.size as usize,
-            seed: args.seed,
-            points: PointSet::Lattice,
-            budget: Budget::Even(args.spp),
-        },
-        exposure: args.exposure,
-    };
-    let rendered = render(&picture.load()?, &picture.settings, &|_| {})?;
-    rendered.film.to_image()
 }
 
 /// A camera whose axis goes through the centre of the sphere at (0, 1, 0): its outline is a circle.
@@ -221,200 +334,12 @@ fn camera() -> Camera {
     }
 }
 
-/// Where tiles are on the sheet.
-struct Grid {
-    columns: usize,
-    tile: usize,
-    label: usize,
-    width: usize,
-    height: usize,
-}
-
-impl Grid {
-    fn new(args: &Args, count: usize) -> Result<Self, Error> {
-        let square = (count as f64).sqrt().ceil() as usize;
-        let columns = args
-            .columns
-            .map_or(square, |n| n as usize)
-            .min(count)
-            .max(1);
-        let tile = args.size as usize;
-        let label = if args.no_labels { 0 } else { LABEL };
-        let rows = count.div_ceil(columns);
-        let width = columns * (tile + GAP) + GAP;
-        let height = rows * (tile + label + GAP) + GAP;
-        if width.saturating_mul(height) > MAX_PIXELS {
-            return Err(Error::argument(
-                format!("a sheet of {width} × {height} pixels"),
-                format!("choose a smaller --size; a picture has at most {MAX_PIXELS} pixels"),
-            ));
-        }
-        Ok(Self {
-            columns,
-            tile,
-            label,
-            width,
-            height,
-        })
-    }
-
-    /// Upper left corner of a tile.
-    fn corner(&self, number: usize) -> (usize, usize) {
-        let (column, row) = (number % self.columns, number / self.columns);
-        (
-            GAP + column * (self.tile + GAP),
-            GAP + row * (self.tile + self.label + GAP),
-        )
-    }
-
-    /// All tiles on black, each with its name below.
-    fn compose(&self, tiles: &[Image], names: &[&str]) -> Result<Image, Error> {
-        let mut pixels = vec![Rgb::ZERO; self.width * self.height];
-        for (number, (tile, name)) in tiles.iter().zip(names).enumerate() {
-            let (left, top) = self.corner(number);
-            for y in 0..self.tile {
-                for x in 0..self.tile {
-                    pixels[(top + y) * self.width + left + x] = tile.pixel(x, y);
-                }
-            }
-            let label = Label::new(name, self.tile, self.label);
-            for y in 0..self.label {
-                for x in 0..self.tile {
-                    if label.is_inked(x, y) {
-                        pixels[(top + self.tile + y) * self.width + left + x] = INK;
-                    }
-                }
-            }
-        }
-        Image::new(self.width, self.height, pixels)
-    }
-}
-
 /// What is written under a sphere: the name of a material, or the text of a formula.
 fn label_of(material: &Material) -> &str {
     match material.origin() {
         Origin::Formula(text) => text,
         _ => material.name(),
     }
-}
-
-/// Writes the sheet; what it needed to go on is needed no more.
-fn finish(
-    args: &Args,
-    grid: &Grid,
-    materials: &[Material],
-    tiles: &[Image],
-    files: &Files,
-    folder: &TileFolder,
-) -> Result<(), Failure> {
-    for (tile, material) in tiles.iter().zip(materials) {
-        if (tile.width(), tile.height()) != (grid.tile, grid.tile) {
-            return Err(Error::argument(
-                format!("{} has another size", folder.path_of(material)?.display()),
-                "remove it",
-            )
-            .into());
-        }
-    }
-    let names: Vec<&str> = materials.iter().map(label_of).collect();
-    let image = grid.compose(tiles, &names)?;
-    files.write(&image, args.exposure, output::overwrite(args.force))?;
-    folder.remove()?;
-    Ok(())
-}
-
-/// Finished spheres of a sheet that is not.
-struct TileFolder {
-    folder: PathBuf,
-}
-
-/// The settings that all tiles of a folder were drawn with.
-const SETTINGS: &str = "settings.txt";
-
-impl TileFolder {
-    /// Makes the folder, or with --resume goes on with it if it was made with the same settings.
-    fn open(args: &Args, files: &Files, scene: &SceneSpec) -> Result<Self, Error> {
-        let folder = files.exr.with_extension("tiles");
-        let shown = folder.display();
-        match (args.resume, folder.exists()) {
-            (true, false) => {
-                return Err(Error::argument(
-                    format!("nothing to resume: there is no {shown}"),
-                    "omit --resume to start a new sheet, or name the output of the interrupted one",
-                ));
-            }
-            (false, true) => {
-                return Err(Error::argument(
-                    format!("{shown} holds the spheres of an interrupted sheet"),
-                    "continue with --resume, or remove the folder to start again",
-                ));
-            }
-            _ => {}
-        }
-        files.check(output::overwrite(args.force))?;
-        let settings = describe_settings(args, scene)?;
-        let record = folder.join(SETTINGS);
-        if args.resume {
-            let found = fs::read_to_string(&record).map_err(|e| Error::io(&record, "read", e))?;
-            if found != settings {
-                return Err(Error::argument(
-                    format!("{shown} was drawn with other settings:\n{found}"),
-                    "repeat the command that was interrupted, or remove the folder to start again",
-                ));
-            }
-        } else {
-            fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, "create", e))?;
-            write_new(&record, Overwrite::Refuse, |out| {
-                let written = out.write_all(settings.as_bytes());
-                written.map_err(|e| Error::io(&record, "write", e))
-            })?;
-        }
-        Ok(Self { folder })
-    }
-
-    /// The file of a material's sphere: its name and its checksum, so that a changed material is drawn again.
-    fn path_of(&self, material: &Material) -> Result<PathBuf, Error> {
-        let sum = material.sha256()?;
-        let name = format!("{}-{}.exr", material.name(), &sum[..16.min(sum.len())]);
-        Ok(self.folder.join(name))
-    }
-
-    /// After a failure: a folder without a finished sphere has nothing to go on with. If it can't be removed, the next run says
-    /// that it is there.
-    fn remove_without_spheres(&self) {
-        let entries = fs::read_dir(&self.folder).map_or(0, Iterator::count);
-        if entries <= 1 {
-            let _ = self.remove();
-        }
-    }
-
-    fn remove(&self) -> Result<(), Error> {
-        fs::remove_dir_all(&self.folder).map_err(|e| Error::io(&self.folder, "remove", e))
-    }
-}
-
-/// All that the pixels of a tile follow from, apart from the material.
-fn describe_settings(args: &Args, scene: &SceneSpec) -> Result<String, Error> {
-    let Args {
-        lookup,
-        lights,
-        size,
-        sampler,
-        spp,
-        seed,
-        ..
-    } = args;
-    let mut text = format!(
-        "merlkit {}\nsampler {sampler}\nlookup {}\ntables {}\nlights {}\nsize {size}\npaths {spp}\nseed {seed}\n",
-        env!("CARGO_PKG_VERSION"),
-        lookup.name(),
-        args.materials.tables().words().join(" "),
-        lights.join(" "),
-    );
-    for path in scene.lights.iter().filter_map(map_file) {
-        text += &format!("map {}\n", RegularFile::open(path)?.sha256()?);
-    }
-    Ok(text)
 }
 
 #[cfg(test)]

@@ -1,0 +1,195 @@
+//! What every command that draws spheres can be told of their light and background.
+
+use merlkit::Error;
+use merlkit::color::Rgb;
+use merlkit::image::Image;
+use merlkit::light::LightSpec;
+use merlkit::render::SceneSpec;
+
+/// Lights, background and the limit of paths.
+#[derive(clap::Args)]
+pub struct SceneOptions {
+    #[arg(long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
+    lights: Vec<String>,
+    /// Turn all lights about the vertical, counter-clockwise as seen from above [default: 0]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        hide_default_value = true,
+        allow_negative_numbers = true,
+        value_parser = finite
+    )]
+    rotate: f64,
+    /// What is seen past the spheres: the lights (env), nothing (none: alpha in both files), or white, black, grey or #RRGGBB
+    /// [default: env]
+    #[arg(long, value_name = "none|COLOUR|env", default_value = "env", hide_default_value = true, value_parser = background)]
+    background: Background,
+    /// Scale paths down that carry more than X in a channel: removes fireflies and darkens the picture [default: never]
+    #[arg(long, value_name = "X", value_parser = limit)]
+    clamp: Option<f64>,
+}
+
+/// What is seen past the spheres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Background {
+    Lights,
+    Nothing,
+    /// Linear.
+    Colour(Rgb),
+}
+
+impl SceneOptions {
+    /// Puts the lights into a scene, and what else was said.
+    ///
+    /// # Errors
+    /// As [`SceneSpec::light`].
+    pub fn apply(&self, scene: &mut SceneSpec) -> Result<(), Error> {
+        let lights = self.lights.iter().map(|name| scene.light(name));
+        scene.lights = lights.collect::<Result<_, _>>()?;
+        scene.light_turn = self.rotate.to_radians();
+        scene.transparent = self.background != Background::Lights;
+        scene.clamp = self.clamp;
+        Ok(())
+    }
+
+    /// What becomes of the pixels in files.
+    pub fn finish(&self, exposure: f32) -> Finish {
+        Finish {
+            exposure,
+            backdrop: match self.background {
+                Background::Colour(colour) => Some(colour),
+                Background::Lights | Background::Nothing => None,
+            },
+            clamp: self.clamp,
+        }
+    }
+
+    /// Radiance of letters that can be read on the background.
+    pub fn ink(&self) -> Rgb {
+        match self.background {
+            Background::Lights => Rgb::ONE,
+            // On paper.
+            Background::Nothing => Rgb::ZERO,
+            Background::Colour(colour) if colour.element_sum() > 0.5 => Rgb::ZERO,
+            Background::Colour(_) => Rgb::ONE,
+        }
+    }
+}
+
+/// What becomes of pixels in files.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Finish {
+    /// Exposure of the PNG, stops.
+    pub exposure: f32,
+    /// What shows through, if anything does.
+    backdrop: Option<Rgb>,
+    /// The limit of paths.
+    clamp: Option<f64>,
+}
+
+impl Finish {
+    /// The picture with its backdrop, and with what its headers are to say; `state` is a sentence about an unfinished one.
+    pub fn apply(&self, image: Image, state: Option<String>) -> Image {
+        let words: Vec<String> = state.into_iter().chain(self.warning()).collect();
+        let image = match words.is_empty() {
+            true => image,
+            false => image.with_comment(words.join("\n")),
+        };
+        match self.backdrop {
+            Some(colour) => image.with_backdrop(colour),
+            None => image,
+        }
+    }
+
+    /// What a reader of the picture has to know.
+    pub fn warning(&self) -> Option<String> {
+        let clamp = self.clamp?;
+        Some(format!(
+            "clamped: paths that carried more than {clamp} in a channel were scaled down to it, so that bright pixels are too dark"
+        ))
+    }
+}
+
+fn light_help() -> String {
+    format!(
+        "{}: a map (EXR, HDR, PFM, PNG; its top is +y, its centre −z, its right half +x); repeatable [default: studio]",
+        LightSpec::words()
+    )
+}
+
+fn finite(argument: &str) -> Result<f64, String> {
+    let number = argument.parse().ok();
+    number
+        .filter(|x: &f64| x.is_finite())
+        .ok_or_else(|| "expected degrees, such as 90".into())
+}
+
+fn limit(argument: &str) -> Result<f64, String> {
+    let number = argument.parse().ok();
+    number
+        .filter(|x: &f64| *x > 0.0 && x.is_finite())
+        .ok_or_else(|| "expected a radiance above 0, such as 10".into())
+}
+
+fn background(argument: &str) -> Result<Background, String> {
+    let byte = match argument {
+        "env" => return Ok(Background::Lights),
+        "none" => return Ok(Background::Nothing),
+        "white" => "#ffffff",
+        "black" => "#000000",
+        "grey" | "gray" => "#808080",
+        other => other,
+    };
+    let colour = byte.strip_prefix('#').and_then(|digits| {
+        let is_hex = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+        let value = u32::from_str_radix(digits, 16).ok();
+        value.filter(|_| is_hex)
+    });
+    let value =
+        colour.ok_or("expected env, none, white, black, grey or a colour such as #ffcc00")?;
+    let channels = [value >> 16, value >> 8, value].map(|bits| linear((bits & 255) as f32 / 255.0));
+    Ok(Background::Colour(Rgb::from_array(channels)))
+}
+
+/// The inverse of sRGB's transfer function (IEC 61966-2-1).
+pub fn linear(encoded: f32) -> f32 {
+    if encoded <= 0.040_45 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn backgrounds_have_names_and_numbers() {
+        assert_eq!(background("none"), Ok(Background::Nothing));
+        assert_eq!(background("white"), Ok(Background::Colour(Rgb::ONE)));
+        assert_eq!(background("#000000"), background("black"));
+        let Ok(Background::Colour(orange)) = background("#ff8000") else {
+            panic!("a colour");
+        };
+        let expected = Rgb::new(1.0, 0.215_86, 0.0);
+        assert!((orange - expected).abs().max_element() < 1e-5, "{orange}");
+        for word in ["", "red", "#fff", "#12345g", "#+12345", "1,2,3"] {
+            assert!(background(word).is_err(), "{word}");
+        }
+    }
+
+    #[test]
+    fn a_clamped_picture_says_so() {
+        let image = || Image::new(1, 1, vec![Rgb::ONE]).unwrap();
+        let plain = Finish::default();
+        assert_eq!(plain.apply(image(), None), image());
+        let clamped = Finish {
+            clamp: Some(10.0),
+            ..plain
+        };
+        let words = format!("{:?}", clamped.apply(image(), Some("unfinished".into())));
+        assert!(words.contains("unfinished") && words.contains("more than 10 in a channel"));
+    }
+}
