@@ -8,7 +8,7 @@ mod pbrt;
 use merlkit::export::identifier;
 use merlkit::{Error, Result};
 
-use crate::measure::fit::{FittedLobe, MetalRough, ModelFit};
+use crate::measure::fit::{FittedLobe, MaterialFit, MetalRough, ModelFit};
 
 /// A format of material definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +51,30 @@ pub fn fitted_text(format: FitFormat, name: &str, fit: &ModelFit) -> Result<Stri
         FitFormat::Mitsuba => mitsuba::write(&export),
         FitFormat::Pbrt => pbrt::write(&export),
     })
+}
+
+/// The fit of the least error, the first of equals, of those that a format can hold; `None` if it holds none.
+pub fn best_held(format: FitFormat, fit: &MaterialFit) -> Option<&ModelFit> {
+    let mut best: Option<(f64, &ModelFit)> = None;
+    for model in &fit.fits {
+        if let Some(error) = format.error(model)
+            && best.is_none_or(|best| error < best.0)
+        {
+            best = Some((error, model));
+        }
+    }
+    best.map(|best| best.1)
+}
+
+impl FitFormat {
+    /// The error of what the format holds of a fit: a metallic-roughness material, or the lobes themselves.
+    fn error(self, model: &ModelFit) -> Option<f64> {
+        let (_, converted) = model.metal_rough?;
+        Some(match self {
+            Self::MaterialX | Self::Gltf => converted,
+            Self::Mitsuba | Self::Pbrt => model.error,
+        })
+    }
 }
 
 /// A fit on its way into a file.
