@@ -79,6 +79,11 @@ impl<'py> Rows<'py> {
         &self.axes
     }
 
+    /// The shape as numpy prints it.
+    pub fn shape_text(&self) -> String {
+        shape_text(self.array.shape())
+    }
+
     /// Whether there is one row, which may serve for all rows of another array of `others` leading axes.
     fn is_one_for(&self, others: usize) -> bool {
         self.axes.len() <= others && self.axes.iter().all(|&n| n == 1)
@@ -117,8 +122,8 @@ impl<'py> BatchInput<'py> {
         let axes = common_axes(wo.axes(), other.axes()).ok_or_else(|| {
             PyValueError::new_err(format!(
                 "wo of shape {} and {name} of shape {} don't correspond; give one wo, or one for each row of {name}",
-                shape_text(wo.array.shape()),
-                shape_text(other.array.shape())
+                wo.shape_text(),
+                other.shape_text()
             ))
         })?;
         let one = wo.is_one_for(axes.len());

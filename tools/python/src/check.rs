@@ -58,7 +58,9 @@ pub fn check<'py>(
     to_python(py, &result)
 }
 
-/// Measures memory, times and accuracy of samplers for a material.
+/// Measures the memory, times and accuracy of samplers for a material, as `merlkit report` does.
+///
+/// `samplers` are texts such as "half-vector:64KB". The result is the dictionary of the command's JSON.
 #[pyfunction]
 #[pyo3(signature = (material, samplers, *, draws = 100_000, seed = 1))]
 pub fn report<'py>(

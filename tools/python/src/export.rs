@@ -26,7 +26,10 @@ const KINDS: [(&str, FileKind); 3] = [
     ("header", FileKind::Header),
 ];
 
-/// Writes a material into a folder, and returns the files.
+/// Writes a material for other programs into a folder, as `merlkit export` does, and returns the files' paths.
+///
+/// `format` is "npz" (arrays for numpy), "header" (C, C++ and GLSL) or "bsdf" (Mitsuba 3 and pbrt-v4). `sampler` sets the half-vector
+/// table in npz and header, `size` the size of a .bsdf file.
 #[pyfunction]
 #[pyo3(signature = (material, folder, format, *, sampler = "half-vector:64KB", size = "6MB", overwrite = false))]
 pub fn export(

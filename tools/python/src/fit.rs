@@ -25,13 +25,16 @@ const FORMATS: [(&str, FitFormat); 4] = [
     ("pbrt", FitFormat::Pbrt),
 ];
 
-/// The fits of several models to one material.
+/// Analytic models fitted to one material; `fit` makes it.
 #[pyclass(frozen, name = "Fit", module = "merlkit")]
 pub struct PyFit {
     fit: MaterialFit,
 }
 
-/// Fits models to a material.
+/// Fits analytic models to a material, as `merlkit fit` does.
+///
+/// `models` are names such as "ggx", "ward" or "ggx+ggx"; without them, all are fitted. `pairs` is the number of pairs of directions that
+/// a fit sees, and `seed` chooses them. Load the material with the "linear" lookup for the command's results.
 #[pyfunction]
 #[pyo3(signature = (material, models = None, *, metric = "cube-root", pairs = 2000, seed = 1))]
 pub fn fit(
@@ -99,7 +102,7 @@ impl PyFit {
         Ok(PyMaterial::from_loaded(source, loaded))
     }
 
-    /// The best fit that a renderer's format can hold, as the text of a file.
+    /// The best fit that a renderer's format can hold, as the text of a file: "materialx", "gltf", "mitsuba" or "pbrt".
     fn text(&self, format: &str) -> PyResult<String> {
         let format = choose("format", format, &FORMATS)?;
         let held = best_held(format, &self.fit).ok_or_else(|| {

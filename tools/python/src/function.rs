@@ -134,9 +134,9 @@ impl PythonBrdf {
         let rows = Rows::read(&result, "the function's result", 3)?;
         if rows.axes() != [wi.len()] {
             return Err(PyValueError::new_err(format!(
-                "the function's result has {:?} rows; it must have one for each of the {} pairs",
-                rows.axes(),
-                wi.len()
+                "the function's result has the shape {}; for {count} pairs it must be ({count}, 3)",
+                rows.shape_text(),
+                count = wi.len()
             )));
         }
         let values: &[Rgb] = rows.vectors()?;

@@ -25,7 +25,9 @@ const BATCH: usize = 1024;
 /// Pixels of a side of the sphere that a notebook shows.
 const SPHERE_SIDE: usize = 128;
 
-/// A material in memory.
+/// A material in memory: `load` and `from_function` make one.
+///
+/// A notebook shows it as a sphere.
 #[pyclass(frozen, name = "Material", module = "merlkit")]
 pub struct PyMaterial {
     /// Where it comes from; `None` for a function.
@@ -36,6 +38,13 @@ pub struct PyMaterial {
 }
 
 /// Loads a material.
+///
+/// `material` is what the command `merlkit` takes: a path to a MERL binary or a .bsdf file, the name of a built-in material
+/// (`material_names`), or a formula such as "lambert:reflectance=0.5" (`model_names`).
+///
+/// `lookup` says how a table is read between its samples: "floor" as the original reader, "linear" or "centred". `invalid` says
+/// whether a negative or non-finite channel makes the whole "cell" invalid or the "channel" alone. `table` is the format of cells in
+/// memory: "f32", "f16" or "rgb9e5".
 #[pyfunction]
 #[pyo3(signature = (material, lookup = "floor", *, invalid = "cell", table = "f32"))]
 pub fn load(
@@ -66,7 +75,14 @@ pub fn load(
     })
 }
 
-/// A material of a function on arrays.
+/// A material of a function `f(wo, wi)` on arrays.
+///
+/// It is called with two float32 arrays of unit directions above the horizon, both of the shape (N, 3), and returns f_r in 1/sr without
+/// the cosine, of the shape (N, 3). Values must be finite and not negative. An exception that it raises is raised again by the
+/// call that needed the value.
+///
+/// `isotropic=True` says that turning both directions about the normal changes nothing; a function for which that is seen to be wrong
+/// is refused. Samplers of isotropic materials are smaller and built in less time.
 #[pyfunction]
 #[pyo3(signature = (function, *, isotropic = false, name = "function"))]
 pub fn from_function(
@@ -223,7 +239,11 @@ impl PyMaterial {
         py.detach(|| source.sha256()).map_err(raise)
     }
 
-    /// f_r, sr⁻¹.
+    /// f_r of pairs of directions, in 1/sr, without the cosine.
+    ///
+    /// `wo` and `wi` have the shape (..., 3), and their leading axes are broadcast; the result has these axes and 3 for RGB, float32.
+    /// Directions of other lengths than 1 are renormalised. The value is 0 where a direction is not finite or not above the
+    /// horizon.
     fn eval<'py>(
         &self,
         py: Python<'py>,
@@ -237,7 +257,7 @@ impl PyMaterial {
         out.finish()
     }
 
-    /// f_r·cosθi, sr⁻¹.
+    /// f_r times the cosine of `wi`, in 1/sr; shapes are those of `eval`.
     fn eval_cos<'py>(
         &self,
         py: Python<'py>,
@@ -251,7 +271,9 @@ impl PyMaterial {
         out.finish()
     }
 
-    /// The directional albedo of each `wo`.
+    /// The directional albedo: the fraction of light from everywhere that is reflected towards `wo`.
+    ///
+    /// `wo` has the shape (..., 3), the result too: a fraction for each channel, by quadrature.
     fn albedo<'py>(&self, py: Python<'py>, wo: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let rows = Rows::read(wo, "wo", 3)?;
         let mut out = Results::new(py, rows.axes(), Some(3))?;
@@ -267,7 +289,10 @@ impl PyMaterial {
         out.finish()
     }
 
-    /// The cells of its MERL table, without a copy where they are kept as f32.
+    /// f_r in the cells of its MERL table, in 1/sr, by [theta_h, theta_d, phi_d, rgb]: (90, 90, 180, 3), float32, read-only.
+    ///
+    /// It is the material's own memory, with a stride of 16 bytes between cells; a copy if cells are kept as f16 or rgb9e5. Channels
+    /// are scaled as they should be, and invalid cells are 0 (`valid`). `merlkit.axes` has the angles.
     #[getter]
     fn table<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let loaded = &slf.get().loaded;
@@ -275,7 +300,7 @@ impl PyMaterial {
         table::cells(slf.as_any(), measured.table())
     }
 
-    /// Which channels of which cells hold a value.
+    /// Which channels of which cells of `table` hold a value: an array of bool of its shape.
     #[getter]
     fn valid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
         let measured = self
@@ -292,7 +317,7 @@ impl PyMaterial {
         Ok(table::axes(py, measured.table()))
     }
 
-    /// Writes a MERL binary of it.
+    /// Writes it as a MERL binary. A material that is no table is tabulated at the centres of bins; it must be isotropic.
     #[pyo3(signature = (path, *, overwrite = false))]
     fn write_merl(&self, py: Python<'_>, path: &Bound<'_, PyAny>, overwrite: bool) -> PyResult<()> {
         let path = path_text(path)?;
@@ -311,7 +336,7 @@ impl PyMaterial {
             .map_err(raise)
     }
 
-    /// A sphere of it under two lights, linear RGB.
+    /// A sphere of it under two directional lights, linear RGB of the shape (side, side, 3).
     #[pyo3(signature = (side = 128))]
     fn sphere<'py>(&self, py: Python<'py>, side: usize) -> PyResult<Bound<'py, PyAny>> {
         render::require_side(side)?;

@@ -20,7 +20,7 @@ const SOBOL_FROM: u64 = 512;
 /// The floor's reflectance: a mid grey.
 const GREY: f32 = 0.35;
 
-/// Path-traces a row of spheres, one for each material.
+/// Path-traces a row of spheres, one for each material, as `merlkit render` does; see `merlkit.render`.
 #[pyfunction]
 #[pyo3(signature = (materials, *, lights = None, sampler = "half-vector:64KB", width = None, height = 360, spp = 64,
                     ground = false, bounces = 8, strategy = "mis", seed = 0))]

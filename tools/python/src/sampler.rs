@@ -19,7 +19,7 @@ const BATCH: usize = 512;
 /// Drawn together at most: the points of one sequence.
 const MOST_STRATIFIED: usize = 1 << 28;
 
-/// A sampler with the material that it was built for.
+/// An importance sampler, with the material that it was built for: `build`, `load` and `from_bytes` make one.
 #[pyclass(frozen, name = "Sampler", module = "merlkit")]
 pub struct PySampler {
     sampler: Sampler,
@@ -68,6 +68,8 @@ impl PySampler {
 #[pymethods]
 impl PySampler {
     /// Builds a sampler for a material.
+    ///
+    /// `sampler` is what `--sampler` of the command `merlkit` takes: NAME or NAME:SETTING,... (`sampler_names`).
     #[staticmethod]
     #[pyo3(signature = (material, sampler = "half-vector:64KB"))]
     fn build(py: Python<'_>, material: Py<PyMaterial>, sampler: &str) -> PyResult<Self> {
@@ -81,6 +83,9 @@ impl PySampler {
     }
 
     /// Reads a sampler file.
+    ///
+    /// Without `material`, the material that the file names is loaded. One that is given must be that material, loaded with the
+    /// same lookup rule.
     #[staticmethod]
     #[pyo3(signature = (path, material = None))]
     fn load(
@@ -112,7 +117,7 @@ impl PySampler {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Writes it to a file and returns the number of bytes.
+    /// Writes it to a sampler file, which `load`, `merlkit sample` and the library read, and returns the number of bytes.
     #[pyo3(signature = (path, *, overwrite = false))]
     fn save(&self, py: Python<'_>, path: &Bound<'_, PyAny>, overwrite: bool) -> PyResult<u64> {
         let path = path_text(path)?;
@@ -147,7 +152,11 @@ impl PySampler {
         self.sampler.as_dyn().bytes()
     }
 
-    /// Draws `wi` for each `wo` and point `u` of the unit square.
+    /// Draws a `wi` for each `wo` and each point `u` of the unit square, and returns `(wi, pdf)`.
+    ///
+    /// `wo` has the shape (..., 3) and `u` (..., 2), with numbers in [0, 1); leading axes are broadcast. `wi` has the shape (..., 3)
+    /// and `pdf` (...), per solid angle in 1/sr, float32. A failed draw has the pdf 0 and the direction (0, 0, 0); it counts as a
+    /// sample of weight 0.
     fn sample<'py>(
         &self,
         py: Python<'py>,
@@ -163,7 +172,9 @@ impl PySampler {
         Ok((directions.finish()?, densities.finish()?))
     }
 
-    /// The density of each `wi`, sr⁻¹.
+    /// The density of drawing `wi`, per solid angle in 1/sr; 0 where it can't be drawn.
+    ///
+    /// `wo` and `wi` have the shape (..., 3), and their leading axes are broadcast; the result has these axes, float32.
     fn pdf<'py>(
         &self,
         py: Python<'py>,
@@ -177,7 +188,9 @@ impl PySampler {
         densities.finish()
     }
 
-    /// Draws `count` directions for one `wo` that are spread together.
+    /// Draws `count` directions for one `wo`, spread as evenly as the method can, and returns `(wi, pdf)`.
+    ///
+    /// `wo` has the shape (3,), `wi` (count, 3) and `pdf` (count,).
     #[pyo3(signature = (wo, count, seed = 0))]
     fn draw_stratified<'py>(
         &self,

@@ -15,9 +15,12 @@ Angles are in radians.
     print(weight.mean(axis=0), nickel.albedo(wo))
 """
 
-from typing import Any, Dict, List, NamedTuple, Sequence, Union
+from __future__ import annotations
 
-import numpy as _np
+from typing import Any, Dict, List, Literal, NamedTuple, Optional, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
 
 from . import _native
 from ._native import (
@@ -59,6 +62,10 @@ __all__ = [
 ]
 
 
+Floats = npt.NDArray[np.float32]
+Angles = npt.NDArray[np.float64]
+
+
 class Axes(NamedTuple):
     """Angles of the lower edges of a table's bins, radians, float64.
 
@@ -66,9 +73,9 @@ class Axes(NamedTuple):
     of the bin that an angle falls in, and `centred` places values at the middles of bins.
     """
 
-    theta_h: Any
-    theta_d: Any
-    phi_d: Any
+    theta_h: Angles
+    theta_d: Angles
+    phi_d: Angles
 
 
 class CheckReport(NamedTuple):
@@ -99,14 +106,14 @@ def axes(material: Material) -> Axes:
     return Axes(*material._axes)
 
 
-def spherical(theta: Any, phi: Any = 0.0) -> Any:
+def spherical(theta: npt.ArrayLike, phi: npt.ArrayLike = 0.0) -> Floats:
     """Unit directions of polar angles and azimuths in radians, of the shape (..., 3), float32."""
-    theta, phi = _np.broadcast_arrays(
-        _np.asarray(theta, dtype=_np.float64), _np.asarray(phi, dtype=_np.float64)
+    polar, azimuth = np.broadcast_arrays(
+        np.asarray(theta, dtype=np.float64), np.asarray(phi, dtype=np.float64)
     )
-    sine = _np.sin(theta)
-    direction = _np.stack([sine * _np.cos(phi), sine * _np.sin(phi), _np.cos(theta)], axis=-1)
-    return direction.astype(_np.float32)
+    sine = np.sin(polar)
+    direction = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(polar)], axis=-1)
+    return direction.astype(np.float32)
 
 
 def check(
@@ -115,19 +122,57 @@ def check(
     draws: int = 100_000,
     seed: int = 1,
     significance: float = 0.01,
-    wo: Any = None,
+    wo: Optional[npt.ArrayLike] = None,
 ) -> CheckReport:
-    """Checks that a sampler is right, at `wo` of the shape (N, 3) or at the directions of `merlkit check`."""
+    """Checks that a sampler is right, as `merlkit check` does.
+
+    Draws are valid and have the density that `pdf` says, the density is positive wherever the material reflects and integrates to one
+    minus the fraction of failed draws, draws follow it (chi-square), and the albedo estimate is unbiased. `wo` are the directions to
+    check at, of the shape (N, 3); by default those of the command. At the default significance, one run in a hundred fails by chance.
+    """
     result = _native.check(sampler, draws=draws, seed=seed, significance=significance, wo=wo)
     return CheckReport(result["material"], result["sampler"], result["outcomes"])
 
 
-def render(materials: Union[Material, Sequence[Material]], **options: Any) -> Any:
-    """Path-traces a row of spheres, one for each material; see the stub for the options."""
+def render(
+    materials: Union[Material, Sequence[Material]],
+    *,
+    lights: Sequence[str] = ("studio",),
+    sampler: str = "half-vector:64KB",
+    width: Optional[int] = None,
+    height: int = 360,
+    spp: int = 64,
+    ground: bool = False,
+    bounces: int = 8,
+    strategy: Literal["mis", "light", "brdf", "ris"] = "mis",
+    seed: int = 0,
+) -> Floats:
+    """Path-traces a row of spheres, one for each material, as `merlkit render` does.
+
+    The picture is linear RGB of the shape (height, width, 3), float32, with the top row first. `lights` are words of the command's
+    `--light`: "studio", "uniform", "point:X,Y,Z", the path of an environment map and others. `spp` is the number of paths per
+    pixel, and `bounces` the largest number of surfaces on a path. The result does not depend on the number of threads.
+    """
     if isinstance(materials, Material):
         materials = [materials]
-    return _native.render(list(materials), **options)
+    return _native.render(
+        list(materials),
+        lights=list(lights),
+        sampler=sampler,
+        width=width,
+        height=height,
+        spp=spp,
+        ground=ground,
+        bounces=bounces,
+        strategy=strategy,
+        seed=seed,
+    )
 
 
-def _restore_material(material: str, lookup: str, invalid: str, table: str) -> Material:
+def _restore_material(
+    material: str,
+    lookup: Literal["floor", "linear", "centred"],
+    invalid: Literal["cell", "channel"],
+    table: Literal["f32", "f16", "rgb9e5"],
+) -> Material:
     return load(material, lookup, invalid=invalid, table=table)
