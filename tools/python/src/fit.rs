@@ -58,10 +58,13 @@ pub fn fit(
         seed,
         ..FitPlan::default()
     };
-    let defaults = || DEFAULT_FIT_MODELS.map(str::to_owned).to_vec();
+    let mut names = DEFAULT_FIT_MODELS.to_vec();
+    if let Some(models) = &models {
+        names = models.iter().map(String::as_str).collect();
+    }
     let mut parsed = Vec::new();
-    for name in models.unwrap_or_else(defaults) {
-        parsed.push(FitModel::parse(&name).map_err(raise)?);
+    for name in names {
+        parsed.push(FitModel::parse(name).map_err(raise)?);
     }
     let material = material.get();
     let loaded = material.loaded();

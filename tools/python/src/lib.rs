@@ -19,6 +19,7 @@ mod memory;
 mod render;
 mod sampler;
 mod table;
+mod timing;
 mod work;
 
 use pyo3::prelude::*;
@@ -37,6 +38,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(render::render, module)?)?;
     module.add_function(wrap_pyfunction!(export::export, module)?)?;
+    module.add_function(wrap_pyfunction!(timing::_time_library, module)?)?;
     module.add_function(wrap_pyfunction!(lists::material_names, module)?)?;
     module.add_function(wrap_pyfunction!(lists::model_names, module)?)?;
     module.add_function(wrap_pyfunction!(lists::sampler_names, module)?)

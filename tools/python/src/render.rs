@@ -65,10 +65,11 @@ pub fn render<'py>(
     for material in &materials {
         loaded.push(material.get().loaded().clone());
     }
-    let task = || paint(&spec, &loaded, &sampler, &settings);
-    let picture = match materials.iter().find(|m| m.get().is_function()) {
-        Some(function) => function.get().run(py, task)?,
-        None => work::on_threads(py, task)?,
+    // A function is called on one thread, and so is all the rest.
+    let picture = if materials.iter().any(|m| m.get().is_function()) {
+        work::on_one_thread(py, || paint(&spec, &loaded, &sampler, &settings))?
+    } else {
+        work::on_threads(py, || paint(&spec, &loaded, &sampler, &settings))?
     };
     for material in &materials {
         material.get().raise_failure()?;

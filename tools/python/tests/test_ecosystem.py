@@ -1,5 +1,7 @@
 """Other packages: each test skips where its package is missing."""
 
+import pathlib
+
 import numpy as np
 import pytest
 
@@ -128,6 +130,16 @@ def test_mitsuba_renders_a_furnace(mitsuba):
     )
     picture = np.array(mi.render(scene))
     assert np.allclose(picture[3:5, 3:5, :3].mean(), 0.5, atol=0.04)
+
+
+def test_the_notebook_runs_from_top_to_bottom():
+    nbclient = pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    pytest.importorskip("matplotlib")
+    nbformat = pytest.importorskip("nbformat")
+    path = pathlib.Path(__file__).parents[3] / "docs" / "python.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    nbclient.NotebookClient(notebook, timeout=120).execute()
 
 
 def test_mitsuba_must_have_an_rgb_variant():

@@ -41,7 +41,7 @@ def register() -> None:
         dr.set_flag(dr.JitFlag.SymbolicLoops, False)
         dr.set_flag(dr.JitFlag.SymbolicCalls, False)
 
-    class MerlkitBSDF(mi.BSDF):  # type: ignore[misc, name-defined]
+    class MerlkitBSDF(mi.BSDF):  # type: ignore[misc]
         def __init__(self, props: Any) -> None:
             super().__init__(props)
             self.material = merlkit.load(
