@@ -52,7 +52,9 @@ fn tables<W: Write + Seek>(export: &Export, zip: &mut Npz<W>) -> std::io::Result
 fn axes<W: Write + Seek>(export: &Export, zip: &mut Npz<W>) -> std::io::Result<()> {
     let theta_h_edges = (0..THETA_H_BINS).map(theta_h_edge).collect();
     let theta_d_edges = (0..THETA_D_BINS).map(|bin| theta_d(bin as f64)).collect();
-    let phi_d_edges = (0..export.dimensions().phi_d_bins).map(degree_edge).collect();
+    let phi_d_edges = (0..export.dimensions().phi_d_bins)
+        .map(degree_edge)
+        .collect();
     let axes: [(&str, Vec<f64>); 3] = [
         ("theta_h", theta_h_edges),
         ("theta_d", theta_d_edges),

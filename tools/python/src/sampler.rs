@@ -27,7 +27,7 @@ pub struct PySampler {
 }
 
 /// `wi` and `pdf` of draws.
-type Drawn<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
+type DrawnColumns<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 impl PySampler {
     /// The sampler itself.
@@ -162,7 +162,7 @@ impl PySampler {
         py: Python<'py>,
         wo: &Bound<'py, PyAny>,
         u: &Bound<'py, PyAny>,
-    ) -> PyResult<Drawn<'py>> {
+    ) -> PyResult<DrawnColumns<'py>> {
         let input = BatchInput::read(wo, u, "u", 2)?;
         let mut directions = Results::new(py, input.axes(), Some(3))?;
         let mut densities = Results::new(py, input.axes(), None)?;
@@ -198,7 +198,7 @@ impl PySampler {
         wo: &Bound<'py, PyAny>,
         count: usize,
         seed: u64,
-    ) -> PyResult<Drawn<'py>> {
+    ) -> PyResult<DrawnColumns<'py>> {
         let rows = Rows::read(wo, "wo", 3)?;
         let [wo] = rows.vectors::<Vec3>()? else {
             return Err(PyValueError::new_err(

@@ -139,7 +139,7 @@ impl Moments {
         quadrature: &Quadrature,
         importance: Importance,
     ) -> Self {
-        let mut batch = Batch::new(brdf, quadrature.wo(), importance);
+        let mut batch = DirectionQueue::new(brdf, quadrature.wo(), importance);
         let mut sums = Self::default();
         let mut solid_angles = Vec::with_capacity(BATCH);
         quadrature.for_each(|wi, d_sigma| {
@@ -156,7 +156,7 @@ impl Moments {
     fn add_batch(
         &mut self,
         sampler: &dyn DirectionSampler,
-        batch: &mut Batch<'_>,
+        batch: &mut DirectionQueue<'_>,
         solid_angles: &mut Vec<f64>,
     ) {
         let wo = batch.wo;
@@ -239,7 +239,7 @@ pub(super) fn mean_weight(
     importance: Importance,
     draws: impl Iterator<Item = Option<DirectionSample>>,
 ) -> DVec4 {
-    let mut batch = Batch::new(brdf, wo, importance);
+    let mut batch = DirectionQueue::new(brdf, wo, importance);
     let mut densities = Vec::with_capacity(BATCH);
     let (mut sum, mut count) = (DVec4::ZERO, 0usize);
     for draw in draws {
@@ -255,7 +255,7 @@ pub(super) fn mean_weight(
 }
 
 /// `sum` and the weights of a batch of draws, one after another.
-fn add_weights(mut sum: DVec4, batch: &mut Batch<'_>, densities: &mut Vec<f32>) -> DVec4 {
+fn add_weights(mut sum: DVec4, batch: &mut DirectionQueue<'_>, densities: &mut Vec<f32>) -> DVec4 {
     for ((_, f_cos), pdf) in batch.drain().zip(densities.drain(..)) {
         sum += f_cos / f64::from(pdf);
     }
@@ -266,7 +266,7 @@ fn add_weights(mut sum: DVec4, batch: &mut Batch<'_>, densities: &mut Vec<f32>) 
 const BATCH: usize = 256;
 
 /// Directions that wait to be evaluated, for one `wo`.
-struct Batch<'a> {
+struct DirectionQueue<'a> {
     brdf: &'a dyn Brdf,
     wo: Vec3,
     importance: Importance,
@@ -274,7 +274,7 @@ struct Batch<'a> {
     values: Vec<Rgb>,
 }
 
-impl<'a> Batch<'a> {
+impl<'a> DirectionQueue<'a> {
     fn new(brdf: &'a dyn Brdf, wo: Vec3, importance: Importance) -> Self {
         Self {
             brdf,
