@@ -2,7 +2,7 @@
 
     import merlkit.xarray
     nickel = merlkit.xarray.dataset(merlkit.load("nickel"))
-    nickel.f_r.sel(channel="red", phi_d=1.57, method="nearest")
+    nickel.f_r.sel(channel="red").sel(phi_d=1.57, method="nearest")
 """
 
 from __future__ import annotations
