@@ -13,7 +13,7 @@ def examples():
     blocks = re.findall(r"```python\n(.*?)```", MANUAL.read_text(encoding="utf-8"), re.DOTALL)
     assert len(blocks) > 5
     # Those for a scheduler and for Mitsuba have tests of their own.
-    return [block for block in blocks if "dask" not in block and "mitsuba" not in block]
+    return [block for block in blocks if "from dask" not in block and "import mitsuba" not in block]
 
 
 def test_the_examples_run(tmp_path, monkeypatch):
