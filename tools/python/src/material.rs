@@ -6,11 +6,12 @@ use std::sync::Arc;
 use merlkit::color::Rgb;
 use merlkit::geometry::{POINTS_PER_BIN, Quadrature, Symmetry};
 use merlkit::glam::{DVec3, Vec3};
-use merlkit::material::merl::{BinPoint, CellFormat, tabulate_brdf};
+use merlkit::material::Origin;
+use merlkit::material::merl::{BinPoint, CellFormat, tabulate_brdf, write};
 use merlkit::{Brdf, Loaded, LookupRule, Material, Wo};
 use merlkit_evaluate::measure::fit::sphere_image;
 use numpy::{PyArray1, PyArrayDyn};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use rayon::prelude::*;
 use crate::arrays::{BatchInput, Results, Rows};
 use crate::errors::{choose, raise};
 use crate::function::PythonBrdf;
-use crate::{render, table, work};
+use crate::{errors, render, table, work};
 
 /// Rows that an integral evaluates together.
 const BATCH: usize = 1024;
@@ -135,7 +136,7 @@ impl PyMaterial {
     /// `ValueError` for a function.
     pub fn source(&self, purpose: &str) -> PyResult<&Material> {
         self.source.as_ref().ok_or_else(|| {
-            pyo3::exceptions::PyValueError::new_err(format!(
+            PyValueError::new_err(format!(
                 "{purpose} needs a material with a name or a file, and {} is a function; \
                  write it as a file first, by Material.write_merl",
                 self.loaded.name()
@@ -196,9 +197,9 @@ impl PyMaterial {
     fn origin(&self) -> Option<String> {
         let source = self.source.as_ref()?;
         Some(match source.origin() {
-            merlkit::material::Origin::File(path) => path.to_string_lossy().into_owned(),
-            merlkit::material::Origin::Embedded(name) => name.to_string(),
-            merlkit::material::Origin::Formula(text) => text.clone(),
+            Origin::File(path) => path.to_string_lossy().into_owned(),
+            Origin::Embedded(name) => name.to_string(),
+            Origin::Formula(text) => text.clone(),
         })
     }
 
@@ -322,7 +323,7 @@ impl PyMaterial {
     fn write_merl(&self, py: Python<'_>, path: &Bound<'_, PyAny>, overwrite: bool) -> PyResult<()> {
         let path = path_text(path)?;
         let path = Path::new(&path);
-        let overwrite = crate::errors::overwrite(path, overwrite)?;
+        let overwrite = errors::overwrite(path, overwrite)?;
         let facts = self.loaded.facts();
         facts
             .require_isotropic(self.loaded.name(), "a MERL table")
@@ -332,8 +333,7 @@ impl PyMaterial {
             None => tabulate_brdf(&**self.loaded.brdf(), BinPoint::Centre),
         })?;
         let table = table.map_err(raise)?;
-        py.detach(|| merlkit::material::merl::write(&table, path, overwrite))
-            .map_err(raise)
+        py.detach(|| write(&table, path, overwrite)).map_err(raise)
     }
 
     /// A sphere of it under two directional lights, linear RGB of the shape (side, side, 3).
