@@ -6,6 +6,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use super::contents::{Export, little_endian};
+use crate::geometry::merl_axes::{degree_edge, theta_d, theta_h_edge};
 use crate::material::merl::{THETA_D_BINS, THETA_H_BINS};
 
 /// Writes all arrays. The archive carries no time: the same bytes for the same material and settings.
@@ -13,6 +14,7 @@ pub(super) fn write(export: &Export, out: impl Write + Seek) -> std::io::Result<
     let mut zip = Npz(ZipWriter::new(out));
     tables(export, &mut zip)?;
     settings(export, &mut zip)?;
+    axes(export, &mut zip)?;
     let shape = [
         THETA_H_BINS,
         THETA_D_BINS,
@@ -44,6 +46,25 @@ fn tables<W: Write + Seek>(export: &Export, zip: &mut Npz<W>) -> std::io::Result
         &[tables, rows, stored.width],
         &u16_bytes(&stored.nodes),
     )
+}
+
+/// The angles of the lower edges of the bins of `merl.rgb`, radians.
+fn axes<W: Write + Seek>(export: &Export, zip: &mut Npz<W>) -> std::io::Result<()> {
+    let theta_h_edges = (0..THETA_H_BINS).map(theta_h_edge).collect();
+    let theta_d_edges = (0..THETA_D_BINS).map(|bin| theta_d(bin as f64)).collect();
+    let phi_d_edges = (0..export.dimensions().phi_d_bins)
+        .map(degree_edge)
+        .collect();
+    let axes: [(&str, Vec<f64>); 3] = [
+        ("theta_h", theta_h_edges),
+        ("theta_d", theta_d_edges),
+        ("phi_d", phi_d_edges),
+    ];
+    for (name, edges) in axes {
+        let bytes: Vec<u8> = edges.iter().flat_map(|x| x.to_le_bytes()).collect();
+        zip.array(name, "<f8", &[edges.len()], &bytes)?;
+    }
+    Ok(())
 }
 
 /// The numbers in little-endian bytes.

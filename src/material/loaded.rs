@@ -67,7 +67,7 @@ impl Loaded {
     }
 
     /// The same material, whose BRDF has `bytes` of tables.
-    pub fn with_bytes(self, bytes: usize) -> Self {
+    pub(crate) fn with_bytes(self, bytes: usize) -> Self {
         Self { bytes, ..self }
     }
 

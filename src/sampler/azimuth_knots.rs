@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::store::Tensors;
 use super::{Field, Settings};
+use crate::batch::Wo;
 use crate::brdf::Brdf;
 use crate::color::Rgb;
 use crate::geometry::Symmetry;
@@ -117,6 +118,9 @@ fn with_azimuth(wo: Vec3) -> Vec3 {
     }
 }
 
+/// Directions that are turned together.
+const LANES: usize = 256;
+
 /// A BRDF turned so that an azimuth of the surface becomes 0. A table asks it for `wo` of azimuth 0 alone, where it can't be
 /// told from an isotropic one.
 pub(super) struct TurnedBrdf<'a> {
@@ -146,6 +150,26 @@ impl<'a> TurnedBrdf<'a> {
 impl Brdf for TurnedBrdf<'_> {
     fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.brdf.eval(self.on_surface(wo), self.on_surface(wi))
+    }
+
+    fn eval_batch(&self, wo: Wo<'_>, wi: &[Vec3], out: &mut [Rgb]) {
+        wo.assert_lanes(wi.len(), out.len());
+        // A few at a time, without an allocation.
+        let (mut given, mut sampled) = ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
+        for start in (0..wi.len()).step_by(LANES) {
+            let lanes = start..wi.len().min(start + LANES);
+            let count = lanes.len();
+            for (k, lane) in lanes.clone().enumerate() {
+                given[k] = self.on_surface(wo.lane(lane));
+                sampled[k] = self.on_surface(wi[lane]);
+            }
+            let turned = match wo {
+                Wo::One(_) => Wo::One(given[0]),
+                Wo::Each(_) => Wo::Each(&given[..count]),
+            };
+            self.brdf
+                .eval_batch(turned, &sampled[..count], &mut out[lanes]);
+        }
     }
 
     fn is_isotropic(&self) -> bool {

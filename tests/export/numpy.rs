@@ -50,7 +50,7 @@ fn archives_hold_the_values_after_a_head_and_are_the_same_every_time() {
         (bytes, &std::fs::read(&second).unwrap())
     );
     let mut archive = zip::ZipArchive::new(std::io::Cursor::new(whole)).unwrap();
-    assert_eq!(archive.len(), 14);
+    assert_eq!(archive.len(), 17);
     let mut array = Vec::new();
     archive
         .by_name("merl.rgb.npy")
@@ -101,6 +101,7 @@ fn numpy_reads_the_archive() {
             "lookup floor",
             "material noisé",
             "merl.rgb f4 90 90 360 3",
+            "phi_d f8 360",
             "row.cdf u2 7 22",
             "row.density u2 7 22 4",
             "row.edge u2 23",
@@ -110,6 +111,8 @@ fn numpy_reads_the_archive() {
             "spec.rows 22",
             "spec.segments 3",
             "spec.tables 7",
+            "theta_d f8 90",
+            "theta_h f8 90",
         ]
     );
     assert_eq!(

@@ -176,6 +176,14 @@ impl MerlTable {
         (0..self.header.cells()).map(|cell| self.cell(cell))
     }
 
+    /// All cells as they lie in memory, in the order of [`Self::cells`]; `None` for compact cells. Other languages read them in place.
+    pub fn cells_in_memory(&self) -> Option<&[Vec4]> {
+        match &self.cells {
+            Cells::F32(cells) => Some(cells),
+            Cells::F16(_) | Cells::Rgb9e5(_) => None,
+        }
+    }
+
     /// The cells as they are kept, for those who read many.
     #[inline(always)]
     pub(super) fn stored_cells(&self) -> &Cells {

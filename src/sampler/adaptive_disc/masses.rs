@@ -5,11 +5,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use super::quad_cell::{DEEPEST, QuadCell};
 use super::scouts::{Scouts, about_disc};
-use super::slice::Slice;
+use super::slice::{BATCH, Slice};
 
 /// Gauss's points on [−1, 1] and their weights: three points, and five.
 const GAUSS_3: [[f64; 2]; 3] = [
@@ -96,33 +96,62 @@ impl MassRule<'_> {
     fn apply(&self, square: QuadCell, bound: f64, rule: &[[f64; 2]]) -> Masses {
         let far = square.corner.abs().max((square.corner + square.side).abs());
         let is_at_rim = far.length_squared() > 1.0 - 2.0 * square.side;
-        let mut sum = PartialMasses {
-            slice: self.slice,
-            bound,
-            masses: Masses::default(),
-        };
+        let mut sum = PartialMasses::new(self.slice, bound);
         if is_at_rim {
             add_polar(square, rule, &mut sum);
         } else {
             add_cartesian(square, rule, &mut sum);
         }
-        sum.masses
+        sum.finish()
     }
 }
 
-/// Sums over points as they are visited.
+/// Sums over points in the order in which they are visited; a few of them are evaluated together.
 struct PartialMasses<'a> {
     slice: &'a Slice<'a>,
     bound: f64,
     masses: Masses,
+    wi: [Vec3; BATCH],
+    weights: [f64; BATCH],
+    waiting: usize,
 }
 
-impl PartialMasses<'_> {
+impl<'a> PartialMasses<'a> {
+    fn new(slice: &'a Slice<'a>, bound: f64) -> Self {
+        Self {
+            slice,
+            bound,
+            masses: Masses::default(),
+            wi: [Vec3::ZERO; BATCH],
+            weights: [0.0; BATCH],
+            waiting: 0,
+        }
+    }
+
     fn add(&mut self, wi: DVec3, weight: f64) {
-        let f = self.slice.value(wi.as_vec3());
-        self.masses.whole += weight * f;
-        self.masses.bounded += weight * f.min(self.bound);
-        self.masses.largest = self.masses.largest.max(f);
+        self.wi[self.waiting] = wi.as_vec3();
+        self.weights[self.waiting] = weight;
+        self.waiting += 1;
+        if self.waiting == BATCH {
+            self.add_waiting();
+        }
+    }
+
+    fn add_waiting(&mut self) {
+        let mut values = [0.0; BATCH];
+        let values = &mut values[..self.waiting];
+        self.slice.values(&self.wi[..self.waiting], values);
+        for (f, weight) in values.iter().zip(&self.weights) {
+            self.masses.whole += weight * f;
+            self.masses.bounded += weight * f.min(self.bound);
+            self.masses.largest = self.masses.largest.max(*f);
+        }
+        self.waiting = 0;
+    }
+
+    fn finish(mut self) -> Masses {
+        self.add_waiting();
+        self.masses
     }
 }
 
@@ -202,7 +231,6 @@ mod tests {
     use crate::brdf::Brdf;
     use crate::geometry::unit_upper;
     use crate::sampler::AdaptiveDiscSettings;
-    use glam::Vec3;
 
     /// A value of one direction alone.
     struct Sky(fn(Vec3) -> f32);

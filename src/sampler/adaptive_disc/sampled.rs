@@ -4,7 +4,7 @@
 //! proportion to min(f, bound), which is their density too ([`super::masses`] has its integral), and the draws that ignore the
 //! BRDF reach what is cut off.
 
-use glam::DVec2;
+use glam::{DVec2, Vec3};
 
 use super::grower::{Content, Contents};
 use super::quad_cell::{QuadCell, Rect};
@@ -45,11 +45,16 @@ impl SampledValues<'_> {
             least: f64::INFINITY,
             largest: 0.0,
         };
+        let mut wi = [Vec3::ZERO; SIMPSON.len() * SIMPSON.len()];
+        for (k, wi) in wi.iter_mut().enumerate() {
+            let cell = DVec2::new((k / SIMPSON.len()) as f64, (k % SIMPSON.len()) as f64);
+            *wi = Slice::above_disc(rect.point(cell * 0.25));
+        }
+        let mut values = [0.0; SIMPSON.len() * SIMPSON.len()];
+        self.slice.values(&wi, &mut values);
         for (i, wx) in SIMPSON.iter().enumerate() {
             for (j, wy) in SIMPSON.iter().enumerate() {
-                let f = self
-                    .slice
-                    .value_on_disc(rect.point(DVec2::new(i as f64, j as f64) * 0.25));
+                let f = values[i * SIMPSON.len() + j];
                 seen.mean += wx * wy * f;
                 seen.least = seen.least.min(f);
                 seen.largest = seen.largest.max(f);
@@ -66,15 +71,22 @@ impl SampledValues<'_> {
             largest: 0.0,
         };
         let cells = RIM_POINTS as f64;
+        let mut wi = [Vec3::ZERO; RIM_POINTS * RIM_POINTS];
+        let mut inside = 0;
         for k in 0..RIM_POINTS * RIM_POINTS {
             let cell = DVec2::new((k % RIM_POINTS) as f64, (k / RIM_POINTS) as f64);
             let p = rect.point((cell + 0.5) / cells);
             if p.length_squared() < 1.0 {
-                let f = self.slice.value_on_disc(p);
-                seen.mean += f / (cells * cells);
-                seen.least = seen.least.min(f);
-                seen.largest = seen.largest.max(f);
+                wi[inside] = Slice::above_disc(p);
+                inside += 1;
             }
+        }
+        let mut values = [0.0; RIM_POINTS * RIM_POINTS];
+        self.slice.values(&wi[..inside], &mut values[..inside]);
+        for &f in &values[..inside] {
+            seen.mean += f / (cells * cells);
+            seen.least = seen.least.min(f);
+            seen.largest = seen.largest.max(f);
         }
         seen
     }

@@ -22,14 +22,20 @@ pub(super) struct Scouts {
 impl Scouts {
     /// Evaluates f; `to_square` takes the disc to the unit square that the tree divides.
     pub fn send(slice: &Slice<'_>, to_square: fn(DVec2) -> DVec2) -> Self {
-        let mut met = Vec::new();
-        let mut integral = 0.0;
+        let (mut nodes, mut solid_angles) = (Vec::new(), Vec::new());
         Quadrature::new(slice.wo, POINTS).for_each(|wi, d_sigma| {
-            let f = slice.value(wi);
+            nodes.push(wi);
+            solid_angles.push(d_sigma);
+        });
+        let mut values = vec![0.0; nodes.len()];
+        slice.values(&nodes, &mut values);
+        let mut met = Vec::with_capacity(nodes.len());
+        let mut integral = 0.0;
+        for ((wi, d_sigma), &f) in nodes.iter().zip(solid_angles).zip(&values) {
             // dx dy = cosθi dσ(wi)
             integral += f * f64::from(wi.z) * d_sigma;
             met.push((z_place(to_square(wi.truncate().as_dvec2())), f));
-        });
+        }
         // Lobes may have their tops exactly in the mirror direction, at wo itself, or at the normal.
         let wo = slice.wo;
         for wi in [Vec3::new(-wo.x, -wo.y, wo.z), wo, Vec3::Z] {

@@ -4,10 +4,15 @@ use glam::{DVec2, Vec3};
 
 use super::AdaptiveDiscSettings;
 use super::bounds::MaxTable;
+use crate::batch::Wo;
 use crate::brdf::Brdf;
+use crate::color::Rgb;
 use crate::geometry::bin_quadrature::{BinQuadrature, BinShape};
 use crate::geometry::{Quadrature, spherical};
 use crate::material::merl::LookupRule;
+
+/// Directions that are evaluated together.
+pub(super) const BATCH: usize = 64;
 
 /// f(wo, ·) for one fixed `wo` in the plane of φ = 0, as a scalar.
 pub(super) struct Slice<'a> {
@@ -43,6 +48,24 @@ impl<'a> Slice<'a> {
         })
     }
 
+    /// f at a few directions: `out[k]` becomes `value(wi[k])`, to the bit.
+    pub fn values(&self, wi: &[Vec3], out: &mut [f64]) {
+        let mut values = [Rgb::ZERO; BATCH];
+        for (wi, out) in wi.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
+            if self.plane.is_some() {
+                for (out, &wi) in out.iter_mut().zip(wi) {
+                    *out = self.value(wi);
+                }
+                continue;
+            }
+            let values = &mut values[..wi.len()];
+            self.brdf.eval_batch(Wo::One(self.wo), wi, values);
+            for (out, &value) in out.iter_mut().zip(&*values) {
+                *out = f64::from(self.settings.importance.reduce(value));
+            }
+        }
+    }
+
     /// ∫ f over the disc by lattices: enough to decide on divisions.
     pub fn rough_integral(&self, tolerance: f64) -> f64 {
         // dx dy = cosθi dσ(wi)
@@ -64,6 +87,16 @@ impl<'a> Slice<'a> {
         };
         BinQuadrature::new(self.wo, shape)
             .map_or(0.0, |q| q.integrate(tolerance, |wi| self.value(wi)))
+    }
+
+    /// The direction above a point of the disc; none, which has the value 0, beyond the rim.
+    pub fn above_disc(p: DVec2) -> Vec3 {
+        let z2 = 1.0 - p.length_squared();
+        if z2 > 0.0 {
+            p.extend(z2.sqrt()).as_vec3()
+        } else {
+            Vec3::ZERO
+        }
     }
 
     pub fn value_on_disc(&self, p: DVec2) -> f64 {

@@ -13,8 +13,8 @@ use merlkit_evaluate::measure::fit::{
     draw_fits, fit_models,
 };
 use merlkit_evaluate::report::{
-    FitDocument, FitFormat, fit_matrix, fit_page, fit_ranking, fit_summary, fit_text, fits_sheet,
-    fitted_text, parameters_sheet, write_json,
+    FitDocument, FitFormat, best_held, fit_matrix, fit_page, fit_ranking, fit_summary, fit_text,
+    fits_sheet, fitted_text, parameters_sheet, write_json,
 };
 use rayon::prelude::*;
 
@@ -305,11 +305,7 @@ impl Args {
             }
             Format::Sampler => self.write_sampler(material, fit, path)?,
             Format::Renderer(format) => {
-                let error = match format {
-                    FitFormat::MaterialX | FitFormat::Gltf => converted_error,
-                    FitFormat::Mitsuba | FitFormat::Pbrt => own_error,
-                };
-                let chosen = best_of(fit, error)?;
+                let chosen = best_held(format, fit).ok_or_else(no_model_is_held)?;
                 let text = fitted_text(format, material.name(), chosen)?;
                 destination.write(overwrite, |out| out.write_all(text.as_bytes()))?;
             }
@@ -325,7 +321,7 @@ impl Args {
         fit: &MaterialFit,
         path: &Path,
     ) -> Result<(), Error> {
-        let chosen = best_of(fit, drawn_error)?;
+        let chosen = best_drawn(fit)?;
         let Some(spec) = chosen.sampler()? else {
             return Ok(());
         };
@@ -336,36 +332,15 @@ impl Args {
     }
 }
 
-/// The fit of the least error, the first of equals, of those that a format can hold. `error` is `None` for the others.
-fn best_of(fit: &MaterialFit, error: fn(&ModelFit) -> Option<f64>) -> Result<&ModelFit, Error> {
-    let mut best: Option<(f64, &ModelFit)> = None;
+/// The fit of the least error, the first of equals, of those that there is a sampler of.
+fn best_drawn(fit: &MaterialFit) -> Result<&ModelFit, Error> {
+    let mut best: Option<&ModelFit> = None;
     for model in &fit.fits {
-        if let Some(error) = error(model)
-            && best.is_none_or(|best| error < best.0)
-        {
-            best = Some((error, model));
+        if matches!(model.sampler(), Ok(Some(_))) && best.is_none_or(|b| model.error < b.error) {
+            best = Some(model);
         }
     }
-    best.map(|best| best.1).ok_or_else(no_model_is_held)
-}
-
-/// The error as a metallic-roughness material, which MaterialX and glTF hold.
-fn converted_error(model: &ModelFit) -> Option<f64> {
-    model.metal_rough.map(|converted| converted.1)
-}
-
-/// The error of lobes that Mitsuba and pbrt have too, which have no sheen.
-fn own_error(model: &ModelFit) -> Option<f64> {
-    let (material, _) = model.metal_rough?;
-    material.sheen.is_none().then_some(model.error)
-}
-
-/// The error of a lobe that there is a sampler of.
-fn drawn_error(model: &ModelFit) -> Option<f64> {
-    match model.sampler() {
-        Ok(Some(_)) => Some(model.error),
-        _ => None,
-    }
+    best.ok_or_else(no_model_is_held)
 }
 
 fn no_model_is_held() -> Error {

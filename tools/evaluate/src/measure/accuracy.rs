@@ -6,7 +6,9 @@
 use glam::{DVec4, Vec3};
 
 use super::probe::Violations;
+use merlkit::Wo;
 use merlkit::brdf::{Brdf, Importance};
+use merlkit::color::Rgb;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::{Quadrature, Symmetry};
 use merlkit::points::PointSet;
@@ -137,19 +139,37 @@ impl Moments {
         quadrature: &Quadrature,
         importance: Importance,
     ) -> Self {
+        let mut batch = DirectionQueue::new(brdf, quadrature.wo(), importance);
         let mut sums = Self::default();
-        let wo = quadrature.wo();
+        let mut solid_angles = Vec::with_capacity(BATCH);
         quadrature.for_each(|wi, d_sigma| {
-            let f_cos = value(brdf, wo, wi, importance);
+            solid_angles.push(d_sigma);
+            if batch.push(wi) {
+                sums.add_batch(sampler, &mut batch, &mut solid_angles);
+            }
+        });
+        sums.add_batch(sampler, &mut batch, &mut solid_angles);
+        sums
+    }
+
+    /// Adds the nodes of a batch, one after another.
+    fn add_batch(
+        &mut self,
+        sampler: &dyn DirectionSampler,
+        batch: &mut DirectionQueue<'_>,
+        solid_angles: &mut Vec<f64>,
+    ) {
+        let wo = batch.wo;
+        let solid_angles = solid_angles.drain(..);
+        for ((wi, f_cos), d_sigma) in batch.drain().zip(solid_angles) {
             let pdf = sampler.pdf(wo, wi);
             if pdf > 0.0 && pdf.is_finite() {
-                sums.add(f_cos, f64::from(pdf), d_sigma);
+                self.add(f_cos, f64::from(pdf), d_sigma);
             } else if f_cos.max_element() > 0.0 {
-                sums.holes.add(wi, pdf);
+                self.holes.add(wi, pdf);
             }
-            sums.albedo += f_cos * d_sigma;
-        });
-        sums
+            self.albedo += f_cos * d_sigma;
+        }
     }
 
     fn add(&mut self, f_cos: DVec4, pdf: f64, d_sigma: f64) {
@@ -219,21 +239,69 @@ pub(super) fn mean_weight(
     importance: Importance,
     draws: impl Iterator<Item = Option<DirectionSample>>,
 ) -> DVec4 {
+    let mut batch = DirectionQueue::new(brdf, wo, importance);
+    let mut densities = Vec::with_capacity(BATCH);
     let (mut sum, mut count) = (DVec4::ZERO, 0usize);
     for draw in draws {
         if let Some(sample) = draw.filter(|d| d.pdf > 0.0 && d.pdf.is_finite()) {
-            sum += value(brdf, wo, sample.wi, importance) / f64::from(sample.pdf);
+            densities.push(sample.pdf);
+            if batch.push(sample.wi) {
+                sum = add_weights(sum, &mut batch, &mut densities);
+            }
         }
         count += 1;
     }
-    sum / count.max(1) as f64
+    add_weights(sum, &mut batch, &mut densities) / count.max(1) as f64
 }
 
-/// f cosθ of red, green, blue and their importance.
-#[inline]
-fn value(brdf: &dyn Brdf, wo: Vec3, wi: Vec3, importance: Importance) -> DVec4 {
-    let f_cos = brdf.eval_cos(wo, wi);
-    f_cos.extend(importance.reduce(f_cos)).as_dvec4()
+/// `sum` and the weights of a batch of draws, one after another.
+fn add_weights(mut sum: DVec4, batch: &mut DirectionQueue<'_>, densities: &mut Vec<f32>) -> DVec4 {
+    for ((_, f_cos), pdf) in batch.drain().zip(densities.drain(..)) {
+        sum += f_cos / f64::from(pdf);
+    }
+    sum
+}
+
+/// Directions that are evaluated together.
+const BATCH: usize = 256;
+
+/// Directions that wait to be evaluated, for one `wo`.
+struct DirectionQueue<'a> {
+    brdf: &'a dyn Brdf,
+    wo: Vec3,
+    importance: Importance,
+    wi: Vec<Vec3>,
+    values: Vec<Rgb>,
+}
+
+impl<'a> DirectionQueue<'a> {
+    fn new(brdf: &'a dyn Brdf, wo: Vec3, importance: Importance) -> Self {
+        Self {
+            brdf,
+            wo,
+            importance,
+            wi: Vec::with_capacity(BATCH),
+            values: vec![Rgb::ZERO; BATCH],
+        }
+    }
+
+    /// Adds a direction; whether the batch is full then.
+    fn push(&mut self, wi: Vec3) -> bool {
+        self.wi.push(wi);
+        self.wi.len() == BATCH
+    }
+
+    /// Takes the directions out, each with f cosθ of red, green, blue and their importance.
+    fn drain(&mut self) -> impl Iterator<Item = (Vec3, DVec4)> {
+        let values = &mut self.values[..self.wi.len()];
+        self.brdf.eval_cos_batch(Wo::One(self.wo), &self.wi, values);
+        let importance = self.importance;
+        let directions = self.wi.drain(..);
+        directions.zip(values).map(move |(wi, f_cos)| {
+            let scalar = importance.reduce(*f_cos);
+            (wi, f_cos.extend(scalar).as_dvec4())
+        })
+    }
 }
 
 #[cfg(test)]

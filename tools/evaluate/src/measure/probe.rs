@@ -4,7 +4,9 @@ use glam::{DVec2, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
 use super::chi_square::is_direction;
+use merlkit::Wo;
 use merlkit::brdf::Brdf;
+use merlkit::color::Rgb;
 use merlkit::direction_sampler::{DirectionSample, DirectionSampler};
 use merlkit::geometry::{cosine_hemisphere, reflect_about, spherical};
 use merlkit::points::{PointSet, Stream};
@@ -56,10 +58,17 @@ pub(super) struct Probe {
 pub(super) fn run(sampler: &dyn DirectionSampler, brdf: &dyn Brdf, wo: Vec3, seed: u64) -> Probe {
     let mut probe = Probe::default();
     let random = (0..DRAWS).map(|i| PointSet::Random.point(seed, i, 0));
+    let (mut draws, mut wi) = (Vec::new(), Vec::new());
     for u in corners().chain(random) {
         if let Some(draw) = sampler.sample(wo, u) {
-            probe.draw(sampler, brdf, wo, draw);
+            draws.push(draw);
+            wi.push(draw.wi);
         }
+    }
+    let mut values = vec![Rgb::ZERO; wi.len()];
+    brdf.eval_cos_batch(Wo::One(wo), &wi, &mut values);
+    for (draw, f_cos) in draws.into_iter().zip(values) {
+        probe.draw(sampler, wo, draw, f_cos);
     }
     for wi in directions(wo, seed) {
         probe.value(sampler, brdf, wo, wi);
@@ -72,12 +81,12 @@ impl Probe {
     fn draw(
         &mut self,
         sampler: &dyn DirectionSampler,
-        brdf: &dyn Brdf,
         wo: Vec3,
         draw: DirectionSample,
+        f_cos: Rgb,
     ) {
         let DirectionSample { wi, pdf } = draw;
-        let weight = brdf.eval_cos(wo, wi) / pdf;
+        let weight = f_cos / pdf;
         if !(is_direction(wi) && pdf > 0.0 && pdf.is_finite() && weight.is_finite()) {
             self.invalid.add(wi, pdf);
             return;

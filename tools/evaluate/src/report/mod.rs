@@ -31,7 +31,7 @@ pub use export::{drawn_row, export_row, export_sheet, table_sheet};
 pub use fit::{
     FitDocument, fit_matrix, fit_ranking, fit_summary, fit_text, fits_sheet, parameters_sheet,
 };
-pub use fitted::{FitFormat, fitted_text};
+pub use fitted::{FitFormat, best_held, fitted_text};
 pub use hard::HardSheets;
 pub use import::resampling_sheet;
 pub use info::Info;

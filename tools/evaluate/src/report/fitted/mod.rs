@@ -8,7 +8,7 @@ mod pbrt;
 use merlkit::export::identifier;
 use merlkit::{Error, Result};
 
-use crate::measure::fit::{FittedLobe, MetalRough, ModelFit};
+use crate::measure::fit::{FittedLobe, MaterialFit, MetalRough, ModelFit};
 
 /// A format of material definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,6 +64,31 @@ pub fn fitted_text(format: FitFormat, name: &str, fit: &ModelFit) -> Result<Stri
         FitFormat::Mitsuba => mitsuba::write(&export),
         FitFormat::Pbrt => pbrt::write(&export),
     })
+}
+
+/// The fit of the least error, the first of equals, of those that a format can hold; `None` if it holds none.
+pub fn best_held(format: FitFormat, fit: &MaterialFit) -> Option<&ModelFit> {
+    let mut best: Option<(f64, &ModelFit)> = None;
+    for model in &fit.fits {
+        if let Some(error) = format.error(model)
+            && best.is_none_or(|best| error < best.0)
+        {
+            best = Some((error, model));
+        }
+    }
+    best.map(|best| best.1)
+}
+
+impl FitFormat {
+    /// The error of what the format holds of a fit: a metallic-roughness material, or the lobes themselves, of which none may be a
+    /// sheen.
+    fn error(self, model: &ModelFit) -> Option<f64> {
+        let (material, converted) = model.metal_rough?;
+        match self {
+            Self::MaterialX | Self::Gltf => Some(converted),
+            Self::Mitsuba | Self::Pbrt => material.sheen.is_none().then_some(model.error),
+        }
+    }
 }
 
 /// A fit on its way into a file.
