@@ -317,6 +317,23 @@ fn read_headers<R: Read>(source: R, len: u64, path: &Path) -> Result<Vec<Header>
     Ok(meta.headers.into_vec())
 }
 
+/// The comment in the headers of a file; pixels are not read.
+///
+/// # Errors
+/// As [`decode_exr`].
+pub(super) fn read_header_comment<R: Read>(
+    source: R,
+    len: u64,
+    path: &Path,
+) -> Result<Option<String>> {
+    for header in read_headers(source, len, path)? {
+        if let Some(text) = &header.own_attributes.comments {
+            return Ok(Some(String::from_utf8_lossy(text.as_slice()).into_owned()));
+        }
+    }
+    Ok(None)
+}
+
 /// Bytes that a block of pixels may always have: a tile of 1024 × 1024 RGB at 32 bits.
 const ANY_BLOCK: u64 = 12 << 20;
 

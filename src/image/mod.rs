@@ -2,6 +2,7 @@
 
 mod exr;
 mod format;
+mod origin;
 mod pfm;
 #[cfg(feature = "png")]
 mod png;
@@ -132,8 +133,8 @@ impl Image {
         }
     }
 
-    /// The same picture, of which the headers of [`write_exr`] (`comments`) and [`write_png`] (`Comment`) will say `comment`. Readers
-    /// leave it out.
+    /// The same picture, of which the headers of [`write_exr`] (`comments`) and [`write_png`] (`Comment`) will say `comment`.
+    /// [`Self::read_comment`] reads it back, and readers of pictures leave it out.
     pub fn with_comment(self, comment: impl Into<String>) -> Self {
         Self {
             comment: Some(comment.into()),

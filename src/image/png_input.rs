@@ -1,6 +1,6 @@
 //! PNG files as linear light.
 
-use std::io::Cursor;
+use std::io::{BufRead, Cursor, Seek};
 use std::path::Path;
 
 use ::png::{BitDepth, ColorType, Decoder, DecodingError, Info, Transformations};
@@ -8,6 +8,9 @@ use ::png::{BitDepth, ColorType, Decoder, DecodingError, Info, Transformations};
 use super::{Image, check_size};
 use crate::color::Rgb;
 use crate::{Error, Result};
+
+/// Keyword of the text that is read back.
+const COMMENT: &str = "Comment";
 
 /// Bytes that deflate makes of one at most.
 const INFLATION: u64 = 1032;
@@ -35,6 +38,29 @@ pub(super) fn decode_png(bytes: &[u8], path: &Path) -> Result<Image> {
             "fetch the file again: it is damaged or cut off",
         )),
     }
+}
+
+/// The text of a file's chunk "Comment" before the pixels, if it is not compressed.
+///
+/// # Errors
+/// [`Error::Invalid`] for a damaged header.
+pub(super) fn read_png_comment(source: impl BufRead + Seek, path: &Path) -> Result<Option<String>> {
+    let mut decoder = Decoder::new(source);
+    let info = decoder.read_header_info().map_err(|error| {
+        Error::invalid(
+            path,
+            0,
+            "a PNG picture",
+            format!("one that can't be decoded ({error})"),
+            "fetch the file again: it is damaged or cut off",
+        )
+    })?;
+    for chunk in &info.utf8_text {
+        if chunk.keyword == COMMENT && !chunk.compressed {
+            return Ok(chunk.get_text().ok());
+        }
+    }
+    Ok(None)
 }
 
 /// Why a picture was not decoded.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use merlkit::image::{Image, read_exr, read_image};
 
-use crate::run::{fails, run_in, succeeds};
+use crate::run::{fails, json, run_in, succeeds};
 use crate::writing::names;
 
 const WHITE: &str = "lambert:reflectance=1";
@@ -247,5 +247,51 @@ fn columns_of_a_sheet_are_samplers_or_values_of_a_parameter() {
         let arguments: Vec<&str> = command.split(' ').collect();
         let message = fails(run_in(folder.path(), &arguments, ""));
         assert!(message.contains(complaint), "{command}: {message}");
+    }
+}
+
+/// A picture says in its header how to make it again, and `info` reads it back; where its files went is left out.
+#[test]
+fn pictures_say_where_they_come_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let draw = |name: &str, threads: &str| {
+        let arguments = [
+            "render",
+            "nickel",
+            "--spp",
+            "1",
+            "--size",
+            "16x16",
+            "--seed",
+            "7",
+            "--threads",
+            threads,
+            "-o",
+            name,
+        ];
+        succeeds(run_in(folder.path(), &arguments, ""));
+    };
+    draw("a", "1");
+    draw("b", "2");
+    for kind in ["exr", "png"] {
+        let [a, b] = ["a", "b"]
+            .map(|name| std::fs::read(folder.path().join(format!("{name}.{kind}"))).unwrap());
+        assert_eq!(a, b);
+        let arguments = ["info", &format!("a.{kind}"), "--json", "-"];
+        let document = json(&succeeds(run_in(folder.path(), &arguments, "")));
+        let recorded = document["results"][0]["recorded"].as_array().unwrap();
+        let line = |k: usize| recorded[k].as_str().unwrap();
+        assert!(
+            line(0).starts_with(concat!("merlkit ", env!("CARGO_PKG_VERSION"))),
+            "{recorded:?}"
+        );
+        assert_eq!(
+            line(1),
+            "command: merlkit render nickel --spp 1 --size 16x16 --seed 7"
+        );
+        assert!(
+            line(2).starts_with("material: nickel, SHA-256 "),
+            "{recorded:?}"
+        );
     }
 }

@@ -94,6 +94,16 @@ impl Movie {
         Self::Numbered(numbered.collect())
     }
 
+    /// The same files; headers of numbered ones say where they come from.
+    pub fn with_provenance(mut self, provenance: &str) -> Self {
+        if let Self::Numbered(files) = &mut self {
+            for files in files {
+                provenance.clone_into(&mut files.provenance);
+            }
+        }
+        self
+    }
+
     /// Refuses files that can't be written before the work.
     ///
     /// # Errors

@@ -15,6 +15,7 @@ mod labels;
 mod output;
 mod picture;
 mod progress;
+mod provenance;
 mod raster;
 mod resumable;
 mod sampler_args;

@@ -13,6 +13,7 @@ use merlkit::sampler::SamplerSpec;
 
 use crate::args;
 use crate::progress::Progress;
+use crate::provenance;
 use crate::scene_args::Finish;
 use crate::sky::print_notes;
 
@@ -178,6 +179,8 @@ pub struct Files {
     pub png: PathBuf,
     /// What an unfinished picture needs to go on.
     pub partial: PathBuf,
+    /// What the headers say of where the picture comes from; may be empty.
+    pub provenance: String,
 }
 
 impl Files {
@@ -194,7 +197,12 @@ impl Files {
             path.push(extension);
             PathBuf::from(path)
         });
-        Self { exr, png, partial }
+        Self {
+            exr,
+            png,
+            partial,
+            provenance: String::new(),
+        }
     }
 
     /// Writes both; `state` is a sentence about a picture that is not finished.
@@ -208,9 +216,24 @@ impl Files {
         state: Option<String>,
         overwrite: Overwrite,
     ) -> Result<(), Error> {
-        let image = finish.apply(image, state);
+        let mut words = vec![self.provenance.clone()];
+        words.extend(state);
+        words.retain(|line| !line.is_empty());
+        let text = (!words.is_empty()).then(|| words.join("\n"));
+        let image = finish.apply(image, text);
         write_exr(&self.exr, &image, overwrite)?;
         write_png(&self.png, &image, finish.exposure, overwrite)
+    }
+
+    /// The same files, whose headers name the program, its command line and the materials.
+    ///
+    /// # Errors
+    /// Those of reading a material's file.
+    pub fn with_provenance(self, materials: &[Material]) -> Result<Self, Error> {
+        Ok(Self {
+            provenance: provenance::describe(materials)?,
+            ..self
+        })
     }
 
     /// Tells of files that can't be written before the work, not after it.

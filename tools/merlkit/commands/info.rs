@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use merlkit::Error;
+use merlkit::image::Image;
 use merlkit::material::{LookupRule, Material, Origin};
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
 use merlkit_evaluate::measure::facts;
@@ -19,13 +20,14 @@ use crate::{args, table};
 
 /// Print facts about a material: directional albedo, symmetry, size in bytes and, for a table, gaps and range
 ///
-/// For a sampler file, prints the sampler, its settings and its material.
+/// For a sampler file, prints the sampler, its settings and its material; for a picture (.exr, .png), what its header says of where it
+/// comes from.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit info nickel chrome.binary\n  merlkit info brdfs --json facts.json"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, sampler files or folders of these, names of built-in materials, or formulas
+    /// MERL binaries, .bsdf files, sampler files, pictures or folders of these, names of built-in materials, or formulas
     #[arg(required = true, value_name = "MATERIAL|SAMPLERFILE")]
     sources: Vec<String>,
     /// How values between the samples of a table are interpolated
@@ -75,6 +77,7 @@ pub fn run(args: &Args) -> Outcome {
 enum Subject {
     Material(Material),
     Sampler(SamplerDescription),
+    Picture(PictureDescription),
 }
 
 impl Subject {
@@ -83,6 +86,10 @@ impl Subject {
         let path = Path::new(argument);
         if path.is_file() && looks_like_sampler_file(path) {
             return Ok(SamplerDescription::read(path).map(Self::Sampler));
+        }
+        let extension = path.extension().unwrap_or_default();
+        if path.is_file() && (extension == "exr" || extension == "png") {
+            return Ok(PictureDescription::read(path).map(Self::Picture));
         }
         let material = tables.resolve(argument)?;
         Ok(match material.facts() {
@@ -97,6 +104,7 @@ impl Subject {
                 Ok(Description::Material(Box::new(measure(&material, lookup)?)))
             }
             Self::Sampler(sampler) => Ok(Description::Sampler(sampler)),
+            Self::Picture(picture) => Ok(Description::Picture(picture)),
         }
     }
 }
@@ -107,6 +115,7 @@ impl Subject {
 enum Description {
     Material(Box<Info>),
     Sampler(SamplerDescription),
+    Picture(PictureDescription),
 }
 
 impl Description {
@@ -114,6 +123,7 @@ impl Description {
         match self {
             Self::Material(info) => info.sheet(),
             Self::Sampler(sampler) => sampler.sheet(),
+            Self::Picture(picture) => picture.sheet(),
         }
     }
 }
@@ -160,6 +170,39 @@ impl SamplerDescription {
             ("SHA-256 of the material", self.record.source_sha256.clone()),
         ] {
             sheet.push(vec![name.to_owned(), value]);
+        }
+        sheet
+    }
+}
+
+/// A picture and what its header says of it.
+#[derive(Serialize)]
+struct PictureDescription {
+    picture: String,
+    /// Lines of the header's comment.
+    recorded: Vec<String>,
+}
+
+impl PictureDescription {
+    fn read(path: &Path) -> Result<Self, Error> {
+        let comment = Image::read_comment(path)?.unwrap_or_default();
+        Ok(Self {
+            picture: path.display().to_string(),
+            recorded: comment.lines().map(str::to_owned).collect(),
+        })
+    }
+
+    fn sheet(&self) -> Sheet {
+        let mut sheet = Sheet::new(&["picture", &self.picture]);
+        for line in &self.recorded {
+            let (name, value) = line.split_once(": ").unwrap_or(("written by", line));
+            sheet.push(vec![name.into(), value.into()]);
+        }
+        if self.recorded.is_empty() {
+            sheet.push(vec![
+                "written by".into(),
+                "not recorded in its header".into(),
+            ]);
         }
         sheet
     }

@@ -156,6 +156,7 @@ pub fn run(args: &Args) -> Outcome {
         true => args::resolve(&SceneSpec::row(&names, 1.0).materials, &args.tables)?,
         false => args::resolve(&names, &args.tables)?,
     };
+    let files = files.with_provenance(&materials)?;
     let pictures = describe(args, &names, &materials, settings)?;
     let is_single = pictures.len() == 1 && args.frames.count().is_none();
     if is_single {
@@ -176,7 +177,7 @@ pub fn run(args: &Args) -> Outcome {
         }
         .render()?,
         _ => match args.frames.count() {
-            Some(count) => draw_frames(args, &pictures, &grid, count)?,
+            Some(count) => draw_frames(args, &pictures, &grid, &files, count)?,
             None => draw_apart(args, pictures, &grid, &files)?,
         },
     };
@@ -285,10 +286,11 @@ fn draw_frames(
     args: &Args,
     pictures: &[Picture<'_>],
     grid: &Grid,
+    files: &Files,
     count: usize,
 ) -> Result<Option<Refinement>, Failure> {
-    let movie = Movie::named(&args.output, count);
-    let folder = TileFolder::named(&Files::named(&args.output), args.resume);
+    let movie = Movie::named(&args.output, count).with_provenance(&files.provenance);
+    let folder = TileFolder::named(files, args.resume);
     folder.check()?;
     let overwrite = match args.resume {
         true => Overwrite::Replace,

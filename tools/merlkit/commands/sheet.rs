@@ -120,7 +120,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let grid = lay_out(args, materials.len());
     grid.check()?;
-    let files = Files::named(&args.output);
+    let files = Files::named(&args.output).with_provenance(&materials)?;
     let scene = describe_scene(args)?;
     let mut tiles = Vec::with_capacity(spheres.len());
     for sphere in &spheres {
