@@ -59,6 +59,25 @@ impl Axis {
     }
 }
 
+impl Axis {
+    /// The value at a fraction of the axis's length from its lower end; NaN without a range.
+    pub(super) fn value_at(&self, fraction: f64) -> f64 {
+        let ends = self.range.and_then(|(low, high)| {
+            let scale = self.scale;
+            Some((scale.transform(low)?, scale.transform(high)?))
+        });
+        let Some((low, high)) = ends else {
+            return f64::NAN;
+        };
+        let place = low + fraction * (high - low);
+        match self.scale {
+            Scale::Linear => place,
+            Scale::Log => 10f64.powf(place),
+            Scale::Root => place * place,
+        }
+    }
+}
+
 /// A tick, with its label if it has one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tick {

@@ -5,7 +5,9 @@ use super::axis::{Axis, Ruler, Scale};
 use super::legend::{Entry, Legend};
 use super::lines::runs;
 use super::style::Style;
-use super::svg::{Anchor, Area, GRID, INK, Svg, TEXT, TOP, WIDTH, px, shortened};
+use super::svg::{
+    Anchor, Area, GRID, INK, Svg, TEXT, TOP, WIDTH, label_room, overlap, px, shortened, width_of,
+};
 
 /// A curve around the origin.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,6 +40,9 @@ const RADIUS: f64 = 262.0;
 const CENTRE: (f64, f64) = (WIDTH / 2.0, TOP + 26.0 + RADIUS);
 /// Angle between a direction's line and its name, degrees.
 const BESIDE: f64 = 2.8;
+/// Distances at which names may stand, and pixels between them.
+const NAME_RINGS: u8 = 12;
+const NAME_RING: f64 = 16.0;
 /// From the base line to the legend.
 const BELOW: f64 = 46.0;
 
@@ -119,40 +124,60 @@ impl Polar {
 
     /// Lines towards `wo` and its mirror direction, and which is which.
     fn draw_directions(&self, svg: &mut Svg) {
-        let single = self.wo.len() == 1;
-        for &theta in self.wo.iter().filter(|t| (0.0..=90.0).contains(*t)) {
-            let name = |name: &str| {
-                if single {
-                    name.to_owned()
-                } else {
-                    format!("{name} {theta}°")
-                }
+        let thetas = self.wo.iter().filter(|t| (0.0..=90.0).contains(*t));
+        let mut ends = Vec::new();
+        for &theta in thetas {
+            let angle = if self.wo.len() == 1 {
+                String::new()
+            } else {
+                format!(" {theta}°")
             };
-            let ends = [
-                (-theta, name("wo"), "stroke-dasharray=\"6 3\""),
-                (theta, name("mirror"), "stroke-dasharray=\"1.5 3\""),
-            ];
+            ends.push((-theta, format!("wo{angle}"), "stroke-dasharray=\"6 3\""));
             // At the normal both are one.
-            let ends = if theta == 0.0 { &ends[..1] } else { &ends[..] };
-            for (angle, label, dash) in ends {
-                svg.line(
-                    CENTRE,
-                    around(*angle, RADIUS),
-                    &format!("stroke=\"{INK}\" {dash}"),
-                );
-                // Beside the line, on the normal's side.
-                let (x, y) = around(angle - angle.signum() * BESIDE, RADIUS - 14.0);
-                let anchor = if *angle < 0.0 {
-                    Anchor::Start
-                } else {
-                    Anchor::End
-                };
-                let anchor = if *angle == 0.0 {
-                    Anchor::Middle
-                } else {
-                    anchor
-                };
+            if theta != 0.0 {
+                ends.push((
+                    theta,
+                    format!("mirror{angle}"),
+                    "stroke-dasharray=\"1.5 3\"",
+                ));
+            }
+        }
+        for (angle, _, dash) in &ends {
+            let style = format!("stroke=\"{INK}\" {dash}");
+            svg.line(CENTRE, around(*angle, RADIUS), &style);
+        }
+        // Above all lines, and apart from each other.
+        let mut taken = Vec::new();
+        for (angle, label, _) in &ends {
+            draw_direction_name(svg, *angle, label, &mut taken);
+        }
+    }
+}
+
+/// The name of a direction beside its line, on the normal's side or the other, as far out as no other name is in its way; what
+/// it covers joins `taken`.
+fn draw_direction_name(svg: &mut Svg, angle: f64, label: &str, taken: &mut Vec<Area>) {
+    let width = width_of(label, TEXT);
+    for step in 0..NAME_RINGS {
+        let distance = RADIUS - 14.0 - NAME_RING * f64::from(step);
+        // The same pixels from the line at each distance.
+        let beside = BESIDE * RADIUS / distance;
+        for side in [-1.0, 1.0] {
+            let (x, y) = around(angle + side * angle.signum() * beside, distance);
+            let (anchor, left) = if angle == 0.0 {
+                (Anchor::Middle, x - 0.5 * width)
+            } else if (angle < 0.0) == (side < 0.0) {
+                (Anchor::Start, x)
+            } else {
+                (Anchor::End, x - width)
+            };
+            let room = label_room(left, y + 4.0, width);
+            // A name on the normal's side must not reach across the normal, where it would seem another line's.
+            let crosses = angle != 0.0 && room.x < CENTRE.0 && room.right() > CENTRE.0;
+            if !crosses && taken.iter().all(|t| !overlap(t, &room)) {
                 svg.label_above((x, y + 4.0), anchor, label);
+                taken.push(room);
+                return;
             }
         }
     }

@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::cartesian::{Frame, MARGIN};
 use super::legend::{Entry, Legend};
 use super::style::Style;
-use super::svg::{Anchor, Area, INK, Svg, TEXT, escape, width_of};
+use super::svg::{Anchor, Area, INK, Svg, TEXT, escape, label_room, overlap, width_of};
 
 /// A point and what it is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -203,10 +203,6 @@ fn around((x, y): (f64, f64)) -> Area {
     }
 }
 
-fn overlap(a: &Area, b: &Area) -> bool {
-    a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
-}
-
 /// Where a label may stand, the best place first, and the room it takes there.
 fn places(p: &Placed<'_>) -> Vec<((f64, f64), Anchor, Area)> {
     let (width, (x, y)) = (width_of(p.label, TEXT), p.at);
@@ -234,14 +230,4 @@ fn places(p: &Placed<'_>) -> Vec<((f64, f64), Anchor, Area)> {
         ));
     }
     out
-}
-
-/// What a label of that width covers.
-fn label_room(left: f64, baseline: f64, width: f64) -> Area {
-    Area {
-        x: left,
-        y: baseline - 10.0,
-        width,
-        height: 13.0,
-    }
 }

@@ -235,3 +235,18 @@ pub(super) fn shortened(text: &str, size: f64, width: f64) -> String {
     out.push('…');
     out
 }
+
+/// Whether two rectangles have a point in common.
+pub(super) fn overlap(a: &Area, b: &Area) -> bool {
+    a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
+}
+
+/// What a label of that width covers.
+pub(super) fn label_room(left: f64, baseline: f64, width: f64) -> Area {
+    Area {
+        x: left,
+        y: baseline - 10.0,
+        width,
+        height: 13.0,
+    }
+}
