@@ -9,7 +9,7 @@ use merlkit::image::write_exr;
 use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit_evaluate::measure::views::{PlottedChannel, PlottedValue};
-use merlkit_evaluate::plot::{Chart, Pixels, Scale};
+use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale};
 use merlkit_evaluate::report::{ChartSubject, CurveCharts, CurveOptions, SLICE};
 
 use crate::args;
@@ -168,6 +168,13 @@ pub struct Args {
     /// Also write the numbers of the picture as CSV [default: none]
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Pixels across, 320 to 10000; text keeps its size. A PNG has twice as many, but for slices [default: 640, for a PNG of a
+    /// slice 360]
+    #[arg(help_heading = "Output", long, value_name = "N", value_parser = clap::value_parser!(u16).range(320..=10_000))]
+    width: Option<u16>,
+    /// Pixels down, 240 to 10000 [default: what suits the width, for a PNG of a slice 360]
+    #[arg(help_heading = "Output", long, value_name = "N", value_parser = clap::value_parser!(u16).range(240..=10_000))]
+    height: Option<u16>,
     /// Replace existing files [default: refuse]
     #[arg(help_heading = "Output", long)]
     force: bool,
@@ -181,6 +188,7 @@ pub fn run(args: &Args) -> Outcome {
     args.check_options(&materials)?;
     let destination = args.destination(&materials);
     let format = Format::from_extension(&destination, args.kind)?;
+    args.check_size(format)?;
     destination.check(overwrite(args.force))?;
     let numbers = args.csv.clone().map(Destination::File);
     if let Some(numbers) = &numbers {
@@ -294,6 +302,23 @@ impl Args {
             }
         }
         Ok(())
+    }
+
+    /// Refuses a size for what has none.
+    fn check_size(&self, format: Format) -> Result<(), Error> {
+        let file = match format {
+            Format::Csv => "a CSV file",
+            Format::PixelsExr => "an OpenEXR file, whose pixels are bins",
+            _ => return Ok(()),
+        };
+        let given = [("--width", self.width), ("--height", self.height)];
+        match given.iter().find(|(_, side)| side.is_some()) {
+            Some((option, _)) => Err(Error::argument(
+                format!("{option} has no effect on {file}"),
+                "omit it",
+            )),
+            None => Ok(()),
+        }
     }
 
     fn thetas(&self) -> Result<Vec<f64>, Error> {
@@ -412,8 +437,10 @@ impl Args {
         match (format, chart, destination) {
             (Format::Csv, ..) => self.write_bytes(chart.csv().as_bytes(), destination),
             (Format::PixelsPng, Chart::Heat(heat), _) => {
-                let side = BINS * PIXELS_PER_BIN;
-                self.write_bytes(&heat.pixels_png(side, side)?, destination)
+                let usual = BINS * PIXELS_PER_BIN;
+                let width = self.width.map_or(usual, usize::from);
+                let height = self.height.map_or(usual, usize::from);
+                self.write_bytes(&heat.pixels_png(width, height)?, destination)
             }
             (Format::PixelsExr, Chart::Heat(heat), Destination::File(path)) => {
                 if let Pixels::Picture { image, .. } = &heat.pixels {
@@ -421,8 +448,17 @@ impl Args {
                 }
                 Ok(())
             }
-            (Format::Raster, ..) => self.write_bytes(&raster::png(&chart.svg()?)?, destination),
-            _ => self.write_bytes(chart.svg()?.as_bytes(), destination),
+            (Format::Raster, ..) => {
+                self.write_bytes(&raster::png(&chart.svg(self.size())?)?, destination)
+            }
+            _ => self.write_bytes(chart.svg(self.size())?.as_bytes(), destination),
+        }
+    }
+
+    fn size(&self) -> ChartSize {
+        ChartSize {
+            width: self.width.map_or(ChartSize::default().width, f64::from),
+            height: self.height.map(f64::from),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Any chart, as a picture or as the numbers in it.
 
-use super::{Disc, Heat, Lines, Pixels, Polar};
+use super::{ChartSize, Disc, Heat, Lines, Pixels, Polar};
 use merlkit::Result;
 
 /// A chart of any kind.
@@ -21,12 +21,12 @@ impl Chart {
     ///
     /// # Errors
     /// Those of [`Heat::svg`].
-    pub fn svg(&self) -> Result<String> {
+    pub fn svg(&self, size: ChartSize) -> Result<String> {
         match self {
-            Self::Lines(chart) => Ok(chart.svg()),
-            Self::Polar(chart) => Ok(chart.svg()),
-            Self::Disc(chart) => Ok(chart.svg()),
-            Self::Heat(chart) => chart.svg(),
+            Self::Lines(chart) => Ok(chart.svg_sized(size)),
+            Self::Polar(chart) => Ok(chart.svg_sized(size)),
+            Self::Disc(chart) => Ok(chart.svg_sized(size)),
+            Self::Heat(chart) => chart.svg_sized(size),
         }
     }
 

@@ -7,8 +7,7 @@ use super::Caption;
 use super::axis::{Axis, Ruler};
 use super::cartesian::{Frame, MARGIN};
 use super::colours::viridis;
-use super::legend::Legend;
-use super::svg::{Anchor, Area, INK, Svg, TEXT, px, shortened, width_of};
+use super::svg::{Anchor, Area, ChartSize, INK, Svg, TEXT, px, shortened, width_of};
 use merlkit::image::{Image, encode_png};
 use merlkit::{Error, Result};
 
@@ -49,6 +48,7 @@ pub struct Heat {
 /// Right of the picture: the bar and its labels.
 const BAR_GAP: f64 = 20.0;
 const BAR: f64 = 16.0;
+const RIGHT_OF_BAR: f64 = 82.0;
 /// Steps of the bar.
 const SHADES: usize = 256;
 
@@ -58,19 +58,28 @@ impl Heat {
     /// # Errors
     /// [`Error::Argument`] if values do not fill whole rows, or an axis has no range.
     pub fn svg(&self) -> Result<String> {
+        self.svg_sized(ChartSize::default())
+    }
+
+    /// The picture in another size.
+    ///
+    /// # Errors
+    /// As [`Self::svg`].
+    pub fn svg_sized(&self, size: ChartSize) -> Result<String> {
         let axes = (&self.x, &self.y);
         let right = match &self.pixels {
-            Pixels::Values { .. } => BAR_GAP + BAR + 82.0,
+            Pixels::Values { .. } => BAR_GAP + BAR + RIGHT_OF_BAR,
             Pixels::Picture { .. } => MARGIN,
         };
-        let frame = Frame::new(axes, std::iter::empty(), std::iter::empty(), right);
+        let nothing = std::iter::empty;
+        let frame = Frame::new(axes, nothing(), nothing(), right, Vec::new(), size);
         if frame.rulers.is_none() {
             return Err(Error::argument(
                 "an axis of a picture has no range",
                 "give both axes a range",
             ));
         }
-        let mut svg = frame.begin(&self.caption, axes, &Legend::new(Vec::new()), false);
+        let mut svg = frame.begin(&self.caption, axes, false);
         let Some(bytes) = self.bytes()? else {
             svg.no_data(&frame.area);
             return Ok(svg.finish());
@@ -184,7 +193,7 @@ fn draw_bar(svg: &mut Svg, area: &Area, values: &[f64], axis: &Axis) -> Result<(
         }
     }
     let title = shortened(&axis.title, TEXT, area.height + 30.0);
-    let x = (bar.right() + 8.0 + widest + 18.0).min(super::svg::WIDTH - 6.0);
+    let x = bar.right() + (8.0 + widest + 18.0).min(RIGHT_OF_BAR - 6.0);
     svg.label_upwards((x, area.y + area.height / 2.0), &title);
     Ok(())
 }

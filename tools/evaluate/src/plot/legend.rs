@@ -1,7 +1,7 @@
 //! Which style is whose, below the chart.
 
 use super::style::Style;
-use super::svg::{Anchor, Svg, TEXT, WIDTH, shortened, width_of};
+use super::svg::{Anchor, Svg, TEXT, shortened, width_of};
 
 /// One entry.
 pub(super) struct Entry {
@@ -17,8 +17,6 @@ const ROW: f64 = 18.0;
 const SAMPLE: f64 = 34.0;
 const GAP: f64 = 18.0;
 const LEFT: f64 = 24.0;
-/// More room than this no entry takes.
-const WIDEST: f64 = WIDTH - 2.0 * LEFT;
 
 /// Entries in rows.
 pub(super) struct Legend {
@@ -27,14 +25,16 @@ pub(super) struct Legend {
 }
 
 impl Legend {
-    /// Lays entries out in as many rows as they need.
-    pub fn new(entries: Vec<Entry>) -> Self {
+    /// Lays entries out in as many rows as they need on a sheet of that width.
+    pub fn new(entries: Vec<Entry>, sheet_width: f64) -> Self {
+        // More room than this no entry takes.
+        let widest = sheet_width - 2.0 * LEFT;
         let (mut x, mut row) = (LEFT, 0);
         let mut placed = Vec::with_capacity(entries.len());
         for mut entry in entries {
-            entry.label = shortened(&entry.label, TEXT, WIDEST - SAMPLE);
+            entry.label = shortened(&entry.label, TEXT, widest - SAMPLE);
             let width = SAMPLE + width_of(&entry.label, TEXT);
-            if x > LEFT && x + width > LEFT + WIDEST {
+            if x > LEFT && x + width > LEFT + widest {
                 (x, row) = (LEFT, row + 1);
             }
             placed.push((entry, x, row));

@@ -35,6 +35,7 @@ pub use lines::{Lines, Marks, Series};
 pub use polar::{Polar, PolarCurve};
 pub use scatter::{Group, Scatter, ScatterPoint};
 pub use style::{COLOURS, style_number};
+pub use svg::ChartSize;
 pub(crate) use svg::escape;
 
 /// What a chart is called, and what it shows in a sentence or two, for those who don't see it.

@@ -3,9 +3,9 @@
 use super::Caption;
 use super::axis::Axis;
 use super::cartesian::{Frame, MARGIN};
-use super::legend::{Entry, Legend};
+use super::legend::Entry;
 use super::style::Style;
-use super::svg::{Anchor, Area, INK, Svg, TEXT, escape, label_room, overlap, width_of};
+use super::svg::{Anchor, Area, ChartSize, INK, Svg, TEXT, escape, label_room, overlap, width_of};
 
 /// A point and what it is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -60,8 +60,10 @@ impl Scatter {
             self.points().map(|p| p.x),
             self.points().map(|p| p.y),
             MARGIN,
+            self.legend_entries(),
+            ChartSize::default(),
         );
-        let mut svg = frame.begin(&self.caption, axes, &self.legend(), true);
+        let mut svg = frame.begin(&self.caption, axes, true);
         let placed = self.lay_out(&frame);
         if self.front {
             let front: Vec<_> = placed
@@ -90,7 +92,7 @@ impl Scatter {
         self.groups.iter().flat_map(|g| &g.points)
     }
 
-    fn legend(&self) -> Legend {
+    fn legend_entries(&self) -> Vec<Entry> {
         let mut entries = Vec::new();
         for group in self.groups.iter().filter(|g| !g.label.is_empty()) {
             entries.push(Entry {
@@ -100,7 +102,7 @@ impl Scatter {
                 mark: true,
             });
         }
-        Legend::new(entries)
+        entries
     }
 
     fn lay_out<'a>(&'a self, frame: &Frame) -> Vec<Vec<Placed<'a>>> {
