@@ -221,10 +221,17 @@ impl Ruler {
         ticks
     }
 
-    /// 0, and 1, 2 and 5 times powers of ten from the top, as far as they are `spacing` apart.
+    /// 0, an end that is a whole number up to 100, and 1, 2 and 5 times powers of ten from the top, as far as they are `spacing`
+    /// apart.
     fn root_ticks(&self, spacing: f64) -> Vec<Tick> {
         let mut ticks = Vec::new();
         self.push_root_tick(&mut ticks, 0.0, spacing);
+        // An end that was chosen, such as 90°, and not where the data happen to end.
+        let end = self.high * self.high;
+        let round = end.round();
+        if (1.0..=100.0).contains(&round) && (end - round).abs() < 1e-9 * end {
+            self.push_root_tick(&mut ticks, round, spacing);
+        }
         let top = (2.0 * self.high.log10()).floor().clamp(-300.0, 300.0) as i32;
         for exponent in (top - 6..=top).rev() {
             for digit in [5.0, 2.0, 1.0] {

@@ -200,16 +200,22 @@ impl HalfCircle {
                     (Anchor::End, x - width)
                 };
                 let room = label_room(left, y + 4.0, width);
-                // A name on the normal's side must not reach across the normal, where it would seem another line's.
-                let crosses =
-                    angle != 0.0 && room.x < self.centre.0 && room.right() > self.centre.0;
-                if !crosses && taken.iter().all(|t| !overlap(t, &room)) {
+                let free = taken.iter().all(|t| !overlap(t, &room));
+                if free && (angle == 0.0 || self.holds_on_one_side(&room)) {
                     svg.label_above((x, y + 4.0), anchor, label);
                     taken.push(room);
                     return;
                 }
             }
         }
+    }
+
+    /// Whether a name lies within the half circle and does not reach across the normal, where it would seem another line's.
+    fn holds_on_one_side(&self, room: &Area) -> bool {
+        let (x, y) = self.centre;
+        let farthest = (room.x - x).abs().max((room.right() - x).abs());
+        let inside = farthest.hypot(y - room.y) < self.radius - 2.0;
+        inside && (room.x >= x || room.right() <= x)
     }
 
     /// The picture's part above the base line.

@@ -321,13 +321,14 @@ impl CurveCharts {
             let labels = labels.join(", ");
             format!("the ideal density, f·cos θi over the albedo, and the density of {labels}")
         };
-        let samplers: Vec<_> = self.specs.iter().map(|s| self.sampler_label(s)).collect();
-        let and_samplers = match samplers.len() {
-            0 => String::new(),
-            _ => format!(" and {}", samplers.join(", ")),
+        // The legend names several.
+        let shown_kind = match &self.specs[..] {
+            [] => "lobe".into(),
+            [spec] => format!("lobe and {}", spec.name()),
+            several => format!("densities of {} samplers", several.len()),
         };
         let title = format!(
-            "{}: lobe{and_samplers} at θ = {}",
+            "{}: {shown_kind} at θ = {}",
             self.names(),
             angles_text(&self.thetas)
         );
