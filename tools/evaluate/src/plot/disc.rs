@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::Caption;
 use super::legend::{Entry, Legend};
 use super::style::Style;
-use super::svg::{Anchor, ChartSize, INK, Svg, TOP, path_data, px};
+use super::svg::{Anchor, ChartSize, INK, Svg, TEXT, TOP, path_data, px, shortened};
 
 /// A place with a name, such as `wo`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -99,7 +99,8 @@ impl Disc {
             svg.label(place.centre, Anchor::Middle, "no data");
         }
         if lines > 0.0 {
-            svg.label((58.0, below + 13.0), Anchor::Start, &self.labels[0]);
+            let label = shortened(&self.labels[0], TEXT, size.width - 66.0);
+            svg.label((58.0, below + 13.0), Anchor::Start, &label);
             let square = format!("fill=\"#ffffff\" stroke=\"{CELLS}\"");
             svg.path(
                 &[

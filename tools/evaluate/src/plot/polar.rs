@@ -173,7 +173,8 @@ impl Polar {
             let style = format!("stroke=\"{INK}\" {dash}");
             svg.line(half.centre, half.around(*angle, half.radius), &style);
         }
-        // Above all lines, and apart from each other.
+        // Above all lines, and apart from each other. Those near the normal, where room is short, give way.
+        ends.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
         let mut taken = Vec::new();
         for (angle, label, _) in &ends {
             half.draw_direction_name(svg, *angle, label, &mut taken);
