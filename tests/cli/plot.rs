@@ -144,6 +144,10 @@ fn mistakes_are_refused_with_what_to_do() {
             &["--kind", "slice", "--exposure", "1"],
             "--exposure has no effect",
         ),
+        (
+            &["--kind", "slice-rgb", "--exposure", "nan"],
+            "a number of stops",
+        ),
         (&["--kind", "lobe", "--phi-d", "1"], "--phi-d has no effect"),
         (
             &["--kind", "lobe", "-o", "a.csv", "--width", "400"],

@@ -186,6 +186,9 @@ pub fn run(args: &Args) -> Outcome {
     let materials = args::resolve(&args.materials, &args.tables)?;
     args::refuse_repeated(&materials)?;
     args.check_options(&materials)?;
+    if args.kind.takes_several() {
+        CurveCharts::check_counts(materials.len(), thetas.len(), specs.len())?;
+    }
     let destination = args.destination(&materials);
     let format = Format::from_extension(&destination, args.kind)?;
     args.check_size(format)?;
@@ -269,6 +272,12 @@ impl Args {
             return Err(Error::argument(
                 format!("{} materials for --kind {}", materials.len(), kind.name()),
                 "choose one, or --kind lobe, lobe-polar or albedo",
+            ));
+        }
+        if self.exposure.is_some_and(|stops| !stops.is_finite()) {
+            return Err(Error::argument(
+                "an exposure without an end",
+                "choose a number of stops, such as -2",
             ));
         }
         if kind == Kind::LobePolar && self.scale == Some(Scale::Log) {

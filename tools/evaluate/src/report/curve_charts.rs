@@ -108,7 +108,7 @@ impl CurveCharts {
             ));
         }
         let specs = specs.pop().unwrap_or_default();
-        check_counts(materials.len(), thetas.len(), specs.len())?;
+        Self::check_counts(materials.len(), thetas.len(), specs.len())?;
         Ok(Self {
             materials: materials.to_vec(),
             thetas,
@@ -116,6 +116,35 @@ impl CurveCharts {
             specs,
             options,
         })
+    }
+
+    /// Refuses charts without a curve, or with curves that look alike: by how many materials, angles and samplers they have.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] with the greatest number.
+    pub fn check_counts(materials: usize, thetas: usize, samplers: usize) -> Result<()> {
+        let pairs = materials * thetas;
+        let (what, most, given) = if pairs == 0 {
+            ("materials and angles", "at least one of each".into(), 0)
+        } else if samplers > MOST_SAMPLERS {
+            ("samplers", format!("at most {MOST_SAMPLERS}"), samplers)
+        } else if materials > COLOURS {
+            ("materials", format!("at most {}", COLOURS), materials)
+        } else if samplers > 0 && pairs > COLOURS {
+            let most = format!("at most {} with samplers", COLOURS);
+            ("materials times angles", most, pairs)
+        } else if materials > 1 && thetas > MOST_ANGLES_OF_SEVERAL {
+            let most = format!("at most {MOST_ANGLES_OF_SEVERAL} with several materials");
+            ("angles", most, thetas)
+        } else if thetas > COLOURS {
+            ("angles", format!("at most {}", COLOURS), thetas)
+        } else {
+            return Ok(());
+        };
+        Err(Error::argument(
+            format!("{given} {what} in one chart"),
+            format!("choose {most}"),
+        ))
     }
 
     /// f·cos θ of wi over its angle in the plane of incidence; with samplers, the ideal density and theirs.
@@ -343,32 +372,6 @@ impl CurveCharts {
             _ => Caption::new(title, format!("{description} Values: {reading}.")),
         }
     }
-}
-
-/// Refuses charts without a curve, or with curves that look alike.
-fn check_counts(materials: usize, thetas: usize, samplers: usize) -> Result<()> {
-    let pairs = materials * thetas;
-    let (what, most, given) = if pairs == 0 {
-        ("materials and angles", "at least one of each".into(), 0)
-    } else if samplers > MOST_SAMPLERS {
-        ("samplers", format!("at most {MOST_SAMPLERS}"), samplers)
-    } else if materials > COLOURS {
-        ("materials", format!("at most {}", COLOURS), materials)
-    } else if samplers > 0 && pairs > COLOURS {
-        let most = format!("at most {} with samplers", COLOURS);
-        ("materials times angles", most, pairs)
-    } else if materials > 1 && thetas > MOST_ANGLES_OF_SEVERAL {
-        let most = format!("at most {MOST_ANGLES_OF_SEVERAL} with several materials");
-        ("angles", most, thetas)
-    } else if thetas > COLOURS {
-        ("angles", format!("at most {}", COLOURS), thetas)
-    } else {
-        return Ok(());
-    };
-    Err(Error::argument(
-        format!("{given} {what} in one chart"),
-        format!("choose {most}"),
-    ))
 }
 
 fn specs(samplers: &[Sampler]) -> Vec<SamplerSpec> {
