@@ -211,6 +211,9 @@ fn materials_samplers_and_angles_share_a_picture_with_a_legend() {
     }
     let angles = picture(&[&lobes[..], &["--theta", "10,60"]].concat());
     assert!(angles.contains(">chrome, θ = 60°<"), "{angles}");
+    // Marks tell apart what has the same dash.
+    let marked = |svg: &str| svg.contains("stroke-width=\"0.8\"");
+    assert!(marked(&angles) && !marked(&svg));
     let two = ["--sampler", "half-vector:2KB", "--sampler", "half-vector"];
     let samplers = picture(&[&lobes[..], &two].concat());
     for label in [

@@ -34,7 +34,7 @@ pub use heat::{Heat, Pixels};
 pub use lines::{Lines, Marks, Series};
 pub use polar::{Polar, PolarCurve};
 pub use scatter::{Group, Scatter, ScatterPoint};
-pub use style::{COLOURS, style_number};
+pub use style::{COLOURS, DASHES, style_number};
 pub use svg::ChartSize;
 pub(crate) use svg::escape;
 

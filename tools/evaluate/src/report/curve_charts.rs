@@ -1,10 +1,12 @@
 //! Charts of curves that materials, angles and samplers share: lobes, densities and albedos.
 
+use std::collections::BTreeSet;
+
 use super::charts::{angles_text, reading};
 use crate::measure::views;
 use crate::measure::views::{PlottedCurve, PlottedValue};
 use crate::plot::{
-    Axis, COLOURS, Caption, Lines, Marks, Polar, PolarCurve, Scale, Series, style_number,
+    Axis, COLOURS, Caption, DASHES, Lines, Marks, Polar, PolarCurve, Scale, Series, style_number,
 };
 use merlkit::material::{Loaded, LookupRule};
 use merlkit::sampler::{Sampler, SamplerSpec};
@@ -46,9 +48,6 @@ struct CurvePlace {
 /// Curves of more samplers or angles would look alike.
 const MOST_SAMPLERS: usize = 4;
 const MOST_ANGLES_OF_SEVERAL: usize = 5;
-
-/// Up to so many curves are told apart by their dashes alone.
-const DASHED: usize = 5;
 
 /// A lobe whose greatest value is so many times its mean over angles is drawn under a root.
 const PEAKED: f64 = 8.0;
@@ -378,8 +377,10 @@ fn specs(samplers: &[Sampler]) -> Vec<SamplerSpec> {
     samplers.iter().map(|s| s.spec().clone()).collect()
 }
 
+/// Curves with marks where two have the same dash.
 fn series(curves: Vec<Named>) -> Vec<Series> {
-    let marks = if curves.len() > DASHED {
+    let dashes: BTreeSet<usize> = curves.iter().map(|c| c.style % DASHES).collect();
+    let marks = if dashes.len() < curves.len() {
         Marks::Few
     } else {
         Marks::None
