@@ -7,8 +7,8 @@ mod views;
 
 use merlkit::image::Image;
 use merlkit_evaluate::plot::{
-    Axis, Caption, Disc, DiscMark, Group, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale,
-    Scatter, ScatterPoint, Series, viridis,
+    Axis, Caption, Chart, ChartSize, Disc, DiscMark, Group, Heat, Lines, Marks, Pixels, Polar,
+    PolarCurve, Scale, Scatter, ScatterPoint, Series, style_number, viridis,
 };
 
 /// Numbers that charts must survive.

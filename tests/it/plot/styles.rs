@@ -34,6 +34,119 @@ fn styles_differ_in_colour_dash_and_mark() {
 }
 
 #[test]
+fn a_style_number_has_the_colour_dash_and_mark_asked_for() {
+    let mut numbers = std::collections::BTreeSet::new();
+    for colour in 0..7 {
+        for dash in 0..5 {
+            for mark in 0..6 {
+                let number = style_number(colour, dash, mark);
+                assert_eq!([number % 7, number % 5, number % 6], [colour, dash, mark]);
+                numbers.insert(number);
+            }
+        }
+    }
+    assert_eq!(numbers.len(), 210);
+}
+
+/// Linear values that gamma 2.2 shows as they are known.
+#[test]
+fn pixels_of_a_picture_have_gamma_2_2_and_an_exposure() {
+    let colour = merlkit::color::Rgb::new(0.125, 0.5, -1.0);
+    let image = Image::new(1, 1, vec![colour]).unwrap();
+    let picture = Heat {
+        pixels: Pixels::Picture {
+            image,
+            exposure: 1.0,
+        },
+        ..heat(Vec::new(), Scale::Log)
+    };
+    let png = picture.pixels_png(3, 2).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png))
+        .read_info()
+        .unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut bytes).unwrap();
+    // 255·0.25^(1/2.2) = 135.8.
+    assert_eq!(bytes, [136, 255, 0].repeat(6));
+}
+
+#[test]
+fn every_size_leaves_a_well_formed_picture_of_that_size() {
+    let points: Vec<_> = (0..60).map(|i| (f64::from(i), f64::from(i * i))).collect();
+    let curve = PolarCurve {
+        label: "curve".into(),
+        points: points.clone(),
+        style: 0,
+    };
+    let polar = Polar {
+        caption: caption(),
+        radius: Axis::new("r", Scale::Linear),
+        curves: vec![curve; 9],
+        wo: vec![0.0, 5.0, 10.0, 80.0],
+    };
+    let disc = Disc {
+        caption: caption(),
+        points: vec![(0.1, 0.2)],
+        labels: ["cells".into(), "points".into()],
+        ..Disc::default()
+    };
+    let charts = [
+        Chart::Lines(lines(vec![series(points); 9], Scale::Linear)),
+        Chart::Polar(polar),
+        Chart::Disc(disc),
+        Chart::Heat(heat(vec![1.0, 2.0, 3.0, 4.0], Scale::Log)),
+    ];
+    for chart in &charts {
+        for (width, height) in [(320.0, 240.0), (2000.0, 300.0), (400.0, 2000.0)] {
+            let size = ChartSize {
+                width,
+                height: Some(height),
+            };
+            let svg = chart.svg(size).unwrap();
+            check(&svg);
+            let sides = format!("width=\"{width}\" height=\"{height}\"");
+            assert!(svg.contains(&sides), "{sides}: {svg}");
+        }
+    }
+}
+
+/// Names of directions near the normal, where they are closest, have room of their own.
+#[test]
+fn names_of_directions_do_not_overlap() {
+    let polar = Polar {
+        caption: caption(),
+        radius: Axis::new("r", Scale::Linear),
+        curves: Vec::new(),
+        wo: vec![2.0, 5.0, 10.0, 12.0, 80.0],
+    };
+    let svg = polar.svg();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let mut rooms: Vec<[f64; 4]> = Vec::new();
+    for node in document.descendants().filter(|n| n.has_tag_name("text")) {
+        let text = node.text().unwrap_or_default();
+        if !text.starts_with("wo") && !text.starts_with("mirror") {
+            continue;
+        }
+        let [x, y] = ["x", "y"].map(|a| node.attribute(a).unwrap().parse::<f64>().unwrap());
+        // Letters of the usual fonts are half as wide as high.
+        let width = 6.0 * text.chars().count() as f64;
+        let left = match node.attribute("text-anchor") {
+            Some("end") => x - width,
+            Some("middle") => x - 0.5 * width,
+            _ => x,
+        };
+        rooms.push([left, left + width, y - 9.0, y]);
+    }
+    assert_eq!(rooms.len(), 10, "{svg}");
+    for (i, a) in rooms.iter().enumerate() {
+        for b in &rooms[..i] {
+            let apart = a[1] <= b[0] || b[1] <= a[0] || a[3] <= b[2] || b[3] <= a[2];
+            assert!(apart, "{a:?} {b:?}: {svg}");
+        }
+    }
+}
+
+#[test]
 fn the_front_is_what_nothing_beats() {
     let points = [
         (1.0, 9.0),

@@ -15,6 +15,7 @@ use merlkit::sampler::{
     AdaptiveDisc, AdaptiveDiscSettings, CascadeCdf, CascadeCdfSettings, CdfCurve, Cosine,
     LeafChoice, Subdivision,
 };
+use merlkit_evaluate::measure::views::{PlottedChannel, PlottedValue};
 use merlkit_evaluate::measure::{directional_albedo, views};
 
 static NICKEL: LazyLock<Arc<MerlBrdf>> = LazyLock::new(|| {
@@ -233,7 +234,7 @@ fn knots_lie_on_the_curve_before_compression() {
 
 #[test]
 fn lobes_are_the_brdf_s_values() {
-    let curve = views::lobe(&**NICKEL, 30.0);
+    let curve = views::lobe(&**NICKEL, 30.0, PlottedValue::default());
     assert!(curve.windows(2).all(|w| w[0].0 < w[1].0), "angles rise");
     let at = |angle: f64| curve.iter().find(|p| p.0 == angle).unwrap().1;
     let wo = spherical(30f64.to_radians(), 0.0).as_vec3();
@@ -277,7 +278,7 @@ fn slices_are_the_table_s_own_values() {
         (3, 5) => [-1.0; 3],
         _ => [h as f64, d as f64, p as f64],
     });
-    let (values, colours) = (views::slice(&table), views::slice_rgb(&table));
+    let (values, colours) = (views::slice(&table, 90), views::slice_rgb(&table, 90));
     assert_eq!((values.len(), colours.len()), (90 * 90, 90 * 90));
     let place = |h: usize, d: usize| (89 - d) * 90 + h;
     assert_eq!(colours[place(7, 11)].to_array(), [7.0, 11.0, 90.0]);
@@ -311,7 +312,7 @@ fn drawn_directions_are_on_the_disc_and_on_the_mirror_s_side() {
 
 #[test]
 fn albedos_are_those_of_the_three_rules() {
-    let curves = views::albedo_by_rule(NICKEL.table());
+    let curves = views::albedo_by_rule(NICKEL.table(), PlottedChannel::Mean);
     assert!(curves.iter().all(|c| c.len() == 90 && c[89].0 == 89.0));
     let centred = MerlBrdf::new(NICKEL.table().clone(), LookupRule::Centred);
     let expected = f64::from(merlkit::color::mean(directional_albedo(

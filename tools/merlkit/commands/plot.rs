@@ -1,16 +1,20 @@
 //! `merlkit plot`
 
 use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use merlkit::Error;
-use merlkit::material::LookupRule;
-use merlkit::sampler::SamplerSpec;
-use merlkit_evaluate::report::{ChartSubject, SLICE};
+use merlkit::image::write_exr;
+use merlkit::material::{Loaded, LookupRule, Material};
+use merlkit::sampler::{Sampler, SamplerSpec};
+use merlkit_evaluate::measure::views::{PlottedChannel, PlottedValue};
+use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale};
+use merlkit_evaluate::report::{ChartSubject, CurveCharts, CurveOptions, SLICE};
 
 use crate::args;
-use crate::failure::Outcome;
-use crate::output::{Destination, overwrite};
+use crate::failure::{Failure, Outcome};
+use crate::output::{self, Destination, overwrite};
 use crate::raster;
 use crate::sampler_args;
 
@@ -21,9 +25,9 @@ enum Kind {
     Lobe,
     /// The same as lobe, in polar coordinates
     LobePolar,
-    /// The table at φd = 90° over θh and θd, in false colours
+    /// The table at one φd over θh and θd, in false colours
     Slice,
-    /// The same as slice, in the material's own colours
+    /// The same as slice in the material's own colours: gamma 2.2, one pixel per bin
     SliceRgb,
     /// The leaves of the adaptive disc, and directions drawn by --sampler, on the unit disc
     Disc,
@@ -31,7 +35,7 @@ enum Kind {
     Cdf,
     /// The CDF over φh of cascade-cdf at the median θh, before and after compression
     CdfAzimuth,
-    /// Directional albedo against θ; for a table, with each of the three lookup rules
+    /// Directional albedo against θ; for one table alone, with each of the three lookup rules
     Albedo,
 }
 
@@ -49,36 +53,71 @@ impl Kind {
         }
     }
 
-    /// Whether an option named so has an effect.
-    fn takes(self, option: &str) -> bool {
+    fn is_lobe(self) -> bool {
+        matches!(self, Self::Lobe | Self::LobePolar)
+    }
+
+    fn is_slice(self) -> bool {
+        matches!(self, Self::Slice | Self::SliceRgb)
+    }
+
+    /// Whether several materials share a picture.
+    fn takes_several(self) -> bool {
+        self.is_lobe() || self == Self::Albedo
+    }
+
+    /// Whether an option named so has an effect, on so many materials, with samplers or without.
+    fn takes(self, option: &str, materials: usize, samplers: bool) -> bool {
         match option {
-            "--theta" | "--lookup" | "--sampler" => {
-                !matches!(self, Self::Slice | Self::SliceRgb | Self::Albedo)
-            }
+            "--theta" | "--sampler" => !self.is_slice() && self != Self::Albedo,
+            // The albedo of a single table is drawn for all three rules.
+            "--lookup" => !self.is_slice() && (self != Self::Albedo || materials > 1),
+            "--value" => self.is_lobe() && !samplers,
+            "--channel" => self.takes_several() && !samplers,
+            "--scale" => self.takes_several() || self == Self::Slice,
+            "--phi-d" => self.is_slice(),
+            "--exposure" => self == Self::SliceRgb,
             _ => self == Self::Disc,
         }
     }
 }
 
-/// Plot a material or a sampler: lobes, densities, slices, leaves, CDFs, albedo
+const VALUES: &[(&str, bool)] = &[("f-cos", false), ("f", true)];
+
+const SCALES: &[(&str, Scale)] = &[
+    ("linear", Scale::Linear),
+    ("log", Scale::Log),
+    ("root", Scale::Root),
+];
+
+const CHANNELS: &[(&str, PlottedChannel)] = &[
+    ("mean", PlottedChannel::Mean),
+    ("luminance", PlottedChannel::Luminance),
+    ("r", PlottedChannel::Red),
+    ("g", PlottedChannel::Green),
+    ("b", PlottedChannel::Blue),
+];
+
+/// Plot materials and samplers: lobes, densities, slices, leaves, CDFs, albedo
 ///
-/// Writes one self-contained SVG file, 640 pixels wide, whose labels are text. A build with the feature png-plots also writes
-/// PNG, at twice the size, if FILE ends in .png; otherwise, convert the SVG with a viewer or rsvg-convert.
+/// Writes one self-contained SVG file, 640 pixels wide, whose labels are text. -o FILE.csv writes the numbers of the picture
+/// instead. Slices are also written as pixels alone, FILE.png, and slice-rgb as linear values, FILE.exr. A build with the feature
+/// png-plots writes PNG of every kind; otherwise, convert the SVG with a viewer or rsvg-convert.
 ///
-/// Angles are in degrees, f_r and densities in sr⁻¹; f_r is the mean of red, green and blue. In the plane of incidence, wo is
-/// on the left and its mirror direction on the right.
+/// Angles are in degrees, f_r and densities in sr⁻¹. In the plane of incidence, wo is on the left and its mirror direction on the
+/// right. Lobes and albedos of up to seven materials share a picture, with up to four samplers.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  merlkit plot nickel --kind lobe --theta 30 --sampler half-vector"
+    after_help = "Examples:\n  merlkit plot nickel chrome --kind lobe --theta 30\n  merlkit plot nickel --kind lobe --sampler half-vector --sampler cosine --csv nickel.csv\n  merlkit plot nickel --kind slice-rgb --exposure=-2 -o nickel.png"
 )]
 pub struct Args {
-    /// MERL binary, .bsdf file, name of a built-in material, or a formula
-    #[arg(value_name = "MATERIAL")]
-    material: String,
+    /// MERL binaries, .bsdf files, names of built-in materials, or formulas; several for lobes and albedo
+    #[arg(required = true, value_name = "MATERIAL")]
+    materials: Vec<String>,
     /// What to plot
     #[arg(help_heading = "Plot", long, value_name = "KIND")]
     kind: Kind,
-    /// Polar angles of wo in degrees, from 0 to below 90, such as 10,30,60; one for disc, up to four otherwise [default: 30]
+    /// Polar angles of wo in degrees, from 0 to below 90, such as 10,30,60; one for disc, up to seven otherwise [default: 30]
     #[arg(
         help_heading = "Plot",
         long,
@@ -87,10 +126,31 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     theta: Vec<f64>,
-    /// Sampler to show, with settings (`merlkit samplers` lists them) [default: none for lobes, adaptive-disc for disc,
-    /// cascade-cdf for CDFs]
-    #[arg(help_heading = "Plot", long, value_name = sampler_args::VALUE)]
-    sampler: Option<SamplerSpec>,
+    /// Sampler to show, with settings (`merlkit samplers` lists them); lobes take up to four, each with its own --sampler
+    /// [default: none for lobes, adaptive-disc for disc, cascade-cdf for CDFs]
+    #[arg(help_heading = "Plot", long = "sampler", value_name = sampler_args::VALUE)]
+    samplers: Vec<SamplerSpec>,
+    /// Lobes without samplers: f_r·cosθi or f_r alone [default: f-cos]
+    #[arg(help_heading = "Plot", long, value_name = "f-cos|f", hide_possible_values = true, value_parser = args::named(VALUES))]
+    value: Option<bool>,
+    /// Lobes without samplers, and albedo: the number that represents red, green and blue [default: mean]
+    #[arg(help_heading = "Plot", long, value_name = "mean|luminance|r|g|b", hide_possible_values = true, value_parser = args::named(CHANNELS))]
+    channel: Option<PlottedChannel>,
+    /// Scale of values in lobes, albedo and slice [default: log for lobe and slice, linear for albedo, linear or root for
+    /// lobe-polar]
+    #[arg(help_heading = "Plot", long, value_name = "linear|log|root", hide_possible_values = true, value_parser = args::named(SCALES))]
+    scale: Option<Scale>,
+    /// Slices: azimuth of the difference angle in degrees, 0 to 179 [default: 90]
+    #[arg(help_heading = "Plot", long, value_name = "DEG", value_parser = clap::value_parser!(u16).range(0..180))]
+    phi_d: Option<u16>,
+    /// slice-rgb: stops by which values are made brighter; an f_r of 2^-STOPS sr⁻¹ is full brightness [default: 0]
+    #[arg(
+        help_heading = "Plot",
+        long,
+        value_name = "STOPS",
+        allow_negative_numbers = true
+    )]
+    exposure: Option<f32>,
     /// How values between the samples of a table are interpolated [default: floor]
     #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
@@ -102,93 +162,168 @@ pub struct Args {
     /// disc: seed of the draws [default: 0]
     #[arg(help_heading = "Plot", long, value_name = "K")]
     seed: Option<u64>,
-    /// SVG or PNG file to write, or - for SVG on standard output [default: MATERIAL-KIND.svg]
+    /// File to write, by its extension: .svg, .csv, .png, .exr; or - for SVG on standard output [default: MATERIAL-KIND.svg]
     #[arg(help_heading = "Output", short, long, value_name = "FILE|-")]
     output: Option<Destination>,
-    /// Replace an existing FILE [default: refuse]
+    /// Also write the numbers of the picture as CSV [default: none]
+    #[arg(help_heading = "Output", long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Pixels across, 320 to 10000; text keeps its size. A PNG has twice as many, but for slices [default: 640, for a PNG of a
+    /// slice 360]
+    #[arg(help_heading = "Output", long, value_name = "N", value_parser = clap::value_parser!(u16).range(320..=10_000))]
+    width: Option<u16>,
+    /// Pixels down, 240 to 10000 [default: what suits the width, for a PNG of a slice 360]
+    #[arg(help_heading = "Output", long, value_name = "N", value_parser = clap::value_parser!(u16).range(240..=10_000))]
+    height: Option<u16>,
+    /// Replace existing files [default: refuse]
     #[arg(help_heading = "Output", long)]
     force: bool,
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let kind = args.kind;
-    args.refuse_idle()?;
     let thetas = args.thetas()?;
-    let spec = args.spec()?;
-    let material = args.tables.resolve(&args.material)?;
-    let file = || Destination::File(format!("{}-{}.svg", material.name(), kind.name()).into());
-    let destination = args.output.clone().unwrap_or_else(file);
-    let format = Format::from_extension(&destination)?;
+    let specs = args.specs()?;
+    let materials = args::resolve(&args.materials, &args.tables)?;
+    args::refuse_repeated(&materials)?;
+    args.check_options(&materials)?;
+    if args.kind.takes_several() {
+        CurveCharts::check_counts(materials.len(), thetas.len(), specs.len())?;
+    }
+    let destination = args.destination(&materials);
+    let format = Format::from_extension(&destination, args.kind)?;
+    args.check_size(format)?;
     destination.check(overwrite(args.force))?;
-    let facts = material.facts()?;
-    if matches!(kind, Kind::Slice | Kind::SliceRgb) {
-        facts.require_table(material.name(), SLICE)?;
+    let numbers = args.csv.clone().map(Destination::File);
+    if let Some(numbers) = &numbers {
+        numbers.check(overwrite(args.force))?;
     }
-    if let Some(spec) = &spec {
-        spec.check_supports(&facts)?;
+    args.check_facts(&materials, &specs)?;
+    let mut loaded = Vec::new();
+    for material in &materials {
+        loaded.push(args::load(material, args.lookup.unwrap_or_default())?);
     }
-    let loaded = args::load(&material, args.lookup.unwrap_or_default())?;
-    let subject = ChartSubject::new(&loaded, thetas, spec)?;
-    let svg = match kind {
-        Kind::Lobe => subject.lobe(),
-        Kind::LobePolar => subject.lobe_polar(),
-        Kind::Slice => subject.slice()?,
-        Kind::SliceRgb => subject.slice_rgb()?,
-        Kind::Disc => subject.disc(
-            args.samples.unwrap_or(1000) as usize,
-            args.seed.unwrap_or(0),
-        ),
-        Kind::Cdf => subject.cdf()?,
-        Kind::CdfAzimuth => subject.cdf_azimuth()?,
-        Kind::Albedo => subject.albedo(),
-    };
-    let bytes = match format {
-        Format::Svg => svg.into_bytes(),
-        Format::Png => raster::png(&svg)?,
-    };
-    destination.write(overwrite(args.force), |out| out.write_all(&bytes))?;
-    Ok(ExitCode::SUCCESS)
+    let chart = args.chart(&loaded, thetas, &specs)?;
+    args.write(&chart, format, &destination)?;
+    if let Some(numbers) = &numbers {
+        args.write_bytes(chart.csv().as_bytes(), numbers)?;
+    }
+    args.print_written(&destination)
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Format {
     Svg,
-    Png,
+    Csv,
+    /// A picture of the SVG.
+    Raster,
+    /// The pixels of a slice.
+    PixelsPng,
+    PixelsExr,
 }
 
 impl Format {
     /// By the extension.
-    fn from_extension(destination: &Destination) -> Result<Self, Error> {
+    fn from_extension(destination: &Destination, kind: Kind) -> Result<Self, Error> {
         let Destination::File(path) = destination else {
             return Ok(Self::Svg);
         };
         match path.extension().and_then(OsStr::to_str) {
             Some("svg") => Ok(Self::Svg),
-            Some("png") => raster::check().map(|()| Self::Png),
+            Some("csv") => Ok(Self::Csv),
+            Some("png") if kind.is_slice() => Ok(Self::PixelsPng),
+            Some("png") => raster::check().map(|()| Self::Raster),
+            Some("exr") if kind == Kind::SliceRgb => Ok(Self::PixelsExr),
+            Some("exr") => Err(Error::argument(
+                format!("{}: OpenEXR is for slice-rgb alone", path.display()),
+                "name a file that ends in .svg or .csv, or choose --kind slice-rgb",
+            )),
             _ => Err(Error::argument(
-                format!("{}: plots are SVG or PNG", path.display()),
+                format!("{}: plots are SVG, CSV or PNG", path.display()),
                 "name a file that ends in .svg",
             )),
         }
     }
 }
 
+/// Pixels of a PNG for each bin of a slice, across and down.
+const PIXELS_PER_BIN: usize = 4;
+/// Bins of a slice, across and down.
+const BINS: usize = 90;
+
 impl Args {
-    /// Options without effect are mistakes.
-    fn refuse_idle(&self) -> Result<(), Error> {
+    /// MATERIAL-KIND.svg unless a file is named; more than three materials are counted instead of named.
+    fn destination(&self, materials: &[Material]) -> Destination {
+        if let Some(destination) = &self.output {
+            return destination.clone();
+        }
+        let mut names: Vec<String> = materials.iter().map(|m| m.name().to_owned()).collect();
+        if names.len() > 3 {
+            names.truncate(1);
+            names.push(format!("and-{}-more", materials.len() - 1));
+        }
+        let file = format!("{}-{}.svg", names.join("-"), self.kind.name());
+        Destination::File(file.into())
+    }
+
+    /// Refuses what the kind has no room for, and options without effect, which are mistakes.
+    fn check_options(&self, materials: &[Material]) -> Result<(), Error> {
+        let kind = self.kind;
+        if materials.len() > 1 && !kind.takes_several() {
+            return Err(Error::argument(
+                format!("{} materials for --kind {}", materials.len(), kind.name()),
+                "choose one, or --kind lobe, lobe-polar or albedo",
+            ));
+        }
+        if self.exposure.is_some_and(|stops| !stops.is_finite()) {
+            return Err(Error::argument(
+                "an exposure without an end",
+                "choose a number of stops, such as -2",
+            ));
+        }
+        if kind == Kind::LobePolar && self.scale == Some(Scale::Log) {
+            return Err(Error::argument(
+                "a logarithmic scale has no 0 for the centre of --kind lobe-polar",
+                "choose --scale linear or root",
+            ));
+        }
         let given = [
             ("--theta", !self.theta.is_empty()),
             ("--lookup", self.lookup.is_some()),
-            ("--sampler", self.sampler.is_some()),
+            ("--sampler", !self.samplers.is_empty()),
+            ("--value", self.value.is_some()),
+            ("--channel", self.channel.is_some()),
+            ("--scale", self.scale.is_some()),
+            ("--phi-d", self.phi_d.is_some()),
+            ("--exposure", self.exposure.is_some()),
             ("--samples", self.samples.is_some()),
             ("--seed", self.seed.is_some()),
         ];
-        let idle = given
-            .iter()
-            .find(|(option, given)| *given && !self.kind.takes(option));
-        match idle {
+        for (option, given) in given {
+            let samplers = !self.samplers.is_empty();
+            if given && !kind.takes(option, materials.len(), samplers) {
+                let with = if kind.takes(option, materials.len(), false) {
+                    " with --sampler"
+                } else {
+                    ""
+                };
+                let what = format!("{option} has no effect on --kind {}{with}", kind.name());
+                return Err(Error::argument(what, "omit it"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a size for what has none.
+    fn check_size(&self, format: Format) -> Result<(), Error> {
+        let file = match format {
+            Format::Csv => "a CSV file",
+            Format::PixelsExr => "an OpenEXR file, whose pixels are bins",
+            _ => return Ok(()),
+        };
+        let given = [("--width", self.width), ("--height", self.height)];
+        match given.iter().find(|(_, side)| side.is_some()) {
             Some((option, _)) => Err(Error::argument(
-                format!("{option} has no effect on --kind {}", self.kind.name()),
+                format!("{option} has no effect on {file}"),
                 "omit it",
             )),
             None => Ok(()),
@@ -196,11 +331,11 @@ impl Args {
     }
 
     fn thetas(&self) -> Result<Vec<f64>, Error> {
-        let most = if self.kind == Kind::Disc { 1 } else { 4 };
         if let Some(theta) = self.theta.iter().find(|t| !(0.0..90.0).contains(*t)) {
             let what = format!("wo at polar angle {theta}°");
             return Err(Error::argument(what, "choose --theta from 0 to below 90"));
         }
+        let most = if self.kind == Kind::Disc { 1 } else { 7 };
         if self.theta.len() > most {
             let what = format!(
                 "{} angles for --kind {}",
@@ -216,13 +351,143 @@ impl Args {
         })
     }
 
-    /// The sampler that is shown.
-    fn spec(&self) -> Result<Option<SamplerSpec>, Error> {
-        match (&self.sampler, self.kind) {
-            (Some(spec), _) => Ok(Some(spec.clone())),
-            (None, Kind::Cdf | Kind::CdfAzimuth) => "cascade-cdf".parse().map(Some),
-            (None, Kind::Disc) => "adaptive-disc".parse().map(Some),
-            (None, _) => Ok(None),
+    /// The samplers that are shown.
+    fn specs(&self) -> Result<Vec<SamplerSpec>, Error> {
+        if self.samplers.len() > 1 && !self.kind.is_lobe() {
+            return Err(Error::argument(
+                format!(
+                    "{} samplers for --kind {}",
+                    self.samplers.len(),
+                    self.kind.name()
+                ),
+                "choose one, or --kind lobe or lobe-polar",
+            ));
         }
+        match self.kind {
+            _ if !self.samplers.is_empty() => Ok(self.samplers.clone()),
+            Kind::Cdf | Kind::CdfAzimuth => SamplerSpec::parse_all(&["cascade-cdf"]),
+            Kind::Disc => SamplerSpec::parse_all(&["adaptive-disc"]),
+            _ => Ok(Vec::new()),
+        }
+    }
+
+    /// Refuses materials that have no such picture, before any is loaded.
+    fn check_facts(&self, materials: &[Material], specs: &[SamplerSpec]) -> Result<(), Error> {
+        for material in materials {
+            let facts = material.facts()?;
+            if self.kind.is_slice() {
+                facts.require_table(material.name(), SLICE)?;
+            }
+            specs.iter().try_for_each(|s| s.check_supports(&facts))?;
+        }
+        Ok(())
+    }
+
+    /// Builds the samplers, and draws.
+    fn chart(
+        &self,
+        materials: &[Loaded],
+        thetas: Vec<f64>,
+        specs: &[SamplerSpec],
+    ) -> Result<Chart, Error> {
+        let mut samplers = Vec::new();
+        for material in materials {
+            let built: Result<Vec<Sampler>, Error> =
+                specs.iter().map(|s| s.build(material)).collect();
+            samplers.push(built?);
+        }
+        if self.kind.takes_several() {
+            let options = CurveOptions {
+                value: PlottedValue {
+                    channel: self.channel.unwrap_or_default(),
+                    without_cosine: self.value.unwrap_or_default(),
+                },
+                scale: self.scale,
+            };
+            let charts = CurveCharts::new(materials, thetas, samplers, options)?;
+            return Ok(match self.kind {
+                Kind::Lobe => Chart::Lines(charts.lobe()),
+                Kind::LobePolar => Chart::Polar(charts.lobe_polar()),
+                _ => Chart::Lines(charts.albedo()),
+            });
+        }
+        let sampler = samplers.into_iter().flatten().next();
+        self.single_chart(&ChartSubject::new(&materials[0], thetas, sampler))
+    }
+
+    /// A picture of one material.
+    fn single_chart(&self, subject: &ChartSubject) -> Result<Chart, Error> {
+        let phi_d = usize::from(self.phi_d.unwrap_or(90));
+        match self.kind {
+            Kind::Slice => {
+                let scale = self.scale.unwrap_or(Scale::Log);
+                subject.slice(phi_d, scale).map(Chart::Heat)
+            }
+            Kind::SliceRgb => {
+                let exposure = self.exposure.unwrap_or(0.0);
+                subject.slice_rgb(phi_d, exposure).map(Chart::Heat)
+            }
+            Kind::Disc => {
+                let samples = self.samples.unwrap_or(1000) as usize;
+                let disc = subject.disc(samples, self.seed.unwrap_or(0));
+                Ok(Chart::Disc(disc))
+            }
+            Kind::Cdf => subject.cdf().map(Chart::Lines),
+            _ => subject.cdf_azimuth().map(Chart::Lines),
+        }
+    }
+
+    fn write(
+        &self,
+        chart: &Chart,
+        format: Format,
+        destination: &Destination,
+    ) -> Result<(), Failure> {
+        match (format, chart, destination) {
+            (Format::Csv, ..) => self.write_bytes(chart.csv().as_bytes(), destination),
+            (Format::PixelsPng, Chart::Heat(heat), _) => {
+                let usual = BINS * PIXELS_PER_BIN;
+                let width = self.width.map_or(usual, usize::from);
+                let height = self.height.map_or(usual, usize::from);
+                self.write_bytes(&heat.pixels_png(width, height)?, destination)
+            }
+            (Format::PixelsExr, Chart::Heat(heat), Destination::File(path)) => {
+                if let Pixels::Picture { image, .. } = &heat.pixels {
+                    write_exr(path, image, overwrite(self.force))?;
+                }
+                Ok(())
+            }
+            (Format::Raster, ..) => {
+                self.write_bytes(&raster::png(&chart.svg(self.size())?)?, destination)
+            }
+            _ => self.write_bytes(chart.svg(self.size())?.as_bytes(), destination),
+        }
+    }
+
+    fn size(&self) -> ChartSize {
+        ChartSize {
+            width: self.width.map_or(ChartSize::default().width, f64::from),
+            height: self.height.map(f64::from),
+        }
+    }
+
+    fn write_bytes(&self, bytes: &[u8], destination: &Destination) -> Result<(), Failure> {
+        destination.write(overwrite(self.force), |out| out.write_all(bytes))
+    }
+
+    /// Says which files were written, unless standard output holds the picture.
+    fn print_written(&self, destination: &Destination) -> Outcome {
+        if let Destination::File(path) = destination {
+            let files: Vec<&Path> = std::iter::once(path.as_path())
+                .chain(self.csv.as_deref())
+                .collect();
+            output::stdout(|out| {
+                for file in files {
+                    writeln!(out, "wrote {}", file.display())?;
+                }
+                Ok(())
+            })?;
+        }
+        Ok(ExitCode::SUCCESS)
     }
 }

@@ -1,7 +1,7 @@
 //! What a material and a sampler look like: the numbers behind pictures.
 //!
 //! Lobes and densities lie in the plane of incidence, over signed polar angles of `wi` in degrees: `wo` stands at −θ, its
-//! mirror direction at θ. Values of the BRDF are means of red, green and blue.
+//! mirror direction at θ.
 
 use std::sync::Arc;
 
@@ -20,12 +20,91 @@ use merlkit::sampler::{AdaptiveDisc, Cosine, Sampler};
 /// A curve over the angle in the plane of incidence: (degrees, value).
 pub type PlottedCurve = Vec<(f64, f64)>;
 
-/// f_r·cosθᵢ in sr⁻¹ over the polar angle of `wi`, for `wo` at `theta_o` degrees, 0 to below 90.
-pub fn lobe(brdf: &dyn Brdf, theta_o: f64) -> PlottedCurve {
-    over_plane(theta_o, |wo, wi| color::mean(brdf.eval_cos(wo, wi)))
+/// A number that represents red, green and blue.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlottedChannel {
+    /// Their mean.
+    #[default]
+    Mean,
+    /// Their luminance, of linear sRGB.
+    Luminance,
+    /// Red alone.
+    Red,
+    /// Green alone.
+    Green,
+    /// Blue alone.
+    Blue,
 }
 
-/// [`lobe`] over the albedo at `theta_o`: the density that a sampler should have, sr⁻¹. Empty for a black material.
+impl PlottedChannel {
+    /// One word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Luminance => "luminance",
+            Self::Red => "red",
+            Self::Green => "green",
+            Self::Blue => "blue",
+        }
+    }
+
+    /// What it is, for a sentence.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Mean => "the mean of red, green and blue",
+            Self::Luminance => "the luminance",
+            Self::Red => "the red channel",
+            Self::Green => "the green channel",
+            Self::Blue => "the blue channel",
+        }
+    }
+
+    /// The number of a colour.
+    pub fn reduce(self, rgb: color::Rgb) -> f32 {
+        match self {
+            Self::Mean => color::mean(rgb),
+            Self::Luminance => color::luminance(rgb),
+            Self::Red => rgb.x,
+            Self::Green => rgb.y,
+            Self::Blue => rgb.z,
+        }
+    }
+}
+
+/// Which number of a BRDF's value a curve shows: f_r·cosθᵢ, the mean of the channels, by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlottedValue {
+    /// The channel.
+    pub channel: PlottedChannel,
+    /// Whether f_r is shown without the cosine.
+    pub without_cosine: bool,
+}
+
+impl PlottedValue {
+    /// The value as axes name it.
+    pub fn symbol(self) -> &'static str {
+        if self.without_cosine {
+            "f"
+        } else {
+            "f·cos θi"
+        }
+    }
+
+    fn evaluate(self, brdf: &dyn Brdf, wo: Vec3, wi: Vec3) -> f32 {
+        self.channel.reduce(if self.without_cosine {
+            brdf.eval(wo, wi)
+        } else {
+            brdf.eval_cos(wo, wi)
+        })
+    }
+}
+
+/// `value` in sr⁻¹ over the polar angle of `wi`, for `wo` at `theta_o` degrees, 0 to below 90.
+pub fn lobe(brdf: &dyn Brdf, theta_o: f64, value: PlottedValue) -> PlottedCurve {
+    over_plane(theta_o, |wo, wi| value.evaluate(brdf, wo, wi))
+}
+
+/// [`lobe`] of the mean over the albedo at `theta_o`: the density that a sampler should have, sr⁻¹. Empty for a black material.
 pub fn ideal_density(brdf: &dyn Brdf, theta_o: f64) -> PlottedCurve {
     // An anisotropic material's albedo depends on the azimuth, and wo is drawn on the left.
     let side = if brdf.is_isotropic() { 1.0 } else { -1.0 };
@@ -34,7 +113,7 @@ pub fn ideal_density(brdf: &dyn Brdf, theta_o: f64) -> PlottedCurve {
     if albedo <= 0.0 {
         return Vec::new();
     }
-    lobe(brdf, theta_o)
+    lobe(brdf, theta_o, PlottedValue::default())
         .into_iter()
         .map(|(angle, f)| (angle, f / albedo))
         .collect()
@@ -69,25 +148,26 @@ fn angles(theta_o: f64) -> Vec<f64> {
     all
 }
 
-/// Values of a table at φd = 90°: f_r in sr⁻¹, mean of the channels, NaN where invalid; `[theta_d, theta_h]`, θd from 89° down.
-pub fn slice(table: &MerlTable) -> Vec<f64> {
-    let value =
-        |(theta_h, theta_d): (usize, usize)| match table.is_valid(theta_h, theta_d, SLICE_PHI_D) {
-            true => f64::from(color::mean(table.rgb(theta_h, theta_d, SLICE_PHI_D))),
+/// Values of a table at φd = `phi_d` degrees, 0 to 179: f_r in sr⁻¹, mean of the channels, NaN where invalid;
+/// `[theta_d, theta_h]`, θd from 89° down.
+pub fn slice(table: &MerlTable, phi_d: usize) -> Vec<f64> {
+    let mut values = Vec::with_capacity(THETA_H_BINS * THETA_D_BINS);
+    for (theta_h, theta_d) in slice_bins() {
+        let rgb = table.rgb(theta_h, theta_d, phi_d);
+        values.push(match table.is_valid(theta_h, theta_d, phi_d) {
+            true => f64::from(color::mean(rgb)),
             false => f64::NAN,
-        };
-    slice_bins().map(value).collect()
+        });
+    }
+    values
 }
 
 /// The same in colour: linear RGB of f_r in sr⁻¹, 0 where invalid.
-pub fn slice_rgb(table: &MerlTable) -> Vec<color::Rgb> {
+pub fn slice_rgb(table: &MerlTable, phi_d: usize) -> Vec<color::Rgb> {
     slice_bins()
-        .map(|(theta_h, theta_d)| table.rgb(theta_h, theta_d, SLICE_PHI_D))
+        .map(|(theta_h, theta_d)| table.rgb(theta_h, theta_d, phi_d))
         .collect()
 }
-
-/// Bins of φd are degrees.
-const SLICE_PHI_D: usize = 90;
 
 /// (θh, θd) of a slice, from the top left.
 fn slice_bins() -> impl Iterator<Item = (usize, usize)> {
@@ -96,18 +176,18 @@ fn slice_bins() -> impl Iterator<Item = (usize, usize)> {
         .flat_map(|theta_d| (0..THETA_H_BINS).map(move |theta_h| (theta_h, theta_d)))
 }
 
-/// Directional albedo, mean of the channels, at 0°, 1° … 89°, of `wo` at azimuth 0.
-pub fn albedo_curve(brdf: &dyn Brdf) -> PlottedCurve {
+/// Directional albedo of a channel at 0°, 1° … 89°, of `wo` at azimuth 0.
+pub fn albedo_curve(brdf: &dyn Brdf, channel: PlottedChannel) -> PlottedCurve {
     let mut curve = PlottedCurve::new();
     for (degree, albedo) in albedo_by_degree(brdf).into_iter().enumerate() {
-        curve.push((degree as f64, f64::from(color::mean(albedo.value))));
+        curve.push((degree as f64, f64::from(channel.reduce(albedo.value))));
     }
     curve
 }
 
 /// [`albedo_curve`] of a table by each lookup rule, in the order of [`LookupRule::ALL`].
-pub fn albedo_by_rule(table: &Arc<MerlTable>) -> [PlottedCurve; 3] {
-    LookupRule::ALL.map(|rule| albedo_curve(&MerlBrdf::new(table.clone(), rule)))
+pub fn albedo_by_rule(table: &Arc<MerlTable>, channel: PlottedChannel) -> [PlottedCurve; 3] {
+    LookupRule::ALL.map(|rule| albedo_curve(&MerlBrdf::new(table.clone(), rule), channel))
 }
 
 /// `wo` of a picture of the disc: at `theta_o` degrees on the left, as in the plane of incidence.

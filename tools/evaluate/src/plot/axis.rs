@@ -59,6 +59,25 @@ impl Axis {
     }
 }
 
+impl Axis {
+    /// The value at a fraction of the axis's length from its lower end; NaN without a range.
+    pub(super) fn value_at(&self, fraction: f64) -> f64 {
+        let ends = self.range.and_then(|(low, high)| {
+            let scale = self.scale;
+            Some((scale.transform(low)?, scale.transform(high)?))
+        });
+        let Some((low, high)) = ends else {
+            return f64::NAN;
+        };
+        let place = low + fraction * (high - low);
+        match self.scale {
+            Scale::Linear => place,
+            Scale::Log => 10f64.powf(place),
+            Scale::Root => place * place,
+        }
+    }
+}
+
 /// A tick, with its label if it has one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tick {
@@ -202,10 +221,17 @@ impl Ruler {
         ticks
     }
 
-    /// 0, and 1, 2 and 5 times powers of ten from the top, as far as they are `spacing` apart.
+    /// 0, an end that is a whole number up to 100, and 1, 2 and 5 times powers of ten from the top, as far as they are `spacing`
+    /// apart.
     fn root_ticks(&self, spacing: f64) -> Vec<Tick> {
         let mut ticks = Vec::new();
         self.push_root_tick(&mut ticks, 0.0, spacing);
+        // An end that was chosen, such as 90°, and not where the data happen to end.
+        let end = self.high * self.high;
+        let round = end.round();
+        if (1.0..=100.0).contains(&round) && (end - round).abs() < 1e-9 * end {
+            self.push_root_tick(&mut ticks, round, spacing);
+        }
         let top = (2.0 * self.high.log10()).floor().clamp(-300.0, 300.0) as i32;
         for exponent in (top - 6..=top).rev() {
             for digit in [5.0, 2.0, 1.0] {

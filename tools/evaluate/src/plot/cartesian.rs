@@ -1,12 +1,14 @@
 //! The frame of charts with an axis across and one upwards.
 
 use super::axis::{Axis, Ruler, Tick};
-use super::legend::Legend;
-use super::svg::{Anchor, Area, GRID, INK, Svg, TEXT, TOP, WIDTH, px, shortened, width_of};
+use super::legend::{Entry, Legend};
+use super::svg::{Anchor, Area, ChartSize, GRID, INK, Svg, TEXT, TOP, px, shortened, width_of};
 use super::{Caption, Scale};
 
-/// Height of the data's area.
-const HEIGHT: f64 = 312.0;
+/// Height of the data's area for each pixel of the sheet's width, where no height is given.
+const HEIGHT: f64 = 312.0 / 640.0;
+/// Below the legend.
+const FOOT: f64 = 8.0;
 /// From the area's lower edge to the legend.
 const BELOW: f64 = 48.0;
 /// Right of the area, where nothing else stands there.
@@ -17,29 +19,42 @@ pub(super) struct Frame {
     pub area: Area,
     /// Both rulers, if there is anything to show.
     pub rulers: Option<(Ruler, Ruler)>,
+    legend: Legend,
+    sheet_width: f64,
 }
 
 impl Frame {
-    /// Room for both axes; `x` and `y` are all values they must hold, `right` the pixels to leave free on the right.
+    /// Room for both axes and a legend of `entries`; `x` and `y` are all values the axes must hold, `right` the pixels to leave
+    /// free on the right.
     pub fn new(
         axes: (&Axis, &Axis),
         x: impl Iterator<Item = f64>,
         y: impl Iterator<Item = f64>,
         right: f64,
+        entries: Vec<Entry>,
+        size: ChartSize,
     ) -> Self {
-        let y = Ruler::new(axes.1, y, TOP + HEIGHT, TOP);
+        let size = size.limited();
+        let legend = Legend::new(entries, size.width);
+        let around = TOP + BELOW + legend.height() + FOOT;
+        // What the legend leaves, but enough for two ticks.
+        let height = size.height.map_or(HEIGHT * size.width, |h| h - around);
+        let height = height.max(60.0);
+        let y = Ruler::new(axes.1, y, TOP + height, TOP);
         let labels = y.iter().flat_map(Ruler::ticks).filter_map(|t| t.label);
         let left = 38.0 + labels.map(|l| width_of(&l, TEXT)).fold(10.0, f64::max);
         let area = Area {
             x: left,
             y: TOP,
-            width: WIDTH - left - right,
-            height: HEIGHT,
+            width: size.width - left - right,
+            height,
         };
         let x = Ruler::new(axes.0, x, area.x, area.right());
         Self {
             area,
             rulers: x.zip(y),
+            legend,
+            sheet_width: size.width,
         }
     }
 
@@ -50,14 +65,9 @@ impl Frame {
     }
 
     /// Begins the picture: sheet, grid, axes and legend.
-    pub fn begin(
-        &self,
-        caption: &Caption,
-        axes: (&Axis, &Axis),
-        legend: &Legend,
-        grid: bool,
-    ) -> Svg {
-        let mut svg = Svg::new(TOP + HEIGHT + BELOW + legend.height() + 8.0, caption);
+    pub fn begin(&self, caption: &Caption, axes: (&Axis, &Axis), grid: bool) -> Svg {
+        let height = self.area.bottom() + BELOW + self.legend.height() + FOOT;
+        let mut svg = Svg::new(self.sheet_width, height, caption);
         if let Some((x, y)) = &self.rulers {
             self.draw_ticks(&mut svg, &x.ticks(), true, grid);
             self.draw_ticks(&mut svg, &y.ticks(), false, grid);
@@ -81,7 +91,7 @@ impl Frame {
         );
         let title = shortened(&scaled(axes.1), TEXT, height + 30.0);
         svg.label_upwards((18.0, y + height / 2.0), &title);
-        legend.draw(&mut svg, self.area.bottom() + BELOW);
+        self.legend.draw(&mut svg, self.area.bottom() + BELOW);
         svg
     }
 

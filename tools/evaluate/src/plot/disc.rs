@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::Caption;
 use super::legend::{Entry, Legend};
 use super::style::Style;
-use super::svg::{Anchor, INK, Svg, TOP, WIDTH, path_data, px};
+use super::svg::{Anchor, ChartSize, INK, Svg, TEXT, TOP, path_data, px, shortened};
 
 /// A place with a name, such as `wo`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,8 +31,27 @@ pub struct Disc {
     pub labels: [String; 2],
 }
 
-const RADIUS: f64 = 190.0;
-const CENTRE: (f64, f64) = (WIDTH / 2.0, TOP + 4.0 + RADIUS);
+/// Radius of the disc for each pixel of the sheet's width, where no height is given.
+const USUAL_RADIUS: f64 = 190.0 / 640.0;
+/// Above the disc.
+const ABOVE: f64 = TOP + 4.0;
+
+/// Where the disc lies.
+#[derive(Clone, Copy)]
+struct DiscPlace {
+    centre: (f64, f64),
+    radius: f64,
+}
+
+impl DiscPlace {
+    /// Pixel of a place; `None` unless it is near the disc.
+    fn pixel(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+        let (centre, radius) = (self.centre, self.radius);
+        let near = x.abs() <= 1.01 && y.abs() <= 1.01;
+        near.then_some((centre.0 + radius * x, centre.1 - radius * y))
+    }
+}
+
 /// Cells that are smaller, in pixels, are dots.
 const SMALLEST: f64 = 1.2;
 const CELLS: &str = "#8a8a8a";
@@ -40,35 +59,48 @@ const CELLS: &str = "#8a8a8a";
 impl Disc {
     /// The picture: 640 pixels wide, 440 or so high.
     pub fn svg(&self) -> String {
-        let entry = |label: &String, style, line| Entry {
-            label: label.clone(),
-            style: Style(style),
-            line,
-            mark: !line,
-        };
+        self.svg_sized(ChartSize::default())
+    }
+
+    /// The picture in another size.
+    pub fn svg_sized(&self, size: ChartSize) -> String {
+        let size = size.limited();
         // Points look alike in picture and legend; cells are grey squares and need no sample of a curve.
-        let points = (!self.labels[1].is_empty()).then(|| entry(&self.labels[1], POINTS.0, false));
-        let legend = Legend::new(points.into_iter().collect());
-        let lines = [&self.labels[0]]
-            .into_iter()
-            .filter(|l| !l.is_empty())
-            .count() as f64;
-        let below = CENTRE.1 + RADIUS + 12.0;
-        let mut svg = Svg::new(below + 18.0 * lines + legend.height() + 8.0, &self.caption);
-        self.draw_cells(&mut svg);
-        let [x, y, r] = [CENTRE.0, CENTRE.1, RADIUS].map(px);
+        let mut entries = Vec::new();
+        if !self.labels[1].is_empty() {
+            entries.push(Entry {
+                label: self.labels[1].clone(),
+                style: POINTS,
+                line: false,
+                mark: true,
+            });
+        }
+        let legend = Legend::new(entries, size.width);
+        let lines = if self.labels[0].is_empty() { 0.0 } else { 1.0 };
+        let foot = 12.0 + 18.0 * lines + legend.height() + 8.0;
+        let radius = size.radius(USUAL_RADIUS, 2.0, 24.0, ABOVE + foot);
+        let place = DiscPlace {
+            centre: (size.width / 2.0, ABOVE + radius),
+            radius,
+        };
+        let below = place.centre.1 + radius + 12.0;
+        let height = size.height.unwrap_or(0.0).max(below + foot - 12.0);
+        let mut svg = Svg::new(size.width, height, &self.caption);
+        self.draw_cells(&mut svg, &place);
+        let [x, y, r] = [place.centre.0, place.centre.1, radius].map(px);
         svg.push(&format!(
             "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.4\"/>"
         ));
-        self.draw_points(&mut svg);
+        self.draw_points(&mut svg, &place);
         for mark in &self.marks {
-            draw_mark(&mut svg, mark);
+            draw_mark(&mut svg, &place, mark);
         }
         if self.cells.is_empty() && self.points.is_empty() {
-            svg.label(CENTRE, Anchor::Middle, "no data");
+            svg.label(place.centre, Anchor::Middle, "no data");
         }
         if lines > 0.0 {
-            svg.label((58.0, below + 13.0), Anchor::Start, &self.labels[0]);
+            let label = shortened(&self.labels[0], TEXT, size.width - 66.0);
+            svg.label((58.0, below + 13.0), Anchor::Start, &label);
             let square = format!("fill=\"#ffffff\" stroke=\"{CELLS}\"");
             svg.path(
                 &[
@@ -86,10 +118,14 @@ impl Disc {
     }
 
     /// Outlines in one path; each dot once, however many cells it stands for.
-    fn draw_cells(&self, svg: &mut Svg) {
+    fn draw_cells(&self, svg: &mut Svg, place: &DiscPlace) {
         let (mut outlines, mut dots) = (String::new(), BTreeSet::new());
         for cell in &self.cells {
-            let Some(corners) = cell.iter().map(|&p| pixel(p)).collect::<Option<Vec<_>>>() else {
+            let Some(corners) = cell
+                .iter()
+                .map(|&p| place.pixel(p))
+                .collect::<Option<Vec<_>>>()
+            else {
                 continue;
             };
             let Some(&first) = corners.first() else {
@@ -116,13 +152,13 @@ impl Disc {
         }
     }
 
-    fn draw_points(&self, svg: &mut Svg) {
+    fn draw_points(&self, svg: &mut Svg, place: &DiscPlace) {
         let style = POINTS;
         // Round line ends of no length are dots, of a few bytes each.
         let mut data = String::new();
         for &point in &self.points {
             let on_disc = point.0.hypot(point.1) <= 1.0 + 1e-6;
-            if let Some((x, y)) = pixel(point).filter(|_| on_disc) {
+            if let Some((x, y)) = place.pixel(point).filter(|_| on_disc) {
                 data += &format!("M{} {}h0", px(x), px(y));
             }
         }
@@ -137,13 +173,10 @@ impl Disc {
 
 const POINTS: Style = Style(0);
 
-/// Pixel of a place; `None` unless it is near the disc.
-fn pixel((x, y): (f64, f64)) -> Option<(f64, f64)> {
-    (x.abs() <= 1.01 && y.abs() <= 1.01).then_some((CENTRE.0 + RADIUS * x, CENTRE.1 - RADIUS * y))
-}
-
-fn draw_mark(svg: &mut Svg, mark: &DiscMark) {
-    let Some((x, y)) = pixel(mark.at) else { return };
+fn draw_mark(svg: &mut Svg, place: &DiscPlace, mark: &DiscMark) {
+    let Some((x, y)) = place.pixel(mark.at) else {
+        return;
+    };
     for (dx, dy) in [(6.0, 0.0), (0.0, 6.0)] {
         for (ink, width) in [("#ffffff", 4.0), (INK, 1.8)] {
             svg.line(

@@ -7,9 +7,8 @@ use super::Caption;
 use super::axis::{Axis, Ruler};
 use super::cartesian::{Frame, MARGIN};
 use super::colours::viridis;
-use super::legend::Legend;
-use super::svg::{Anchor, Area, INK, Svg, TEXT, px, shortened, width_of};
-use merlkit::image::{Image, encode_png, encode_srgb};
+use super::svg::{Anchor, Area, ChartSize, INK, Svg, TEXT, px, shortened, width_of};
+use merlkit::image::{Image, encode_png};
 use merlkit::{Error, Result};
 
 /// What the pixels are.
@@ -24,7 +23,7 @@ pub enum Pixels {
         /// Title, scale and range of the colours.
         bar: Axis,
     },
-    /// Linear RGB, shown as a PNG file would.
+    /// Linear RGB, cut off at 0 and 1 and shown with gamma 2.2.
     Picture {
         /// The picture, top row first.
         image: Image,
@@ -49,6 +48,7 @@ pub struct Heat {
 /// Right of the picture: the bar and its labels.
 const BAR_GAP: f64 = 20.0;
 const BAR: f64 = 16.0;
+const RIGHT_OF_BAR: f64 = 82.0;
 /// Steps of the bar.
 const SHADES: usize = 256;
 
@@ -58,60 +58,117 @@ impl Heat {
     /// # Errors
     /// [`Error::Argument`] if values do not fill whole rows, or an axis has no range.
     pub fn svg(&self) -> Result<String> {
+        self.svg_sized(ChartSize::default())
+    }
+
+    /// The picture in another size.
+    ///
+    /// # Errors
+    /// As [`Self::svg`].
+    pub fn svg_sized(&self, size: ChartSize) -> Result<String> {
         let axes = (&self.x, &self.y);
         let right = match &self.pixels {
-            Pixels::Values { .. } => BAR_GAP + BAR + 82.0,
+            Pixels::Values { .. } => BAR_GAP + BAR + RIGHT_OF_BAR,
             Pixels::Picture { .. } => MARGIN,
         };
-        let frame = Frame::new(axes, std::iter::empty(), std::iter::empty(), right);
+        let nothing = std::iter::empty;
+        let frame = Frame::new(axes, nothing(), nothing(), right, Vec::new(), size);
         if frame.rulers.is_none() {
             return Err(Error::argument(
                 "an axis of a picture has no range",
                 "give both axes a range",
             ));
         }
-        let mut svg = frame.begin(&self.caption, axes, &Legend::new(Vec::new()), false);
-        match &self.pixels {
-            Pixels::Picture { image, exposure } => {
-                let (width, height) = (image.width(), image.height());
-                embed(
-                    &mut svg,
-                    &frame.area,
-                    &encode_png(width, height, &encode_srgb(image, *exposure))?,
-                );
-            }
-            Pixels::Values { width, values, bar } => {
-                draw_values(&mut svg, &frame.area, *width, values, bar)?
-            }
+        let mut svg = frame.begin(&self.caption, axes, false);
+        let Some(bytes) = self.bytes()? else {
+            svg.no_data(&frame.area);
+            return Ok(svg.finish());
+        };
+        let (width, height) = self.columns_and_rows()?;
+        embed(&mut svg, &frame.area, &encode_png(width, height, &bytes)?);
+        if let Pixels::Values { values, bar, .. } = &self.pixels {
+            draw_bar(&mut svg, &frame.area, values, bar)?;
         }
         Ok(svg.finish())
     }
+
+    /// A PNG of the pixels alone, without axes: each a rectangle, `width` by `height` in all.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if values do not fill whole rows, if none has a colour, or if a side is 0.
+    pub fn pixels_png(&self, width: usize, height: usize) -> Result<Vec<u8>> {
+        let bytes = self.bytes()?.ok_or_else(|| {
+            let fix = "choose a linear scale, or a table with values above 0";
+            Error::argument("a picture without data", fix)
+        })?;
+        let (columns, rows) = self.columns_and_rows()?;
+        let mut spread = Vec::with_capacity(3 * width * height);
+        for y in 0..height {
+            for x in 0..width {
+                let from = 3 * (y * rows / height * columns + x * columns / width);
+                spread.extend_from_slice(&bytes[from..from + 3]);
+            }
+        }
+        encode_png(width, height, &spread)
+    }
+
+    /// Pixels across and down.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if values do not fill whole rows.
+    fn columns_and_rows(&self) -> Result<(usize, usize)> {
+        match &self.pixels {
+            Pixels::Picture { image, .. } => Ok((image.width(), image.height())),
+            Pixels::Values { width, values, .. } => {
+                if *width == 0 || values.is_empty() || !values.len().is_multiple_of(*width) {
+                    return Err(Error::argument(
+                        format!("{} values in rows of {width}", values.len()),
+                        "give whole rows, at least one",
+                    ));
+                }
+                Ok((*width, values.len() / width))
+            }
+        }
+    }
+
+    /// Three bytes a pixel; `None` where no value has a place on the scale.
+    fn bytes(&self) -> Result<Option<Vec<u8>>> {
+        self.columns_and_rows()?;
+        Ok(match &self.pixels {
+            Pixels::Picture { image, exposure } => Some(gamma_bytes(image, *exposure)),
+            Pixels::Values { values, bar, .. } => value_bytes(values, bar),
+        })
+    }
 }
 
-fn draw_values(svg: &mut Svg, area: &Area, width: usize, values: &[f64], bar: &Axis) -> Result<()> {
-    if width == 0 || values.is_empty() || !values.len().is_multiple_of(width) {
-        return Err(Error::argument(
-            format!("{} values in rows of {width}", values.len()),
-            "give whole rows, at least one",
-        ));
+/// A colour for each value by its place on the bar, white for those that have none.
+fn value_bytes(values: &[f64], bar: &Axis) -> Option<Vec<u8>> {
+    let ruler = Ruler::new(bar, values.iter().copied(), 0.0, 1.0)?;
+    let mut bytes = Vec::with_capacity(3 * values.len());
+    for &value in values {
+        bytes.extend(ruler.pixel_of(value).map_or([255; 3], viridis));
     }
-    let Some(ruler) = Ruler::new(bar, values.iter().copied(), area.bottom(), area.y) else {
-        svg.no_data(area);
-        return Ok(());
-    };
-    // The ruler lies along the bar: a value's pixel there tells its colour.
-    let colour = |&v: &f64| {
-        ruler
-            .pixel_of(v)
-            .map_or([255; 3], |at| viridis((area.bottom() - at) / area.height))
-    };
-    let bytes: Vec<u8> = values.iter().flat_map(colour).collect();
-    embed(svg, area, &encode_png(width, values.len() / width, &bytes)?);
-    draw_bar(svg, area, &ruler, bar)
+    Some(bytes)
+}
+
+/// (x·2^exposure)^(1/2.2) of each channel, cut off at 0 and 1.
+fn gamma_bytes(image: &Image, exposure: f32) -> Vec<u8> {
+    let gain = exposure.exp2();
+    let mut bytes = Vec::with_capacity(3 * image.pixels().len());
+    for colour in image.pixels() {
+        for x in colour.to_array() {
+            let shown = (x * gain).clamp(0.0, 1.0).powf(1.0 / 2.2);
+            bytes.push((shown * 255.0).round() as u8);
+        }
+    }
+    bytes
 }
 
 /// The bar, its ticks and its title.
-fn draw_bar(svg: &mut Svg, area: &Area, ruler: &Ruler, axis: &Axis) -> Result<()> {
+fn draw_bar(svg: &mut Svg, area: &Area, values: &[f64], axis: &Axis) -> Result<()> {
+    let Some(ruler) = Ruler::new(axis, values.iter().copied(), area.bottom(), area.y) else {
+        return Ok(());
+    };
     let bar = Area {
         x: area.right() + BAR_GAP,
         width: BAR,
@@ -136,7 +193,7 @@ fn draw_bar(svg: &mut Svg, area: &Area, ruler: &Ruler, axis: &Axis) -> Result<()
         }
     }
     let title = shortened(&axis.title, TEXT, area.height + 30.0);
-    let x = (bar.right() + 8.0 + widest + 18.0).min(super::svg::WIDTH - 6.0);
+    let x = bar.right() + (8.0 + widest + 18.0).min(RIGHT_OF_BAR - 6.0);
     svg.label_upwards((x, area.y + area.height / 2.0), &title);
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Which style is whose, below the chart.
 
 use super::style::Style;
-use super::svg::{Anchor, Svg, TEXT, WIDTH, shortened, width_of};
+use super::svg::{Anchor, Svg, TEXT, shortened, width_of};
 
 /// One entry.
 pub(super) struct Entry {
@@ -13,12 +13,17 @@ pub(super) struct Entry {
     pub mark: bool,
 }
 
+impl Entry {
+    /// Pixels that it takes across.
+    fn width(&self) -> f64 {
+        SAMPLE + width_of(&self.label, TEXT)
+    }
+}
+
 const ROW: f64 = 18.0;
 const SAMPLE: f64 = 34.0;
 const GAP: f64 = 18.0;
 const LEFT: f64 = 24.0;
-/// More room than this no entry takes.
-const WIDEST: f64 = WIDTH - 2.0 * LEFT;
 
 /// Entries in rows.
 pub(super) struct Legend {
@@ -27,20 +32,31 @@ pub(super) struct Legend {
 }
 
 impl Legend {
-    /// Lays entries out in as many rows as they need.
-    pub fn new(entries: Vec<Entry>) -> Self {
-        let (mut x, mut row) = (LEFT, 0);
-        let mut placed = Vec::with_capacity(entries.len());
-        for mut entry in entries {
-            entry.label = shortened(&entry.label, TEXT, WIDEST - SAMPLE);
-            let width = SAMPLE + width_of(&entry.label, TEXT);
-            if x > LEFT && x + width > LEFT + WIDEST {
-                (x, row) = (LEFT, row + 1);
-            }
-            placed.push((entry, x, row));
-            x += width + GAP;
+    /// Lays entries out on a sheet of that width: in one row, or else in columns as wide as the widest entry.
+    pub fn new(mut entries: Vec<Entry>, sheet_width: f64) -> Self {
+        // More room than this no entry takes.
+        let widest = sheet_width - 2.0 * LEFT;
+        for entry in &mut entries {
+            entry.label = shortened(&entry.label, TEXT, widest - SAMPLE);
         }
-        let rows = if placed.is_empty() { 0 } else { row + 1 };
+        let widths: Vec<f64> = entries.iter().map(Entry::width).collect();
+        let total: f64 = widths.iter().map(|width| width + GAP).sum();
+        let column = widths.iter().copied().fold(0.0, f64::max) + GAP;
+        let columns = if total <= widest + GAP {
+            entries.len().max(1)
+        } else {
+            (((widest + GAP) / column) as usize).max(1)
+        };
+        let rows = entries.len().div_ceil(columns);
+        let mut x = LEFT;
+        let mut placed = Vec::with_capacity(entries.len());
+        for (i, entry) in entries.into_iter().enumerate() {
+            if i % columns == 0 {
+                x = LEFT;
+            }
+            placed.push((entry, x, i / columns));
+            x += if rows == 1 { widths[i] + GAP } else { column };
+        }
         Self {
             entries: placed,
             rows,

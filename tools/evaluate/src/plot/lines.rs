@@ -3,9 +3,9 @@
 use super::Caption;
 use super::axis::Axis;
 use super::cartesian::{Frame, MARGIN};
-use super::legend::{Entry, Legend};
+use super::legend::Entry;
 use super::style::Style;
-use super::svg::{Area, Svg};
+use super::svg::{Area, ChartSize, Svg};
 
 /// Where a series has marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,11 +55,16 @@ pub struct Lines {
 impl Lines {
     /// The picture: 640 pixels wide, 440 or so high, more with a long legend.
     pub fn svg(&self) -> String {
+        self.svg_sized(ChartSize::default())
+    }
+
+    /// The picture in another size.
+    pub fn svg_sized(&self, size: ChartSize) -> String {
         let axes = (&self.x, &self.y);
-        let frame = Frame::new(axes, self.all_x(), self.all_y(), MARGIN);
         let listed = self.series.iter().filter(|s| !s.label.is_empty());
-        let legend = Legend::new(listed.map(Series::entry).collect());
-        let mut svg = frame.begin(&self.caption, axes, &legend, true);
+        let entries = listed.map(Series::entry).collect();
+        let frame = Frame::new(axes, self.all_x(), self.all_y(), MARGIN, entries, size);
+        let mut svg = frame.begin(&self.caption, axes, true);
         svg.open_window(&frame.area);
         for series in &self.series {
             series.draw_band(&frame, &mut svg);

@@ -15,6 +15,7 @@
 
 mod axis;
 mod cartesian;
+mod chart;
 mod colours;
 mod disc;
 mod heat;
@@ -26,12 +27,15 @@ mod style;
 mod svg;
 
 pub use axis::{Axis, Scale};
+pub use chart::Chart;
 pub use colours::viridis;
 pub use disc::{Disc, DiscMark};
 pub use heat::{Heat, Pixels};
 pub use lines::{Lines, Marks, Series};
 pub use polar::{Polar, PolarCurve};
 pub use scatter::{Group, Scatter, ScatterPoint};
+pub use style::{COLOURS, DASHES, style_number};
+pub use svg::ChartSize;
 pub(crate) use svg::escape;
 
 /// What a chart is called, and what it shows in a sentence or two, for those who don't see it.

@@ -5,7 +5,10 @@ use super::axis::{Axis, Ruler, Scale};
 use super::legend::{Entry, Legend};
 use super::lines::runs;
 use super::style::Style;
-use super::svg::{Anchor, Area, GRID, INK, Svg, TEXT, TOP, WIDTH, px, shortened};
+use super::svg::{
+    Anchor, Area, ChartSize, GRID, INK, Svg, TEXT, TOP, label_room, overlap, px, shortened,
+    width_of,
+};
 
 /// A curve around the origin.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,40 +36,69 @@ pub struct Polar {
     pub wo: Vec<f64>,
 }
 
-/// Radius of the half circle, pixels, and its centre.
-const RADIUS: f64 = 262.0;
-const CENTRE: (f64, f64) = (WIDTH / 2.0, TOP + 26.0 + RADIUS);
+/// Radius of the half circle for each pixel of the sheet's width, where no height is given.
+const USUAL_RADIUS: f64 = 262.0 / 640.0;
+/// Pixels left and right of the half circle, for the angles' names, and above it.
+const SIDES: f64 = 84.0;
+const ABOVE: f64 = TOP + 26.0;
+
+/// Where the half circle lies.
+#[derive(Clone, Copy)]
+struct HalfCircle {
+    centre: (f64, f64),
+    radius: f64,
+}
+
 /// Angle between a direction's line and its name, degrees.
 const BESIDE: f64 = 2.8;
+/// Distances at which names may stand, and pixels between them.
+const NAME_RINGS: u8 = 12;
+const NAME_RING: f64 = 16.0;
 /// From the base line to the legend.
 const BELOW: f64 = 46.0;
 
 impl Polar {
     /// The picture: 640 pixels wide, 440 or so high, more with a long legend.
     pub fn svg(&self) -> String {
-        let listed = self.curves.iter().filter(|c| !c.label.is_empty());
-        let entry = |c: &PolarCurve| Entry {
-            label: c.label.clone(),
-            style: Style(c.style),
-            line: true,
-            mark: false,
+        self.svg_sized(ChartSize::default())
+    }
+
+    /// The picture in another size.
+    pub fn svg_sized(&self, size: ChartSize) -> String {
+        let size = size.limited();
+        let mut entries = Vec::new();
+        for curve in self.curves.iter().filter(|c| !c.label.is_empty()) {
+            entries.push(Entry {
+                label: curve.label.clone(),
+                style: Style(curve.style),
+                line: true,
+                mark: false,
+            });
+        }
+        let legend = Legend::new(entries, size.width);
+        let below = BELOW + legend.height() + 8.0;
+        let radius = size.radius(USUAL_RADIUS, 1.0, SIDES, ABOVE + below);
+        let half = HalfCircle {
+            centre: (size.width / 2.0, ABOVE + radius),
+            radius,
         };
-        let legend = Legend::new(listed.map(entry).collect());
-        let mut svg = Svg::new(CENTRE.1 + BELOW + legend.height() + 8.0, &self.caption);
-        let ruler = self.ruler();
-        draw_grid(&mut svg, ruler.as_ref());
+        let base = half.centre.1;
+        let height = size.height.unwrap_or(0.0).max(base + below);
+        let mut svg = Svg::new(size.width, height, &self.caption);
+        let ruler = self.ruler(&half);
+        half.draw_grid(&mut svg, ruler.as_ref());
         let title = match self.axis().scale {
             Scale::Root => format!("{} (root scale)", self.radius.title),
             _ => self.radius.title.clone(),
         };
-        let title = shortened(&title, TEXT, WIDTH - 40.0);
-        svg.label((CENTRE.0, CENTRE.1 + 36.0), Anchor::Middle, &title);
+        let title = shortened(&title, TEXT, size.width - 40.0);
+        svg.label((half.centre.0, base + 36.0), Anchor::Middle, &title);
         match ruler {
-            Some(ruler) => self.draw_curves(&mut svg, &ruler),
-            None => svg.no_data(&half()),
+            Some(ruler) => self.draw_curves(&mut svg, &half, &ruler),
+            None => svg.no_data(&half.area()),
         }
-        self.draw_directions(&mut svg);
-        legend.draw(&mut svg, CENTRE.1 + BELOW);
+        self.draw_directions(&mut svg, &half);
+        legend.draw(&mut svg, base + BELOW);
         svg.finish()
     }
 
@@ -83,7 +115,7 @@ impl Polar {
     }
 
     /// From the origin outwards; the origin is 0.
-    fn ruler(&self) -> Option<Ruler> {
+    fn ruler(&self, half: &HalfCircle) -> Option<Ruler> {
         let axis = self.axis();
         let radii = self.curves.iter().flat_map(|c| &c.points).map(|p| p.1);
         let greatest = radii
@@ -97,18 +129,18 @@ impl Polar {
             Ruler::new(
                 &axis.with_range(low, high),
                 std::iter::empty(),
-                CENTRE.0,
-                CENTRE.0 + RADIUS,
+                half.centre.0,
+                half.centre.0 + half.radius,
             )
         })
     }
 
-    fn draw_curves(&self, svg: &mut Svg, ruler: &Ruler) {
-        svg.open_window(&half());
+    fn draw_curves(&self, svg: &mut Svg, half: &HalfCircle, ruler: &Ruler) {
+        svg.open_window(&half.area());
         for curve in &self.curves {
             let place = |&(angle, radius): &(f64, f64)| {
-                let distance = ruler.pixel_of(radius)? - CENTRE.0;
-                (angle.abs() <= 90.0 && distance >= 0.0).then(|| around(angle, distance))
+                let distance = ruler.pixel_of(radius)? - half.centre.0;
+                (angle.abs() <= 90.0 && distance >= 0.0).then(|| half.around(angle, distance))
             };
             for run in runs(curve.points.iter().map(place)) {
                 svg.path(&run, false, &Style(curve.style).stroke());
@@ -118,104 +150,141 @@ impl Polar {
     }
 
     /// Lines towards `wo` and its mirror direction, and which is which.
-    fn draw_directions(&self, svg: &mut Svg) {
-        let single = self.wo.len() == 1;
-        for &theta in self.wo.iter().filter(|t| (0.0..=90.0).contains(*t)) {
-            let name = |name: &str| {
-                if single {
-                    name.to_owned()
-                } else {
-                    format!("{name} {theta}°")
-                }
+    fn draw_directions(&self, svg: &mut Svg, half: &HalfCircle) {
+        let thetas = self.wo.iter().filter(|t| (0.0..=90.0).contains(*t));
+        let mut ends = Vec::new();
+        for &theta in thetas {
+            let angle = if self.wo.len() == 1 {
+                String::new()
+            } else {
+                format!(" {theta}°")
             };
-            let ends = [
-                (-theta, name("wo"), "stroke-dasharray=\"6 3\""),
-                (theta, name("mirror"), "stroke-dasharray=\"1.5 3\""),
-            ];
+            ends.push((-theta, format!("wo{angle}"), "stroke-dasharray=\"6 3\""));
             // At the normal both are one.
-            let ends = if theta == 0.0 { &ends[..1] } else { &ends[..] };
-            for (angle, label, dash) in ends {
-                svg.line(
-                    CENTRE,
-                    around(*angle, RADIUS),
-                    &format!("stroke=\"{INK}\" {dash}"),
-                );
-                // Beside the line, on the normal's side.
-                let (x, y) = around(angle - angle.signum() * BESIDE, RADIUS - 14.0);
-                let anchor = if *angle < 0.0 {
-                    Anchor::Start
+            if theta != 0.0 {
+                ends.push((
+                    theta,
+                    format!("mirror{angle}"),
+                    "stroke-dasharray=\"1.5 3\"",
+                ));
+            }
+        }
+        for (angle, _, dash) in &ends {
+            let style = format!("stroke=\"{INK}\" {dash}");
+            svg.line(half.centre, half.around(*angle, half.radius), &style);
+        }
+        // Above all lines, and apart from each other. Those near the normal, where room is short, give way.
+        ends.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+        let mut taken = Vec::new();
+        for (angle, label, _) in &ends {
+            half.draw_direction_name(svg, *angle, label, &mut taken);
+        }
+    }
+}
+
+impl HalfCircle {
+    /// The name of a direction beside its line, on the normal's side or the other, as far out as no other name is in its way; what
+    /// it covers joins `taken`.
+    fn draw_direction_name(&self, svg: &mut Svg, angle: f64, label: &str, taken: &mut Vec<Area>) {
+        let width = width_of(label, TEXT);
+        for step in 0..NAME_RINGS {
+            let distance = self.radius - 14.0 - NAME_RING * f64::from(step);
+            // The same pixels from the line at each distance.
+            let beside = BESIDE * self.radius / distance;
+            for side in [-1.0, 1.0] {
+                let (x, y) = self.around(angle + side * angle.signum() * beside, distance);
+                let (anchor, left) = if angle == 0.0 {
+                    (Anchor::Middle, x - 0.5 * width)
+                } else if (angle < 0.0) == (side < 0.0) {
+                    (Anchor::Start, x)
                 } else {
-                    Anchor::End
+                    (Anchor::End, x - width)
                 };
-                let anchor = if *angle == 0.0 {
-                    Anchor::Middle
-                } else {
-                    anchor
-                };
-                svg.label_above((x, y + 4.0), anchor, label);
+                let room = label_room(left, y + 4.0, width);
+                let free = taken.iter().all(|t| !overlap(t, &room));
+                if free && (angle == 0.0 || self.holds_on_one_side(&room)) {
+                    svg.label_above((x, y + 4.0), anchor, label);
+                    taken.push(room);
+                    return;
+                }
             }
         }
     }
-}
 
-/// The picture's part above the base line.
-fn half() -> Area {
-    Area {
-        x: CENTRE.0 - RADIUS - 1.0,
-        y: CENTRE.1 - RADIUS - 1.0,
-        width: 2.0 * RADIUS + 2.0,
-        height: RADIUS + 2.0,
+    /// Whether a name lies within the half circle and does not reach across the normal, where it would seem another line's.
+    fn holds_on_one_side(&self, room: &Area) -> bool {
+        let (x, y) = self.centre;
+        let farthest = (room.x - x).abs().max((room.right() - x).abs());
+        let inside = farthest.hypot(y - room.y) < self.radius - 2.0;
+        inside && (room.x >= x || room.right() <= x)
     }
-}
 
-/// Pixel at an angle in degrees and a distance from the centre.
-fn around(angle: f64, distance: f64) -> (f64, f64) {
-    let (sin, cos) = angle.to_radians().sin_cos();
-    (CENTRE.0 + distance * sin, CENTRE.1 - distance * cos)
-}
-
-/// The half of a circle about the centre that lies above the surface.
-fn draw_ring(svg: &mut Svg, radius: f64, ink: &str) {
-    let [left, right] = [CENTRE.0 - radius, CENTRE.0 + radius].map(px);
-    let [y, r] = [CENTRE.1, radius].map(px);
-    svg.push(&format!(
-        "<path d=\"M{left} {y}A{r} {r} 0 0 1 {right} {y}\" fill=\"none\" stroke=\"{ink}\"/>"
-    ));
-}
-
-/// Rings with their radii, spokes with their angles, and the surface.
-fn draw_grid(svg: &mut Svg, ruler: Option<&Ruler>) {
-    for tick in ruler.map(Ruler::ticks).unwrap_or_default() {
-        let radius = tick.at - CENTRE.0;
-        if radius > 1.0 && radius < RADIUS - 1.0 {
-            draw_ring(svg, radius, GRID);
+    /// The picture's part above the base line.
+    fn area(&self) -> Area {
+        Area {
+            x: self.centre.0 - self.radius - 1.0,
+            y: self.centre.1 - self.radius - 1.0,
+            width: 2.0 * self.radius + 2.0,
+            height: self.radius + 2.0,
         }
-        if let Some(label) = tick.label {
-            svg.label((tick.at, CENTRE.1 + 18.0), Anchor::Middle, &label);
+    }
+
+    /// Pixel at an angle in degrees and a distance from the centre.
+    fn around(&self, angle: f64, distance: f64) -> (f64, f64) {
+        let (sin, cos) = angle.to_radians().sin_cos();
+        (
+            self.centre.0 + distance * sin,
+            self.centre.1 - distance * cos,
+        )
+    }
+
+    /// The half of a circle about the centre that lies above the surface.
+    fn draw_ring(&self, svg: &mut Svg, radius: f64, ink: &str) {
+        let [left, right] = [self.centre.0 - radius, self.centre.0 + radius].map(px);
+        let [y, r] = [self.centre.1, radius].map(px);
+        svg.push(&format!(
+            "<path d=\"M{left} {y}A{r} {r} 0 0 1 {right} {y}\" fill=\"none\" stroke=\"{ink}\"/>"
+        ));
+    }
+
+    /// Rings with their radii, spokes with their angles, and the surface.
+    fn draw_grid(&self, svg: &mut Svg, ruler: Option<&Ruler>) {
+        for tick in ruler.map(Ruler::ticks).unwrap_or_default() {
+            let radius = tick.at - self.centre.0;
+            if radius > 1.0 && radius < self.radius - 1.0 {
+                self.draw_ring(svg, radius, GRID);
+            }
+            if let Some(label) = tick.label {
+                svg.label((tick.at, self.centre.1 + 18.0), Anchor::Middle, &label);
+                svg.line(
+                    (tick.at, self.centre.1),
+                    (tick.at, self.centre.1 + 5.0),
+                    &format!("stroke=\"{INK}\""),
+                );
+            }
+        }
+        self.draw_ring(svg, self.radius, INK);
+        for step in -6..=6 {
+            let angle = f64::from(step) * 15.0;
             svg.line(
-                (tick.at, CENTRE.1),
-                (tick.at, CENTRE.1 + 5.0),
-                &format!("stroke=\"{INK}\""),
+                self.centre,
+                self.around(angle, self.radius),
+                &format!("stroke=\"{GRID}\""),
             );
+            if step % 2 == 0 {
+                let (x, y) = self.around(angle, self.radius + 12.0);
+                let anchor = match step {
+                    0 => Anchor::Middle,
+                    s if s < 0 => Anchor::End,
+                    _ => Anchor::Start,
+                };
+                svg.label((x, y + 4.0), anchor, &format!("{}°", angle.abs()));
+            }
         }
+        svg.line(
+            self.around(-90.0, self.radius),
+            self.around(90.0, self.radius),
+            &format!("stroke=\"{INK}\""),
+        );
     }
-    draw_ring(svg, RADIUS, INK);
-    for step in -6..=6 {
-        let angle = f64::from(step) * 15.0;
-        svg.line(CENTRE, around(angle, RADIUS), &format!("stroke=\"{GRID}\""));
-        if step % 2 == 0 {
-            let (x, y) = around(angle, RADIUS + 12.0);
-            let anchor = match step {
-                0 => Anchor::Middle,
-                s if s < 0 => Anchor::End,
-                _ => Anchor::Start,
-            };
-            svg.label((x, y + 4.0), anchor, &format!("{}°", angle.abs()));
-        }
-    }
-    svg.line(
-        around(-90.0, RADIUS),
-        around(90.0, RADIUS),
-        &format!("stroke=\"{INK}\""),
-    );
 }

@@ -3,9 +3,9 @@
 use super::Caption;
 use super::axis::Axis;
 use super::cartesian::{Frame, MARGIN};
-use super::legend::{Entry, Legend};
+use super::legend::Entry;
 use super::style::Style;
-use super::svg::{Anchor, Area, INK, Svg, TEXT, escape, width_of};
+use super::svg::{Anchor, Area, ChartSize, INK, Svg, TEXT, escape, label_room, overlap, width_of};
 
 /// A point and what it is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -60,8 +60,10 @@ impl Scatter {
             self.points().map(|p| p.x),
             self.points().map(|p| p.y),
             MARGIN,
+            self.legend_entries(),
+            ChartSize::default(),
         );
-        let mut svg = frame.begin(&self.caption, axes, &self.legend(), true);
+        let mut svg = frame.begin(&self.caption, axes, true);
         let placed = self.lay_out(&frame);
         if self.front {
             let front: Vec<_> = placed
@@ -90,7 +92,7 @@ impl Scatter {
         self.groups.iter().flat_map(|g| &g.points)
     }
 
-    fn legend(&self) -> Legend {
+    fn legend_entries(&self) -> Vec<Entry> {
         let mut entries = Vec::new();
         for group in self.groups.iter().filter(|g| !g.label.is_empty()) {
             entries.push(Entry {
@@ -100,7 +102,7 @@ impl Scatter {
                 mark: true,
             });
         }
-        Legend::new(entries)
+        entries
     }
 
     fn lay_out<'a>(&'a self, frame: &Frame) -> Vec<Vec<Placed<'a>>> {
@@ -203,10 +205,6 @@ fn around((x, y): (f64, f64)) -> Area {
     }
 }
 
-fn overlap(a: &Area, b: &Area) -> bool {
-    a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
-}
-
 /// Where a label may stand, the best place first, and the room it takes there.
 fn places(p: &Placed<'_>) -> Vec<((f64, f64), Anchor, Area)> {
     let (width, (x, y)) = (width_of(p.label, TEXT), p.at);
@@ -234,14 +232,4 @@ fn places(p: &Placed<'_>) -> Vec<((f64, f64), Anchor, Area)> {
         ));
     }
     out
-}
-
-/// What a label of that width covers.
-fn label_room(left: f64, baseline: f64, width: f64) -> Area {
-    Area {
-        x: left,
-        y: baseline - 10.0,
-        width,
-        height: 13.0,
-    }
 }

@@ -2,15 +2,27 @@
 
 use super::svg::px;
 
+/// Dashes that styles have: a style's number modulo this is its dash.
+pub const DASHES: usize = 5;
+/// Colours that styles have.
+pub const COLOURS: usize = 7;
 /// Okabe and Ito's colours but yellow, which is too pale for lines on white.
-const COLOURS: [&str; 7] = [
+const PALETTE: [&str; COLOURS] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",
 ];
 /// Lengths of dashes and gaps, pixels; the first is a whole line.
-const DASHES: [&str; 5] = ["", "8 4", "2 3", "10 3 2 3", "14 5"];
+const DASH_PATTERNS: [&str; DASHES] = ["", "8 4", "2 3", "10 3 2 3", "14 5"];
 const MARKS: usize = 6;
 /// Half the width of a mark.
 const MARK: f64 = 3.6;
+
+/// The number of the style with the given colour, dash and mark, each counted from 0 and taken again from the first when there
+/// are no more.
+pub fn style_number(colour: usize, dash: usize, mark: usize) -> usize {
+    // The Chinese remainder theorem: 120, 126 and 175 are 1 modulo 7, 5 and 6, and 0 modulo the two others.
+    let sum = 120 * (colour % COLOURS) + 126 * (dash % DASHES) + 175 * (mark % MARKS);
+    sum % (COLOURS * DASHES * MARKS)
+}
 
 /// Colour, dash and mark of a number: 210 different ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,12 +30,12 @@ pub(super) struct Style(pub usize);
 
 impl Style {
     pub fn colour(self) -> &'static str {
-        COLOURS[self.0 % COLOURS.len()]
+        PALETTE[self.0 % COLOURS]
     }
 
     /// Attributes of a line.
     pub fn stroke(self) -> String {
-        let dash = match DASHES[self.0 % DASHES.len()] {
+        let dash = match DASH_PATTERNS[self.0 % DASHES] {
             "" => String::new(),
             dash => format!(" stroke-dasharray=\"{dash}\""),
         };

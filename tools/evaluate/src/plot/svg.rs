@@ -2,8 +2,47 @@
 
 use super::Caption;
 
-/// Pixels across every chart.
-pub(super) const WIDTH: f64 = 640.0;
+/// How large a picture is, in its pixels. Text has the same size in each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChartSize {
+    /// Pixels across; from 320 to 10,000, and the nearer of these otherwise.
+    pub width: f64,
+    /// Pixels down, from 240 to 10,000 as well; `None` is as many as suit the width and the legend.
+    pub height: Option<f64>,
+}
+
+impl Default for ChartSize {
+    /// 640 pixels across.
+    fn default() -> Self {
+        Self {
+            width: 640.0,
+            height: None,
+        }
+    }
+}
+
+impl ChartSize {
+    /// Within the limits.
+    pub(super) fn limited(self) -> Self {
+        Self {
+            width: self.width.clamp(320.0, LARGEST_SIDE),
+            height: self.height.map(|h| h.clamp(240.0, LARGEST_SIDE)),
+        }
+    }
+
+    /// Radius of a circle in the picture: `usual` times the width, or, where a height is given, as much of it as `other` pixels
+    /// leave to `circle` radii. `beside` pixels of the width are left free in any case.
+    pub(super) fn radius(self, usual: f64, circle: f64, beside: f64, other: f64) -> f64 {
+        let widest = 0.5 * (self.width - beside);
+        let radius = match self.height {
+            Some(height) => (height - other) / circle,
+            None => usual * self.width,
+        };
+        radius.min(widest).max(40.0)
+    }
+}
+
+const LARGEST_SIDE: f64 = 10_000.0;
 /// Pixels from the top to the first of what is drawn.
 pub(super) const TOP: f64 = 36.0;
 /// Size of ordinary text, pixels.
@@ -65,9 +104,9 @@ pub(super) struct Svg {
 }
 
 impl Svg {
-    /// A white sheet of [`WIDTH`] × `height` pixels with its title.
-    pub fn new(height: f64, caption: &Caption) -> Self {
-        let (width, height) = (px(WIDTH), px(height));
+    /// A white sheet of that size with its title.
+    pub fn new(sheet_width: f64, height: f64, caption: &Caption) -> Self {
+        let (width, height) = (px(sheet_width), px(height));
         let mut svg = Self {
             text: String::new(),
         };
@@ -80,10 +119,10 @@ impl Svg {
         svg.push(&format!(
             "<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>"
         ));
-        let title = shortened(&caption.title, TITLE_TEXT, WIDTH - 40.0);
+        let title = shortened(&caption.title, TITLE_TEXT, sheet_width - 40.0);
         svg.push(&format!(
             "<text x=\"{}\" y=\"22\" font-size=\"{TITLE_TEXT}\" text-anchor=\"middle\">{}</text>",
-            px(WIDTH / 2.0),
+            px(sheet_width / 2.0),
             escape(&title)
         ));
         svg
@@ -234,4 +273,19 @@ pub(super) fn shortened(text: &str, size: f64, width: f64) -> String {
     }
     out.push('…');
     out
+}
+
+/// Whether two rectangles have a point in common.
+pub(super) fn overlap(a: &Area, b: &Area) -> bool {
+    a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
+}
+
+/// What a label of that width covers.
+pub(super) fn label_room(left: f64, baseline: f64, width: f64) -> Area {
+    Area {
+        x: left,
+        y: baseline - 10.0,
+        width,
+        height: 13.0,
+    }
 }

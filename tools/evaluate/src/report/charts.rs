@@ -3,15 +3,12 @@
 use glam::DVec2;
 
 use crate::measure::views;
-use crate::measure::views::PlottedCurve;
-use crate::plot::{
-    Axis, Caption, Disc, DiscMark, Heat, Lines, Marks, Pixels, Polar, PolarCurve, Scale, Series,
-};
+use crate::plot::{Axis, Caption, Disc, DiscMark, Heat, Lines, Marks, Pixels, Scale, Series};
 use merlkit::brdf::Brdf;
 use merlkit::geometry::Symmetry;
 use merlkit::image::Image;
+use merlkit::material::Loaded;
 use merlkit::material::merl::{THETA_D_BINS, THETA_H_BINS};
-use merlkit::material::{Loaded, LookupRule};
 use merlkit::sampler::{
     AdaptiveDisc, CascadeCdf, CascadeCdfSettings, CdfCurve, CosineSettings, Sampler, SamplerSpec,
 };
@@ -27,25 +24,15 @@ pub struct ChartSubject {
     sampler: Option<Sampler>,
 }
 
-/// A curve with its name and style.
-struct Named {
-    label: String,
-    style: usize,
-    curve: PlottedCurve,
-}
-
 impl ChartSubject {
-    /// `material` with `wo` at each of `thetas` degrees, 0 to below 90; with `spec`, builds that sampler.
-    ///
-    /// # Errors
-    /// Those of building the sampler.
-    pub fn new(material: &Loaded, thetas: Vec<f64>, spec: Option<SamplerSpec>) -> Result<Self> {
-        let sampler = spec.map(|s| s.build(material)).transpose()?;
-        Ok(Self {
+    /// `material` with `wo` at each of `thetas` degrees, 0 to below 90; the sampler, if there is
+    /// one, was built for it.
+    pub fn new(material: &Loaded, thetas: Vec<f64>, sampler: Option<Sampler>) -> Self {
+        Self {
             material: material.clone(),
             thetas,
             sampler,
-        })
+        }
     }
 
     fn brdf(&self) -> &dyn Brdf {
@@ -56,202 +43,62 @@ impl ChartSubject {
         self.material.name()
     }
 
-    /// How values were come by, for captions; of an anisotropic material, also the azimuth that is shown.
     fn reading(&self) -> String {
-        let reading = self.material.reading();
-        match self.material.symmetry() {
-            Symmetry::Isotropic => reading,
-            _ => format!("{reading}, wo in the plane of the surface's x"),
-        }
+        reading(&self.material)
     }
 
     fn angles(&self) -> String {
-        let all: Vec<_> = self.thetas.iter().map(|t| format!("{t}°")).collect();
-        all.join(", ")
+        angles_text(&self.thetas)
     }
 
-    /// The lobe at each angle; with a sampler, both densities.
-    fn curves(&self) -> Vec<Named> {
-        let Some(sampler) = &self.sampler else {
-            return self.lobes();
-        };
-        let mut curves = Vec::new();
-        for (i, &theta) in self.thetas.iter().enumerate() {
-            curves.push(Named {
-                label: format!("ideal, θ = {theta}°"),
-                style: 2 * i,
-                curve: views::ideal_density(self.brdf(), theta),
-            });
-            curves.push(Named {
-                label: format!("{}, θ = {theta}°", sampler.spec().name()),
-                style: 2 * i + 1,
-                curve: views::density(sampler.as_dyn(), theta),
-            });
-        }
-        curves
-    }
-
-    /// f·cos θ at each angle of wo.
-    fn lobes(&self) -> Vec<Named> {
-        let mut curves = Vec::new();
-        for (style, &theta) in self.thetas.iter().enumerate() {
-            curves.push(Named {
-                label: format!("θ = {theta}°"),
-                style,
-                curve: views::lobe(self.brdf(), theta),
-            });
-        }
-        curves
-    }
-
-    fn value_title(&self) -> &'static str {
-        if self.sampler.is_some() {
-            "density [sr⁻¹]"
-        } else {
-            "f·cos θi [sr⁻¹]"
-        }
-    }
-
-    fn lobe_caption(&self) -> Caption {
-        let shown = match &self.sampler {
-            Some(sampler) => {
-                let label = sampler.spec();
-                format!("the ideal density, f·cos θi over the albedo, and the density of {label}")
-            }
-            None => "f·cos θi, the mean of red, green and blue".into(),
-        };
-        let of = self
-            .sampler
-            .as_ref()
-            .map_or(String::new(), |s| format!(" and {}", s.spec().name()));
-        Caption::new(
-            format!(
-                "{}: lobe{of} at θ = {} ({})",
-                self.name(),
-                self.angles(),
-                self.reading()
-            ),
-            format!(
-                "Against the polar angle of the light direction wi in the plane of incidence, in sr⁻¹: {shown}. \
-                 The view direction wo is at −θ, its mirror direction at θ."
-            ),
-        )
-    }
-
-    /// f·cos θ of wi over its angle in the plane of incidence; with a sampler, the ideal density and the sampler's.
-    pub fn lobe(&self) -> String {
-        let curves = self.curves();
-        let greatest = greatest(&curves);
-        let y = Axis::new(self.value_title(), Scale::Log);
-        // The last decades are floors of samplers and horizons.
-        let least = least(&curves).max(greatest * 1e-6);
-        let y = if greatest > 0.0 {
-            y.with_range(least * 0.8, greatest * 1.5)
-        } else {
-            y
-        };
-        let series = curves.into_iter().map(|c| Series {
-            label: c.label,
-            points: c.curve,
-            style: c.style,
-            ..Series::default()
-        });
-        let x = Axis::new("angle of wi in the plane of incidence [°]", Scale::Linear)
-            .with_range(-90.0, 90.0);
-        Lines {
-            caption: self.lobe_caption(),
-            x,
-            y,
-            series: series.collect(),
-        }
-        .svg()
-    }
-
-    /// The same in polar coordinates.
-    pub fn lobe_polar(&self) -> String {
-        let mut caption = self.lobe_caption();
-        let mut curves = self.curves();
-        if self.sampler.is_some() {
-            cut(&mut curves);
-            caption
-                .description
-                .push_str(" Densities are cut off at twice the greatest ideal density.");
-        }
-        // A narrow lobe on an even scale is a line, and nothing beside it.
-        let mean = curves.iter().map(|c| mean(&c.curve)).sum::<f64>() / curves.len().max(1) as f64;
-        let scale = if greatest(&curves) > PEAKED * mean {
-            Scale::Root
-        } else {
-            Scale::Linear
-        };
-        let radius = Axis::new(self.value_title(), scale);
-        let curves = curves.into_iter().map(|c| PolarCurve {
-            label: c.label,
-            points: c.curve,
-            style: c.style,
-        });
-        let curves = curves.collect();
-        Polar {
-            caption,
-            radius,
-            curves,
-            wo: self.thetas.clone(),
-        }
-        .svg()
-    }
-
-    /// The table at φd = 90° over θh and θd, as colours for values.
+    /// The table at φd = `phi_d` degrees, 0 to 179, over θh and θd, as colours for the mean of the channels on a scale.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a material that is not a MERL table; those of encoding the pixels.
-    pub fn slice(&self) -> Result<String> {
+    /// [`Error::Argument`] for a material that is not a MERL table.
+    pub fn slice(&self, phi_d: usize, scale: Scale) -> Result<Heat> {
         let table = self.material.require_table(SLICE)?;
-        let bar = Axis::new("f [sr⁻¹]", Scale::Log);
-        let values = views::slice(table.table());
-        self.slice_of(
-            Pixels::Values { width: THETA_H_BINS, values, bar },
-            "colours show the mean of red, green and blue on a logarithmic scale; white bins have no valid value",
-        )
+        let bar = Axis::new("f [sr⁻¹]", scale);
+        let values = views::slice(table.table(), phi_d);
+        let how = "colours show the mean of red, green and blue; white bins have no valid value";
+        let pixels = Pixels::Values {
+            width: THETA_H_BINS,
+            values,
+            bar,
+        };
+        Ok(self.slice_of(pixels, phi_d, how))
     }
 
-    /// The same in the material's own colours.
+    /// The same in the material's own colours, made brighter by `exposure` stops.
     ///
     /// # Errors
     /// As [`Self::slice`].
-    pub fn slice_rgb(&self) -> Result<String> {
+    pub fn slice_rgb(&self, phi_d: usize, exposure: f32) -> Result<Heat> {
         let table = self.material.require_table(SLICE)?;
-        let pixels = views::slice_rgb(table.table());
-        let image = Image::new(THETA_H_BINS, THETA_D_BINS, pixels)?;
-        self.slice_of(
-            Pixels::Picture {
-                image,
-                exposure: 0.0,
-            },
-            "in its own colours, tone-mapped",
-        )
+        let colours = views::slice_rgb(table.table(), phi_d);
+        let image = Image::new(THETA_H_BINS, THETA_D_BINS, colours)?;
+        let how = format!("in its own colours, gamma 2.2, exposure {exposure:+} stops");
+        let pixels = Pixels::Picture { image, exposure };
+        Ok(self.slice_of(pixels, phi_d, &how))
     }
 
-    fn slice_of(&self, pixels: Pixels, how: &str) -> Result<String> {
+    fn slice_of(&self, pixels: Pixels, phi_d: usize, how: &str) -> Heat {
         let caption = Caption::new(
-            format!("{}: slice at φd = 90°", self.name()),
+            format!("{}: slice at φd = {phi_d}°", self.name()),
             format!(
                 "f of the table over the half angle θh and the difference angle θd, one pixel per bin: {how}."
             ),
         );
-        let x = Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0);
-        let y = Axis::new("θd [°]", Scale::Linear).with_range(0.0, 90.0);
         Heat {
             caption,
-            x,
-            y,
+            x: Axis::new("θh [°]", Scale::Root).with_range(0.0, 90.0),
+            y: Axis::new("θd [°]", Scale::Linear).with_range(0.0, 90.0),
             pixels,
         }
-        .svg()
     }
 
     /// The unit disc with `samples` directions of a seed by the sampler, cosine if there is none, for the first angle; of the
     /// adaptive disc, the leaves as well.
-    pub fn disc(&self, samples: usize, seed: u64) -> String {
+    pub fn disc(&self, samples: usize, seed: u64) -> Disc {
         let theta = self.thetas.first().copied().unwrap_or(0.0);
         let sampler = self.sampler.as_ref();
         let (points, failed) = views::sampled_directions(sampler, theta, samples, seed);
@@ -295,14 +142,13 @@ impl ChartSubject {
             marks: disc_marks(theta),
             labels: [leaves, drawn],
         }
-        .svg()
     }
 
     /// CDF over θh before and after compression, with its knots.
     ///
     /// # Errors
     /// [`merlkit::Error::Argument`] if the sampler is no cascade CDF; those of building it.
-    pub fn cdf(&self) -> Result<String> {
+    pub fn cdf(&self) -> Result<Lines> {
         let (series, of) = self.compressed(CascadeCdf::marginal, |_| String::new())?;
         let caption = Caption::new(
             format!("{}: CDF over θh before and after compression", self.name()),
@@ -315,15 +161,14 @@ impl ChartSubject {
             x,
             y,
             series,
-        }
-        .svg())
+        })
     }
 
     /// CDF over φh, of the θh that halves the draws, before and after compression, with its knots.
     ///
     /// # Errors
     /// As [`Self::cdf`].
-    pub fn cdf_azimuth(&self) -> Result<String> {
+    pub fn cdf_azimuth(&self) -> Result<Lines> {
         let (series, of) = self.compressed(CascadeCdf::conditional, theta_h_range)?;
         let caption = Caption::new(
             format!("{}: CDF over φh before and after compression", self.name()),
@@ -338,8 +183,7 @@ impl ChartSubject {
             x,
             y,
             series,
-        }
-        .svg())
+        })
     }
 
     /// A curve at each angle before and after compression, with its knots; and what tables they are of.
@@ -394,97 +238,21 @@ impl ChartSubject {
             ),
         ))
     }
+}
 
-    /// Directional albedo over θ, of a table by each of the three lookup rules.
-    pub fn albedo(&self) -> String {
-        let what = "Fraction of light reflected, the mean of red, green and blue, over the polar angle of wo";
-        let (curves, how): (Vec<(String, PlottedCurve)>, String) = match self.material.table() {
-            Some(measured) => {
-                let curves = views::albedo_by_rule(measured.table());
-                let labels = LookupRule::ALL.map(|rule| format!("{} lookup", rule.name()));
-                let how = "for the three rules of interpolation between table samples".to_owned();
-                (labels.into_iter().zip(curves).collect(), how)
-            }
-            None => {
-                let curve = views::albedo_curve(self.brdf());
-                (vec![(self.material.reading(), curve)], self.reading())
-            }
-        };
-        let caption = Caption::new(
-            format!("{}: directional albedo", self.name()),
-            format!("{what}, {how}."),
-        );
-        let mut series = Vec::new();
-        for (style, (label, points)) in curves.into_iter().enumerate() {
-            series.push(Series {
-                label,
-                points,
-                style,
-                ..Series::default()
-            });
-        }
-        let greatest = series
-            .iter()
-            .flat_map(|s| &s.points)
-            .map(|p| p.1)
-            .fold(0.0, f64::max);
-        let x = Axis::new("polar angle of wo [°]", Scale::Linear).with_range(0.0, 90.0);
-        let y = Axis::new("directional albedo", Scale::Linear).with_range(0.0, greatest * 1.08);
-        Lines {
-            caption,
-            x,
-            y,
-            series,
-        }
-        .svg()
+/// How values were come by, for captions; of an anisotropic material, also the azimuth that is shown.
+pub(super) fn reading(material: &Loaded) -> String {
+    let reading = material.reading();
+    match material.symmetry() {
+        Symmetry::Isotropic => reading,
+        _ => format!("{reading}, wo in the plane of the surface's x"),
     }
 }
 
-/// A lobe whose greatest value is so many times its mean over angles is drawn under a root.
-const PEAKED: f64 = 8.0;
-
-/// Ends densities at twice the greatest ideal one: a peak that runs away at the mirror direction would hide the rest. `curves`
-/// are ideal densities and samplers' by turns.
-fn cut(curves: &mut [Named]) {
-    let ideal = curves
-        .iter()
-        .step_by(2)
-        .flat_map(|c| &c.curve)
-        .map(|p| p.1)
-        .fold(0.0, f64::max);
-    if ideal > 0.0 {
-        curves
-            .iter_mut()
-            .flat_map(|c| &mut c.curve)
-            .for_each(|p| p.1 = p.1.min(2.0 * ideal));
-    }
-}
-
-fn greatest(curves: &[Named]) -> f64 {
-    curves
-        .iter()
-        .flat_map(|c| &c.curve)
-        .map(|p| p.1)
-        .fold(0.0, f64::max)
-}
-
-/// Mean over the angle: points are closer where the curve is high.
-fn mean(curve: &PlottedCurve) -> f64 {
-    curve
-        .windows(2)
-        .map(|w| (w[1].0 - w[0].0) * 0.5 * (w[0].1 + w[1].1))
-        .sum::<f64>()
-        / 180.0
-}
-
-/// The least value above 0; 0 if there is none.
-fn least(curves: &[Named]) -> f64 {
-    let above = curves
-        .iter()
-        .flat_map(|c| &c.curve)
-        .map(|p| p.1)
-        .filter(|&v| v > 0.0);
-    above.reduce(f64::min).unwrap_or(0.0)
+/// "10°, 30°".
+pub(super) fn angles_text(thetas: &[f64]) -> String {
+    let all: Vec<_> = thetas.iter().map(|t| format!("{t}°")).collect();
+    all.join(", ")
 }
 
 fn coordinate_pairs(points: Vec<DVec2>) -> Vec<(f64, f64)> {

@@ -1,6 +1,7 @@
 //! The charts of a material that the page of a comparison shows.
 
 use super::charts::ChartSubject;
+use super::curve_charts::{CurveCharts, CurveOptions};
 use crate::measure::compare::{MaterialCharts, supported};
 use merlkit::Result;
 use merlkit::material::Loaded;
@@ -18,11 +19,13 @@ const LOBES_DEG: [f64; 4] = [10.0, 30.0, 60.0, 80.0];
 /// # Errors
 /// Those of building the samplers.
 pub fn material_charts(material: &Loaded) -> Result<MaterialCharts> {
-    let lobes = ChartSubject::new(material, LOBES_DEG.to_vec(), None)?;
+    let only = std::slice::from_ref(material);
+    let options = CurveOptions::default();
+    let lobes = CurveCharts::new(only, LOBES_DEG.to_vec(), Vec::new(), options)?;
     let mut charts = MaterialCharts {
         material: material.name().into(),
         theta_o_deg: SHOWN_DEG,
-        lobe: lobes.lobe_polar(),
+        lobe: lobes.lobe_polar().svg(),
         densities: Vec::new(),
         discs: Vec::new(),
     };
@@ -31,9 +34,12 @@ pub fn material_charts(material: &Loaded) -> Result<MaterialCharts> {
         if !supported(&spec, &[material.facts()]) {
             continue;
         }
-        let subject = ChartSubject::new(material, vec![SHOWN_DEG], Some(spec))?;
-        charts.densities.push(subject.lobe_polar());
-        charts.discs.push(subject.disc(CLOUD.0, CLOUD.1));
+        let sampler = spec.build(material)?;
+        let samplers = vec![vec![sampler.clone()]];
+        let densities = CurveCharts::new(only, vec![SHOWN_DEG], samplers, options)?;
+        charts.densities.push(densities.lobe_polar().svg());
+        let subject = ChartSubject::new(material, vec![SHOWN_DEG], Some(sampler));
+        charts.discs.push(subject.disc(CLOUD.0, CLOUD.1).svg());
     }
     Ok(charts)
 }

@@ -8,6 +8,7 @@ mod charts;
 mod check;
 mod compare;
 mod cost;
+mod curve_charts;
 mod export;
 mod fit;
 mod fitted;
@@ -27,6 +28,7 @@ pub use beside_thesis::{ThesisTable, beside_thesis};
 pub use charts::{ChartSubject, SLICE};
 pub use check::CheckResult;
 pub use compare::{ComparisonDocument, comparison_csv, targets};
+pub use curve_charts::{CurveCharts, CurveOptions};
 pub use export::{drawn_row, export_row, export_sheet, table_sheet};
 pub use fit::{
     FitDocument, fit_matrix, fit_ranking, fit_summary, fit_text, fits_sheet, parameters_sheet,
