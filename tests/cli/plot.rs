@@ -266,6 +266,15 @@ fn csv_has_the_numbers_of_the_picture() {
     ];
     let wrote = succeeds(run_in(folder.path(), &both, ""));
     assert_eq!(wrote, "wrote b.svg\nwrote b.csv\n");
+    // On standard output the numbers are alone.
+    let arguments = [
+        "plot", "teflon", "--kind", "lobe", "--csv", "-", "-o", "c.svg",
+    ];
+    let printed = succeeds(run_in(folder.path(), &arguments, ""));
+    let written = std::fs::read_to_string(folder.path().join("b.csv")).unwrap();
+    assert_eq!(printed, written);
+    let arguments = ["plot", "teflon", "--kind", "lobe", "--csv", "-", "-o", "-"];
+    assert!(fails(run_in(folder.path(), &arguments, "")).contains("name a file"));
     assert!(fails(run_in(folder.path(), &both, "")).contains("b.svg"));
 }
 

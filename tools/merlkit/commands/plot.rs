@@ -1,7 +1,6 @@
 //! `merlkit plot`
 
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use merlkit::Error;
@@ -165,9 +164,9 @@ pub struct Args {
     /// File to write, by its extension: .svg, .csv, .png, .exr; or - for SVG on standard output [default: MATERIAL-KIND.svg]
     #[arg(help_heading = "Output", short, long, value_name = "FILE|-")]
     output: Option<Destination>,
-    /// Also write the numbers of the picture as CSV [default: none]
-    #[arg(help_heading = "Output", long, value_name = "FILE")]
-    csv: Option<PathBuf>,
+    /// Also write the numbers of the picture as CSV; with -, to standard output [default: none]
+    #[arg(help_heading = "Output", long, value_name = "FILE|-")]
+    csv: Option<Destination>,
     /// Pixels across, 320 to 10000; text keeps its size. A PNG has twice as many, but for slices [default: 640, for a PNG of a
     /// slice 360]
     #[arg(help_heading = "Output", long, value_name = "N", value_parser = clap::value_parser!(u16).range(320..=10_000))]
@@ -193,8 +192,11 @@ pub fn run(args: &Args) -> Outcome {
     let format = Format::from_extension(&destination, args.kind)?;
     args.check_size(format)?;
     destination.check(overwrite(args.force))?;
-    let numbers = args.csv.clone().map(Destination::File);
-    if let Some(numbers) = &numbers {
+    if let Some(numbers) = &args.csv {
+        if (&destination, numbers) == (&Destination::Stdout, &Destination::Stdout) {
+            let what = "the picture and its numbers on standard output";
+            return Err(Error::argument(what, "name a file for one of them").into());
+        }
         numbers.check(overwrite(args.force))?;
     }
     args.check_facts(&materials, &specs)?;
@@ -204,7 +206,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let chart = args.chart(&loaded, thetas, &specs)?;
     args.write(&chart, format, &destination)?;
-    if let Some(numbers) = &numbers {
+    if let Some(numbers) = &args.csv {
         args.write_bytes(chart.csv().as_bytes(), numbers)?;
     }
     args.print_written(&destination)
@@ -475,19 +477,21 @@ impl Args {
         destination.write(overwrite(self.force), |out| out.write_all(bytes))
     }
 
-    /// Says which files were written, unless standard output holds the picture.
+    /// Says which files were written, unless standard output holds the picture or its numbers.
     fn print_written(&self, destination: &Destination) -> Outcome {
-        if let Destination::File(path) = destination {
-            let files: Vec<&Path> = std::iter::once(path.as_path())
-                .chain(self.csv.as_deref())
-                .collect();
-            output::stdout(|out| {
-                for file in files {
-                    writeln!(out, "wrote {}", file.display())?;
-                }
-                Ok(())
-            })?;
+        let mut files = Vec::new();
+        for written in std::iter::once(destination).chain(&self.csv) {
+            let Destination::File(path) = written else {
+                return Ok(ExitCode::SUCCESS);
+            };
+            files.push(path);
         }
+        output::stdout(|out| {
+            for file in files {
+                writeln!(out, "wrote {}", file.display())?;
+            }
+            Ok(())
+        })?;
         Ok(ExitCode::SUCCESS)
     }
 }
