@@ -45,8 +45,8 @@ pub(super) fn decode_png(bytes: &[u8], path: &Path) -> Result<Image> {
 /// # Errors
 /// [`Error::Invalid`] for a damaged header.
 pub(super) fn read_png_comment(source: impl BufRead + Seek, path: &Path) -> Result<Option<String>> {
-    let mut decoder = Decoder::new(source);
-    let info = decoder.read_header_info().map_err(|error| {
+    // All chunks before the pixels, for which no memory is taken yet.
+    let reader = Decoder::new(source).read_info().map_err(|error| {
         Error::invalid(
             path,
             0,
@@ -55,7 +55,7 @@ pub(super) fn read_png_comment(source: impl BufRead + Seek, path: &Path) -> Resu
             "fetch the file again: it is damaged or cut off",
         )
     })?;
-    for chunk in &info.utf8_text {
+    for chunk in &reader.info().utf8_text {
         if chunk.keyword == COMMENT && !chunk.compressed {
             return Ok(chunk.get_text().ok());
         }
