@@ -1,6 +1,6 @@
 //! `render`: strategies and target errors.
 
-use crate::run::{fails, run, run_in, succeeds};
+use crate::run::{fails, pixels, run, run_in, succeeds};
 
 const RENDER: [&str; 5] = ["render", "nickel", "--size", "24x24", "--force"];
 
@@ -122,10 +122,7 @@ fn strategies_are_explained_and_differ() {
             &[&RENDER[..], &["--spp", "4"], options].concat(),
             "",
         ));
-        (
-            text,
-            std::fs::read(folder.path().join("render.exr")).unwrap(),
-        )
+        (text, pixels(folder.path()))
     };
     let (text, ris) = picture(&["--strategy", "ris", "--explain"]);
     let line = |name: &str| text.lines().find(|l| l.contains(name)).unwrap().to_owned();
@@ -167,7 +164,7 @@ fn points_and_places_of_paths_make_different_pictures_of_the_same() {
             &[&RENDER[..], &["--spp", "16"], options].concat(),
             "",
         ));
-        std::fs::read(folder.path().join("render.exr")).unwrap()
+        pixels(folder.path())
     };
     let lattice = picture(&[]);
     assert!(picture(&["--points", "lattice"]) == lattice);
@@ -188,7 +185,7 @@ fn many_paths_are_spread_as_sobol_points_by_default() {
         let command = format!("render nickel --size 8x8 --force {options}");
         let arguments: Vec<&str> = command.split(' ').collect();
         succeeds(run_in(folder.path(), &arguments, ""));
-        std::fs::read(folder.path().join("render.exr")).unwrap()
+        pixels(folder.path())
     };
     for (paths, points) in [("511", "lattice"), ("512", "sobol")] {
         let default = picture(&format!("--spp {paths}"));
@@ -243,7 +240,7 @@ fn environments_have_the_same_words_in_every_command() {
     let picture = |light: &str| {
         let options = ["--spp", "1", "--light", light];
         succeeds(run_in(folder.path(), &[&RENDER[..], &options].concat(), ""));
-        std::fs::read(folder.path().join("render.exr")).unwrap()
+        pixels(folder.path())
     };
     let studio = picture("studio");
     assert!(studio == picture("environment"));

@@ -58,6 +58,11 @@ pub fn fails(output: Output) -> String {
     String::from_utf8(output.stderr).unwrap()
 }
 
+/// What `render` drew there where nothing else was asked for, without what its header says of the command.
+pub fn pixels(folder: &Path) -> merlkit::image::Image {
+    merlkit::image::read_exr(&folder.join("render.exr")).unwrap()
+}
+
 /// JSON that a command printed, which its schema documents.
 pub fn json(text: &str) -> serde_json::Value {
     let document = serde_json::from_str(text).unwrap();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::run::{fails, json, run, run_in, succeeds};
+use crate::run::{fails, json, pixels, run, run_in, succeeds};
 
 #[test]
 fn a_sampler_file_tells_when_its_material_is_elsewhere() {
@@ -292,7 +292,7 @@ fn commands_without_a_sampler_draw_by_the_half_vector_table() {
     let picture = |settings: &[&str]| {
         let render = ["render", "nickel", "--spp", "1", "--size", "8x8", "--force"];
         run(&[&render, settings].concat());
-        std::fs::read(folder.path().join("render.exr")).unwrap()
+        pixels(folder.path())
     };
     let default = picture(&[]);
     assert!(default == picture(&settings) && default != picture(&["--sampler", "cosine"]));
