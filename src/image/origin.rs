@@ -1,6 +1,5 @@
 //! What the header of a picture's file says about it.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -8,8 +7,8 @@ use super::Image;
 use super::exr::read_header_comment;
 #[cfg(feature = "png")]
 use super::png_input::read_png_comment;
+use crate::Result;
 use crate::files::RegularFile;
-use crate::{Error, Result};
 
 /// Longest text that is taken from a header.
 const MOST_BYTES: usize = 1 << 20;
@@ -22,28 +21,17 @@ impl Image {
     /// [`Error::Io`] if the file can't be read; [`Error::Invalid`] if its header is damaged.
     pub fn read_comment(path: &Path) -> Result<Option<String>> {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        let comment = if extension == "exr" {
-            let file = RegularFile::open(path)?;
-            let len = file.len();
-            read_header_comment(BufReader::new(file), len, path)?
-        } else if extension == "png" {
-            let file = File::open(path).map_err(|e| Error::io(path, "open", e))?;
-            png_comment(BufReader::new(file), path)?
-        } else {
-            None
+        let file = RegularFile::open(path)?;
+        let len = file.len();
+        let source = BufReader::new(file);
+        let comment = match extension.to_str() {
+            Some("exr") => read_header_comment(source, len, path)?,
+            #[cfg(feature = "png")]
+            Some("png") => read_png_comment(source, path)?,
+            _ => None,
         };
         Ok(comment.filter(|text| text.len() <= MOST_BYTES))
     }
-}
-
-#[cfg(feature = "png")]
-fn png_comment(source: BufReader<File>, path: &Path) -> Result<Option<String>> {
-    read_png_comment(source, path)
-}
-
-#[cfg(not(feature = "png"))]
-fn png_comment(_: BufReader<File>, _: &Path) -> Result<Option<String>> {
-    Ok(None)
 }
 
 #[cfg(test)]

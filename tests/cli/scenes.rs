@@ -295,3 +295,20 @@ fn pictures_say_where_they_come_from() {
         );
     }
 }
+
+/// Names of files need not be text.
+#[cfg(unix)]
+#[test]
+fn names_that_are_no_text_do_no_harm() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let name = std::ffi::OsStr::from_bytes(b"a\xff");
+    let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!("merlkit"))
+        .args(["render", WHITE, "--spp", "1", "--size", "8x8", "-o"])
+        .arg(name)
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+}

@@ -95,10 +95,10 @@ impl Movie {
     }
 
     /// The same files; headers of numbered ones say where they come from.
-    pub fn with_provenance(mut self, provenance: &str) -> Self {
+    pub fn with_provenance(mut self, provenance: &Option<String>) -> Self {
         if let Self::Numbered(files) = &mut self {
             for files in files {
-                provenance.clone_into(&mut files.provenance);
+                files.provenance.clone_from(provenance);
             }
         }
         self
@@ -159,7 +159,7 @@ fn delay(count: usize) -> u16 {
 /// A picture as bytes: width, height, four bytes a pixel.
 fn encode_frame(image: Image, finish: &Finish) -> ([usize; 2], Vec<u8>) {
     let size = [image.width(), image.height()];
-    let image = finish.apply(image, None);
+    let image = finish.apply(image, Vec::new());
     let bytes = encode_srgb(&image, finish.exposure);
     if bytes.len() == 4 * size[0] * size[1] {
         return (size, bytes);

@@ -179,8 +179,8 @@ pub struct Files {
     pub png: PathBuf,
     /// What an unfinished picture needs to go on.
     pub partial: PathBuf,
-    /// What the headers say of where the picture comes from; may be empty.
-    pub provenance: String,
+    /// What the headers say of where the picture comes from.
+    pub provenance: Option<String>,
 }
 
 impl Files {
@@ -201,7 +201,7 @@ impl Files {
             exr,
             png,
             partial,
-            provenance: String::new(),
+            provenance: None,
         }
     }
 
@@ -216,11 +216,8 @@ impl Files {
         state: Option<String>,
         overwrite: Overwrite,
     ) -> Result<(), Error> {
-        let mut words = vec![self.provenance.clone()];
-        words.extend(state);
-        words.retain(|line| !line.is_empty());
-        let text = (!words.is_empty()).then(|| words.join("\n"));
-        let image = finish.apply(image, text);
+        let words = self.provenance.iter().cloned().chain(state).collect();
+        let image = finish.apply(image, words);
         write_exr(&self.exr, &image, overwrite)?;
         write_png(&self.png, &image, finish.exposure, overwrite)
     }
@@ -231,7 +228,7 @@ impl Files {
     /// Those of reading a material's file.
     pub fn with_provenance(self, materials: &[Material]) -> Result<Self, Error> {
         Ok(Self {
-            provenance: provenance::describe(materials)?,
+            provenance: Some(provenance::describe(materials)?),
             ..self
         })
     }

@@ -18,7 +18,7 @@ const ALONE: [&str; 3] = ["--force", "--resume", "--explain"];
 pub fn describe(materials: &[Material]) -> Result<String, Error> {
     let mut lines = vec![
         format!("merlkit {}, {ARCH} {OS}", env!("CARGO_PKG_VERSION")),
-        format!("command: {}", command(std::env::args().skip(1))),
+        format!("command: {}", write_command(&select(arguments()))),
     ];
     for material in materials {
         let line = format!(
@@ -33,34 +33,68 @@ pub fn describe(materials: &[Material]) -> Result<String, Error> {
     Ok(lines.join("\n"))
 }
 
-/// The command line as a shell takes it, without what does not change pixels.
-fn command(arguments: impl Iterator<Item = String>) -> String {
+/// The arguments of this process; what is no text is replaced.
+pub fn arguments() -> Vec<String> {
+    let mut arguments = Vec::new();
+    for argument in std::env::args_os().skip(1) {
+        arguments.push(argument.to_string_lossy().into_owned());
+    }
+    arguments
+}
+
+/// A command line of this program as a shell takes it.
+pub fn write_command(arguments: &[String]) -> String {
     let mut words = vec!["merlkit".to_owned()];
-    let mut is_value = false;
     for argument in arguments {
-        let is_left_out = is_value || ALONE.contains(&argument.as_str());
-        is_value = !is_value && WITH_VALUE.contains(&argument.as_str());
-        let (name, _) = argument.split_once('=').unwrap_or((&argument, ""));
-        let is_short = argument.starts_with("-o") && !argument.starts_with("--");
-        if !(is_left_out || is_short || WITH_VALUE.contains(&name)) {
-            words.push(quote(&argument));
-        }
+        words.push(quote(argument));
     }
     words.join(" ")
 }
 
-/// The word in quotation marks if a shell would take it apart.
-fn quote(word: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "_-./:,=+%@".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
+/// The arguments without those that leave the pixels as they are.
+fn select(arguments: Vec<String>) -> Vec<String> {
+    let mut selected = Vec::new();
+    let mut is_value = false;
+    for argument in arguments {
+        let is_left_out = is_value || ALONE.contains(&argument.as_str());
+        is_value = !is_value && WITH_VALUE.contains(&argument.as_str());
+        let name = argument.split('=').next().unwrap_or_default();
+        let is_output = argument.starts_with("-o");
+        if !(is_left_out || is_output || WITH_VALUE.contains(&name)) {
+            selected.push(argument);
+        }
     }
-    format!("'{}'", word.replace('\'', "'\\''"))
+    selected
+}
+
+/// Whether no shell gives the character a meaning.
+fn is_plain(c: char) -> bool {
+    c.is_ascii_alphanumeric() || "-_./:=,%+".contains(c)
+}
+
+/// A word as a shell takes it.
+fn quote(word: &str) -> String {
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_are_quoted_where_a_shell_would_split_them() {
+        assert_eq!(
+            quote("lambert:reflectance=0.8/0.5"),
+            "lambert:reflectance=0.8/0.5"
+        );
+        assert_eq!(quote("my file.exr"), "'my file.exr'");
+        assert_eq!(quote("it's"), "'it'\\''s'");
+        assert_eq!(quote(""), "''");
+    }
 
     #[test]
     fn commands_are_those_that_make_the_same_pixels() {
@@ -79,8 +113,7 @@ mod tests {
             "--seed",
             "3",
         ];
-        let words = command(typed.into_iter().map(str::to_owned));
+        let words = write_command(&select(typed.map(str::to_owned).to_vec()));
         assert_eq!(words, "merlkit render nickel 'my file' --spp=4 --seed 3");
-        assert_eq!(quote("it's"), "'it'\\''s'");
     }
 }

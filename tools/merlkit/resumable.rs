@@ -1,6 +1,5 @@
 //! A picture that Ctrl-C stops: kept as far as it is, with what it needs to go on, and gone on with by `render --resume`.
 
-use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -14,6 +13,7 @@ use crate::failure::Failure;
 use crate::interrupt::StoppableWork;
 use crate::output;
 use crate::picture::{Files, Picture, map_file};
+use crate::provenance;
 
 /// Shown when a signal comes.
 const STOPPING: &str = "merlkit: stopping once every pixel has the same number of paths (press Ctrl-C again to stop now and discard the picture)";
@@ -191,46 +191,16 @@ pub fn unfinished(done: &str) -> String {
 
 /// The command of this process with `--resume`, as a shell takes it.
 fn command_to_resume() -> String {
-    let mut words = vec!["merlkit".to_owned()];
-    words.extend(
-        env::args_os()
-            .skip(1)
-            .map(|word| quote(&word.to_string_lossy())),
-    );
-    if !words.iter().any(|word| word == "--resume") {
-        words.push("--resume".into());
+    let mut arguments = provenance::arguments();
+    if !arguments.iter().any(|argument| argument == "--resume") {
+        arguments.push("--resume".into());
     }
-    words.join(" ")
-}
-
-/// Whether no shell gives the character a meaning.
-fn is_plain(c: char) -> bool {
-    c.is_ascii_alphanumeric() || "-_./:=,%+".contains(c)
-}
-
-/// A word as a shell takes it.
-fn quote(word: &str) -> String {
-    if !word.is_empty() && word.chars().all(is_plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
+    provenance::write_command(&arguments)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn words_are_quoted_where_a_shell_would_split_them() {
-        assert_eq!(
-            quote("lambert:reflectance=0.8/0.5"),
-            "lambert:reflectance=0.8/0.5"
-        );
-        assert_eq!(quote("my file.exr"), "'my file.exr'");
-        assert_eq!(quote("it's"), "'it'\\''s'");
-        assert_eq!(quote(""), "''");
-    }
 
     #[test]
     fn a_file_that_changed_has_no_checksum() {

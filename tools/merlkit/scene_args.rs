@@ -89,9 +89,9 @@ pub struct Finish {
 }
 
 impl Finish {
-    /// The picture with its backdrop, and with what its headers are to say; `state` is a sentence about an unfinished one.
-    pub fn apply(&self, image: Image, state: Option<String>) -> Image {
-        let words: Vec<String> = state.into_iter().chain(self.warning()).collect();
+    /// The picture with its backdrop, whose headers will say these lines, and what a reader has to know.
+    pub fn apply(&self, image: Image, mut words: Vec<String>) -> Image {
+        words.extend(self.warning());
         let image = match words.is_empty() {
             true => image,
             false => image.with_comment(words.join("\n")),
@@ -184,12 +184,12 @@ mod tests {
     fn a_clamped_picture_says_so() {
         let image = || Image::new(1, 1, vec![Rgb::ONE]).unwrap();
         let plain = Finish::default();
-        assert_eq!(plain.apply(image(), None), image());
+        assert_eq!(plain.apply(image(), Vec::new()), image());
         let clamped = Finish {
             clamp: Some(10.0),
             ..plain
         };
-        let words = format!("{:?}", clamped.apply(image(), Some("unfinished".into())));
+        let words = format!("{:?}", clamped.apply(image(), vec!["unfinished".into()]));
         assert!(words.contains("unfinished") && words.contains("more than 10 in a channel"));
     }
 }

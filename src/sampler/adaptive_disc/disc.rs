@@ -80,13 +80,13 @@ impl TreeView {
     #[inline(always)]
     pub(super) fn has_weight(&self, slot: usize) -> bool {
         let [azimuth, polar] = self.weights;
-        let of_azimuth = if slot < 2 { 1.0 - azimuth } else { azimuth };
-        let of_polar = if slot.is_multiple_of(2) {
+        let azimuth_weight = if slot < 2 { 1.0 - azimuth } else { azimuth };
+        let polar_weight = if slot.is_multiple_of(2) {
             1.0 - polar
         } else {
             polar
         };
-        of_azimuth > 0.0 && of_polar > 0.0
+        azimuth_weight > 0.0 && polar_weight > 0.0
     }
 }
 
