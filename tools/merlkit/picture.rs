@@ -13,7 +13,7 @@ use merlkit::sampler::SamplerSpec;
 
 use crate::args;
 use crate::progress::Progress;
-use crate::provenance;
+use crate::provenance::{self, Checksums};
 use crate::scene_args::Finish;
 use crate::sky::print_notes;
 
@@ -226,9 +226,13 @@ impl Files {
     ///
     /// # Errors
     /// Those of reading a material's file.
-    pub fn with_provenance(self, materials: &[Material]) -> Result<Self, Error> {
+    pub fn with_provenance(
+        self,
+        materials: &[Material],
+        sums: &mut Checksums,
+    ) -> Result<Self, Error> {
         Ok(Self {
-            provenance: Some(provenance::describe(materials)?),
+            provenance: Some(provenance::describe(materials, sums)?),
             ..self
         })
     }

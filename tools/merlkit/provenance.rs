@@ -1,5 +1,6 @@
 //! What the header of a picture says of where it comes from.
 
+use std::collections::HashMap;
 use std::env::consts::{ARCH, OS};
 
 use merlkit::Error;
@@ -10,12 +11,35 @@ const WITH_VALUE: [&str; 4] = ["--threads", "-o", "--output", "--json"];
 /// Options without one that do.
 const ALONE: [&str; 3] = ["--force", "--resume", "--explain"];
 
+/// Checksums of materials, each of which is taken once in a command.
+#[derive(Default)]
+pub struct Checksums {
+    /// By the origins of the materials.
+    known: HashMap<String, String>,
+}
+
+impl Checksums {
+    /// The SHA-256 of a material in hexadecimal.
+    ///
+    /// # Errors
+    /// As [`Material::sha256`].
+    pub fn find(&mut self, material: &Material) -> Result<String, Error> {
+        let origin = format!("{:?}", material.origin());
+        if let Some(sum) = self.known.get(&origin) {
+            return Ok(sum.clone());
+        }
+        let sum = material.sha256()?;
+        self.known.insert(origin, sum.clone());
+        Ok(sum)
+    }
+}
+
 /// Version, command line, and checksum of each material, a line each. The same pixels have the same words: options that say where files
 /// go, and how many threads work, are left out.
 ///
 /// # Errors
 /// Those of reading a material's file.
-pub fn describe(materials: &[Material]) -> Result<String, Error> {
+pub fn describe(materials: &[Material], sums: &mut Checksums) -> Result<String, Error> {
     let mut lines = vec![
         format!("merlkit {}, {ARCH} {OS}", env!("CARGO_PKG_VERSION")),
         format!("command: {}", write_command(&select(arguments()))),
@@ -24,7 +48,7 @@ pub fn describe(materials: &[Material]) -> Result<String, Error> {
         let line = format!(
             "material: {}, SHA-256 {}",
             material.name(),
-            material.sha256()?
+            sums.find(material)?
         );
         if !lines.contains(&line) {
             lines.push(line);

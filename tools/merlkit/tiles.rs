@@ -15,6 +15,7 @@ use crate::interrupt::StoppableWork;
 use crate::output;
 use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
+use crate::provenance::Checksums;
 
 /// A picture that becomes a part of a larger one, or a frame: in most cases of one sphere.
 pub struct Tile<'a> {
@@ -38,14 +39,16 @@ impl<'a> Tile<'a> {
 ///
 /// # Errors
 /// As [`Material::sha256`].
-pub fn tile_key(materials: &[Material]) -> Result<String, Error> {
-    let sums: Vec<String> = materials
-        .iter()
-        .map(Material::sha256)
-        .collect::<Result<_, _>>()?;
-    let (name, sum) = match (materials, &sums[..]) {
-        ([material], [sum]) => (material.name(), sum.clone()),
-        _ => ("together", to_hex(&Sha256::digest(sums.concat()))),
+pub fn tile_key(materials: &[Material], sums: &mut Checksums) -> Result<String, Error> {
+    let (name, sum) = match materials {
+        [material] => (material.name(), sums.find(material)?),
+        _ => {
+            let mut all = String::new();
+            for material in materials {
+                all.push_str(&sums.find(material)?);
+            }
+            ("together", to_hex(&Sha256::digest(all)))
+        }
     };
     Ok(format!("{name}-{}", &sum[..16.min(sum.len())]))
 }

@@ -22,6 +22,7 @@ use crate::failure::{Failure, Outcome};
 use crate::frames::{FrameOptions, Movie};
 use crate::grid::{Cell, Grid};
 use crate::picture::{Files, Picture};
+use crate::provenance::Checksums;
 use crate::resumable::{self, Resumable};
 use crate::sampler_args;
 use crate::scene_args::SceneOptions;
@@ -156,7 +157,8 @@ pub fn run(args: &Args) -> Outcome {
         true => args::resolve(&SceneSpec::row(&names, 1.0).materials, &args.tables)?,
         false => args::resolve(&names, &args.tables)?,
     };
-    let files = files.with_provenance(&materials)?;
+    let mut sums = Checksums::default();
+    let files = files.with_provenance(&materials, &mut sums)?;
     let pictures = describe(args, &names, &materials, settings)?;
     let is_single = pictures.len() == 1 && args.frames.count().is_none();
     if is_single {
@@ -177,8 +179,8 @@ pub fn run(args: &Args) -> Outcome {
         }
         .render()?,
         _ => match args.frames.count() {
-            Some(count) => draw_frames(args, &pictures, &grid, &files, count)?,
-            None => draw_apart(args, pictures, &grid, &files)?,
+            Some(count) => draw_frames(args, &pictures, &grid, &files, &mut sums, count)?,
+            None => draw_apart(args, pictures, &grid, &files, &mut sums)?,
         },
     };
     report(args, &grid, &settings, refinement.as_ref(), start)?;
@@ -241,6 +243,7 @@ fn draw_apart(
     pictures: Vec<Picture<'_>>,
     grid: &Grid,
     files: &Files,
+    sums: &mut Checksums,
 ) -> Result<Option<Refinement>, Failure> {
     let overwrite = match args.resume {
         true => Overwrite::Replace,
@@ -251,7 +254,7 @@ fn draw_apart(
     files.check(overwrite)?;
     let mut tiles = Vec::with_capacity(pictures.len());
     for picture in pictures {
-        let key = tile_key(picture.materials)?;
+        let key = tile_key(picture.materials, sums)?;
         tiles.push(Tile::new(&key, "", picture));
     }
     let drawn = draw_tiles(&folder, &tiles, "", |drawn| {
@@ -287,6 +290,7 @@ fn draw_frames(
     pictures: &[Picture<'_>],
     grid: &Grid,
     files: &Files,
+    sums: &mut Checksums,
     count: usize,
 ) -> Result<Option<Refinement>, Failure> {
     let movie = Movie::named(&args.output, count).with_provenance(&files.provenance);
@@ -299,7 +303,7 @@ fn draw_frames(
     movie.check(overwrite)?;
     let mut tiles = Vec::with_capacity(pictures.len() * count);
     for picture in pictures {
-        let key = tile_key(picture.materials)?;
+        let key = tile_key(picture.materials, sums)?;
         for frame in 0..count {
             let picture = Picture {
                 scene: args.frames.turn(&picture.scene, frame),

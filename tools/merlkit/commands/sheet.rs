@@ -20,6 +20,7 @@ use crate::failure::{Failure, Outcome};
 use crate::grid::{Cell, Grid, line_height};
 use crate::output;
 use crate::picture::{Files, Picture};
+use crate::provenance::Checksums;
 use crate::resumable::unfinished;
 use crate::sampler_args;
 use crate::scene_args::SceneOptions;
@@ -120,11 +121,12 @@ pub fn run(args: &Args) -> Outcome {
     }
     let grid = lay_out(args, materials.len());
     grid.check()?;
-    let files = Files::named(&args.output).with_provenance(&materials)?;
+    let mut sums = Checksums::default();
+    let files = Files::named(&args.output).with_provenance(&materials, &mut sums)?;
     let scene = describe_scene(args)?;
     let mut tiles = Vec::with_capacity(spheres.len());
     for sphere in &spheres {
-        tiles.push(sphere.tile(args, &scene)?);
+        tiles.push(sphere.tile(args, &scene, &mut sums)?);
     }
     let folder = TileFolder::named(&files, args.resume);
     folder.check()?;
@@ -241,7 +243,12 @@ fn plan_spheres<'a>(
 }
 
 impl Sphere<'_> {
-    fn tile<'a>(&'a self, args: &Args, scene: &SceneSpec) -> Result<Tile<'a>, Error> {
+    fn tile<'a>(
+        &'a self,
+        args: &Args,
+        scene: &SceneSpec,
+        sums: &mut Checksums,
+    ) -> Result<Tile<'a>, Error> {
         let materials = std::slice::from_ref(&self.material);
         let picture = Picture {
             scene: SceneSpec {
@@ -261,7 +268,7 @@ impl Sphere<'_> {
             },
             finish: args.scene.finish(args.exposure),
         };
-        let key = tile_key(materials)?;
+        let key = tile_key(materials, sums)?;
         Ok(Tile::new(&key, &self.variant, picture))
     }
 }
