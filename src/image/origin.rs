@@ -18,7 +18,7 @@ impl Image {
     /// another kind. Pixels are not read. Texts beyond a megabyte, and those that are compressed, are left out.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file can't be read; [`Error::Invalid`] if its header is damaged.
+    /// [`Error::Io`](crate::Error::Io) if the file can't be read; [`Error::Invalid`](crate::Error::Invalid) if its header is damaged.
     pub fn read_comment(path: &Path) -> Result<Option<String>> {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         let file = RegularFile::open(path)?;
