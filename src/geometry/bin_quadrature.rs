@@ -9,13 +9,15 @@
 //! tan φd = sin θo sin φ / (cos θo sin θh − sin θo cos θh cos φ)
 //! ```
 //!
-//! and the φ of every edge has a closed form. Between two edges f is constant or smooth, so that two points integrate it. What
-//! is left is a continuous function of θh, which is integrated adaptively in each bin.
+//! and the φ of every edge has a closed form. Between two edges f is constant, and the integral has a closed form too
+//! ([`super::bin_circle`]), or it is smooth, so that two points integrate it. What is left is a continuous function of θh, which is
+//! integrated adaptively in each bin.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
+use super::bin_circle::BinCircles;
 use super::merl_axes::{THETA_D_BINS, THETA_H_BINS, theta_h};
 use super::quadrature::{Piece, piece};
 use super::{HalfVectorDomain, reflect_about};
@@ -55,10 +57,20 @@ pub(crate) struct BinQuadrature {
     wo: DVec3,
     shape: BinShape,
     pieces: Vec<Piece>,
+    is_near_normal: bool,
     /// cos θd at the edges of its bins.
     theta_d_edges: Vec<f64>,
     /// Sine and cosine of φd at the edges of its bins in half a turn.
     phi_d_edges: Vec<(f64, f64)>,
+}
+
+/// What the points of one θh are collected in.
+struct DirectionRow<F> {
+    values: F,
+    cuts: Vec<f64>,
+    wi: Vec<Vec3>,
+    weights: Vec<f64>,
+    found: Vec<f64>,
 }
 
 /// A range of one piece's unit interval, its integral and how far that may be off.
@@ -89,7 +101,8 @@ impl BinQuadrature {
         // Next to the normal all azimuths have nearly the same θd, from |θh − θo| to θh + θo: where an edge of its bins comes and
         // goes, the integral over the azimuth all but jumps.
         let theta_o = f64::from(wo.x).atan2(f64::from(wo.z));
-        if theta_o < NEAR_NORMAL {
+        let is_near_normal = theta_o < NEAR_NORMAL;
+        if is_near_normal {
             for bin in 0..THETA_D_BINS {
                 let edge = (bin as f64 + shape.offset).to_radians();
                 for theta_h in [edge - theta_o, edge + theta_o] {
@@ -116,17 +129,45 @@ impl BinQuadrature {
             wo: wo.as_dvec3().normalize(),
             shape,
             pieces,
+            is_near_normal,
         })
     }
 
-    /// ∫ `value(wi)`·cos θi dσ(wi), for values ≥ 0 that jump where the table does; the errors of all parts, each the difference
-    /// of Gauss's rules of two and of three points, add up to at most `tolerance` of it, or parts are as small as they may be.
-    pub fn integrate(&self, tolerance: f64, mut value: impl FnMut(Vec3) -> f64) -> f64 {
+    /// Whether `wo` is within a degree of the normal.
+    pub fn is_near_normal(&self) -> bool {
+        self.is_near_normal
+    }
+
+    /// ∫ f cos θi dσ(wi) for f ≥ 0 that jumps where the table does, to `tolerance`: the errors of all parts, each the difference of
+    /// Gauss's rules of two and of three points, add up to at most `tolerance` of the integral, or parts are as small as they may be.
+    ///
+    /// `values` writes f of each direction to the place of the same number.
+    pub fn integrate(&self, tolerance: f64, values: impl FnMut(&[Vec3], &mut [f64])) -> f64 {
+        let mut row = DirectionRow {
+            values,
+            cuts: Vec::new(),
+            wi: Vec::new(),
+            weights: Vec::new(),
+            found: Vec::new(),
+        };
+        self.refine(tolerance, |theta_h| self.row(theta_h, &mut row))
+    }
+
+    /// [`Self::integrate`] for an f that has the value of each bin anywhere in it; `cells` has values by θh, θd and `phi_d_bins` (180 or
+    /// 360) bins of φd. `wo` must not be near the normal, about which rounding decides on φd.
+    pub fn integrate_cells(&self, tolerance: f64, cells: &[f32], phi_d_bins: usize) -> f64 {
+        let mut circles = BinCircles::new(self.wo, cells, phi_d_bins);
+        self.refine(tolerance, |theta_h| {
+            circles.integrate(theta_h, self.domain.phi_max(theta_h))
+        })
+    }
+
+    /// The integral over all θh of `row`, which is that over the azimuths.
+    fn refine(&self, tolerance: f64, mut row: impl FnMut(f64) -> f64) -> f64 {
         // Step 1: one part for each piece.
-        let mut cuts = Vec::new();
         let mut parts = Vec::new();
         for piece in 0..self.pieces.len() {
-            parts.push(self.part(piece, [0.0, 1.0], 0, &mut cuts, &mut value));
+            parts.push(self.part(piece, [0.0, 1.0], 0, &mut row));
         }
         loop {
             let total: f64 = parts.iter().map(|p| p.value).sum();
@@ -146,7 +187,7 @@ impl BinQuadrature {
                 let middle = 0.5 * (part.low + part.high);
                 for range in [[part.low, middle], [middle, part.high]] {
                     let halvings = part.halvings + 1;
-                    finer.push(self.part(part.piece, range, halvings, &mut cuts, &mut value));
+                    finer.push(self.part(part.piece, range, halvings, &mut row));
                 }
                 is_finer = true;
             }
@@ -164,15 +205,14 @@ impl BinQuadrature {
         piece: usize,
         [low, high]: [f64; 2],
         halvings: u32,
-        cuts: &mut Vec<f64>,
-        value: &mut impl FnMut(Vec3) -> f64,
+        row: &mut impl FnMut(f64) -> f64,
     ) -> Part {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         // The integrand g at Gauss's points: the integral over the azimuth times dθh/dt.
         let mut rows = [0.0; 5];
-        for (row, x) in rows.iter_mut().zip(POINTS) {
+        for (integrand, x) in rows.iter_mut().zip(POINTS) {
             let (theta_h, slope) = self.pieces[piece].theta_h(middle + half * x);
-            *row = slope * self.row(theta_h, cuts, value);
+            *integrand = slope * row(theta_h);
         }
         // Two points: ½w (g(−√⅓) + g(√⅓)) for a range of width w. Three: w/18 (5 g(−√⅗) + 8 g(0) + 5 g(√⅗)).
         let two = half * (rows[0] + rows[1]);
@@ -187,14 +227,15 @@ impl BinQuadrature {
         }
     }
 
-    /// ∫ `value`·cos θi·dσ(wi)/dθh over the azimuth at one θh: 4 (wo·h) sin θh cos θi dφ.
-    fn row(&self, theta_h: f64, cuts: &mut Vec<f64>, value: &mut impl FnMut(Vec3) -> f64) -> f64 {
+    /// ∫ f cos θi·dσ(wi)/dθh over the azimuth at one θh: 4 (wo·h) sin θh cos θi dφ.
+    fn row(&self, theta_h: f64, row: &mut DirectionRow<impl FnMut(&[Vec3], &mut [f64])>) -> f64 {
         // Step 1: the azimuths between which the values are constant or smooth.
-        self.azimuth_cuts(theta_h, cuts);
+        self.azimuth_cuts(theta_h, &mut row.cuts);
         let circle = HalfVectorCircle::new(self.wo, theta_h);
-        let mut sum = 0.0;
+        row.wi.clear();
+        row.weights.clear();
         // Step 2: Gauss's rule of two points between each two of them, on both sides of the plane of incidence.
-        for pair in cuts.windows(2) {
+        for pair in row.cuts.windows(2) {
             let half = 0.5 * (pair[1] - pair[0]);
             let (sin, cos) = (0.5 * (pair[0] + pair[1])).sin_cos();
             // Gauss's points lie δ to either side; δ is short enough for its series.
@@ -209,14 +250,22 @@ impl BinQuadrature {
             let weights = [circle.weight(before.1), circle.weight(after.1)];
             // Edges lie at ±φ, but the values there may differ.
             for side in [1.0, -1.0] {
-                let weighted = if self.shape.is_constant {
-                    value(circle.reflect(side * sin, cos)) * (weights[0] + weights[1])
+                if self.shape.is_constant {
+                    row.wi.push(circle.reflect(side * sin, cos));
+                    row.weights.push(half * (weights[0] + weights[1]));
                 } else {
-                    value(circle.reflect(side * before.0, before.1)) * weights[0]
-                        + value(circle.reflect(side * after.0, after.1)) * weights[1]
-                };
-                sum += half * weighted;
+                    row.wi.push(circle.reflect(side * before.0, before.1));
+                    row.wi.push(circle.reflect(side * after.0, after.1));
+                    row.weights.extend(weights.map(|weight| half * weight));
+                }
             }
+        }
+        // Step 3: the values of all points together.
+        row.found.resize(row.wi.len(), 0.0);
+        (row.values)(&row.wi, &mut row.found);
+        let mut sum = 0.0;
+        for (weight, value) in row.weights.iter().zip(&row.found) {
+            sum += weight * value;
         }
         sum
     }
@@ -322,7 +371,7 @@ mod tests {
             ] {
                 let mass = BinQuadrature::new(wo(theta), shape)
                     .unwrap()
-                    .integrate(1e-6, |_| 1.0);
+                    .integrate(1e-6, |_, out| out.fill(1.0));
                 assert!(
                     (mass * FRAC_1_PI - 1.0).abs() < 2e-6,
                     "{theta}° {shape:?}: {mass}"
@@ -331,21 +380,27 @@ mod tests {
         }
     }
 
+    /// A value that differs from those of all adjacent bins.
+    fn value_of_bin(wo: Vec3, wi: Vec3) -> f64 {
+        let angles = HalfDiff::from_directions(wo.as_dvec3(), wi.as_dvec3()).unwrap();
+        let h = ((angles.theta_h / FRAC_PI_2).sqrt() * 90.0) as u32;
+        let d = angles.theta_d.to_degrees() as u32;
+        let p = angles.phi_d.rem_euclid(PI).to_degrees() as u32;
+        f64::from((h % 7 + 1) * (d % 3 + 1) * (p % 5 + 1))
+    }
+
     /// Bins of all three angles that come and go, against a fine grid over the disc.
     #[test]
     fn values_by_bins_are_integrated_as_on_a_fine_grid_of_the_disc() {
         for theta in [0.0, 0.3, 20.3, 60.1, 88.0] {
             let wo = wo(theta);
-            let value = |wi: Vec3| {
-                let angles = HalfDiff::from_directions(wo.as_dvec3(), wi.as_dvec3()).unwrap();
-                let h = ((angles.theta_h / FRAC_PI_2).sqrt() * 90.0) as u32;
-                let d = angles.theta_d.to_degrees() as u32;
-                let p = angles.phi_d.rem_euclid(PI).to_degrees() as u32;
-                f64::from((h % 7 + 1) * (d % 3 + 1) * (p % 5 + 1))
-            };
             let found = BinQuadrature::new(wo, FLOOR)
                 .unwrap()
-                .integrate(1e-5, value);
+                .integrate(1e-5, |wi, out| {
+                    for (wi, out) in wi.iter().zip(out) {
+                        *out = value_of_bin(wo, *wi);
+                    }
+                });
             let n = 1500;
             let mut sum = 0.0;
             for k in 0..n * n {
@@ -353,7 +408,7 @@ mod tests {
                 let (x, y) = (at(k % n), at(k / n));
                 let z2 = 1.0 - x * x - y * y;
                 if z2 > 0.0 {
-                    sum += value(DVec3::new(x, y, z2.sqrt()).as_vec3());
+                    sum += value_of_bin(wo, DVec3::new(x, y, z2.sqrt()).as_vec3());
                 }
             }
             let expected = sum * 4.0 / f64::from(n * n);
@@ -361,6 +416,29 @@ mod tests {
                 (found / expected - 1.0).abs() < 5e-4,
                 "{theta}°: {found}, {expected}"
             );
+        }
+    }
+
+    /// The closed form along each circle against two points in each bin that it crosses.
+    #[test]
+    fn cells_are_integrated_as_directions_are() {
+        let mut cells = Vec::new();
+        for h in 0..THETA_H_BINS {
+            for d in 0..THETA_D_BINS {
+                cells.extend((0..180).map(|p| ((h % 7 + 1) * (d % 3 + 1) * (p % 5 + 1)) as f32));
+            }
+        }
+        for theta in [1.1, 20.3, 60.1, 75.5, 88.0, 89.9] {
+            let wo = wo(theta);
+            let quadrature = BinQuadrature::new(wo, FLOOR).unwrap();
+            let by_cells = quadrature.integrate_cells(1e-5, &cells, 180);
+            let by_directions = quadrature.integrate(1e-5, |wi, out| {
+                for (wi, out) in wi.iter().zip(out) {
+                    *out = value_of_bin(wo, *wi);
+                }
+            });
+            let ratio = by_cells / by_directions;
+            assert!((ratio - 1.0).abs() < 1e-5, "{theta}°: {ratio}");
         }
     }
 }

@@ -8,6 +8,7 @@
 //! Evaluation of BRDFs and choice of samples are its neighbours' business ([`crate::brdf`], [`crate::sampler`]).
 
 pub mod approx;
+mod bin_circle;
 pub(crate) mod bin_quadrature;
 mod disc;
 mod fibonacci;

@@ -3,7 +3,10 @@
 use byteorder::{ByteOrder, LittleEndian};
 use std::path::Path;
 
-use super::table::{FILLED_MARK, TableBuilder};
+use fearless_simd::{Level, dispatch};
+use glam::Vec4;
+
+use super::table::{FILLED_MARK, TableBuilder, is_usable};
 use super::{Header, MerlTable, SCALE};
 use crate::Result;
 use crate::files::{Lease, RegularFile, SIGNATURE_BYTES, WhyRead};
@@ -13,6 +16,9 @@ const CHUNK: usize = 16_384;
 
 /// Cells that are mapped at a time: 6 MB in three planes, so that a file takes no more memory than that.
 const WINDOW: usize = 1 << 18;
+
+/// Cells that are decoded together: vectors of any processor fit in.
+const BLOCK: usize = 16;
 
 /// Reads a MERL binary, checks it and decodes it into a table that no longer needs the file.
 ///
@@ -54,9 +60,7 @@ fn decode_read(file: &mut RegularFile, header: Header, apart: bool) -> Result<Me
             buffer.resize(8 * count, 0);
             file.read_at(plane_offset(header, channel, start), buffer)?;
         }
-        let [red, green, blue] = &buffers;
-        note_filled([red, green, blue], &mut table);
-        decode_cells([red, green, blue], |rgb| table.push(rgb));
+        push_cells(buffers.each_ref().map(|buffer| &buffer[..]), &mut table);
     }
     Ok(table.finish())
 }
@@ -79,9 +83,7 @@ fn decode_mapped(
             lease.map(green, bytes)?,
             lease.map(blue, bytes)?,
         ];
-        let planes = windows.each_ref().map(|window| window.bytes());
-        note_filled(planes, &mut table);
-        decode_cells(planes, |rgb| table.push(rgb));
+        push_cells(windows.each_ref().map(|window| window.bytes()), &mut table);
     }
     // The values count only under the lease: the system ends it for a program that has waited too long to write the file.
     if lease.is_held() {
@@ -96,16 +98,81 @@ fn plane_offset(header: Header, channel: usize, cell: usize) -> u64 {
     (Header::BYTES + 8 * (channel * header.cells() + cell)) as u64
 }
 
-/// Notes which of the next cells carry the mark of values that were filled in.
-fn note_filled([red, green, blue]: [&[u8]; 3], table: &mut TableBuilder) {
-    let mark = (FILLED_MARK as u16).to_le_bytes();
-    for (cell, bytes) in red.as_chunks::<8>().0.iter().enumerate() {
-        let is_filled = bytes.starts_with(&mark)
-            && green[8 * cell..].starts_with(&mark)
-            && blue[8 * cell..].starts_with(&mark);
-        if is_filled {
-            table.mark_filled(cell);
+/// Adds cells from the same stretch of the three colour planes.
+fn push_cells(planes: [&[u8]; 3], table: &mut TableBuilder) {
+    dispatch!(Level::new(), _ => push_blocks(planes, table));
+}
+
+#[inline(always)]
+fn push_blocks(planes: [&[u8]; 3], table: &mut TableBuilder) {
+    let planes = planes.map(|plane| plane.as_chunks::<8>().0);
+    let blocks = planes.map(|plane| plane.as_chunks::<BLOCK>().0);
+    for number in 0..blocks[0].len() {
+        let block = Block::decode([blocks[0][number], blocks[1][number], blocks[2][number]]);
+        if block.is_ordinary {
+            table.extend(&block.cells());
+        } else {
+            let cells = number * BLOCK..(number + 1) * BLOCK;
+            push_one_by_one(planes.map(|plane| &plane[cells.clone()]), table);
         }
+    }
+    let rest = planes[0].len() / BLOCK * BLOCK;
+    push_one_by_one(planes.map(|plane| &plane[rest..]), table);
+}
+
+/// Adds cells of which some may be invalid or filled.
+#[inline(never)]
+fn push_one_by_one([red, green, blue]: [&[[u8; 8]]; 3], table: &mut TableBuilder) {
+    let mark = (FILLED_MARK as u16).to_le_bytes();
+    for ((r, g), b) in red.iter().zip(green).zip(blue) {
+        if r.starts_with(&mark) && g.starts_with(&mark) && b.starts_with(&mark) {
+            table.mark_filled();
+        }
+        table.push(decode_cell([r, g, b]));
+    }
+}
+
+/// The numbers of a few cells by channel, in columns that vector code works on.
+struct Block {
+    channels: [[f32; BLOCK]; 3],
+    /// Whether all cells have three usable channels and no mark of a filled one.
+    is_ordinary: bool,
+}
+
+impl Block {
+    #[inline(always)]
+    fn decode(bytes: [[[u8; 8]; BLOCK]; 3]) -> Self {
+        let mut channels = [[0.0; BLOCK]; 3];
+        let (mut unusable, mut marks) = (0u64, [0u64; BLOCK]);
+        for channel in 0..3 {
+            for cell in 0..BLOCK {
+                let bits = u64::from_le_bytes(bytes[channel][cell]);
+                let value = f64::from_bits(bits) * SCALE[channel];
+                let rounded = value as f32;
+                channels[channel][cell] = rounded;
+                unusable |= u64::from(!is_usable(rounded, value));
+                // 0 in the low bits of all three if the cell was filled.
+                marks[cell] |= (bits ^ FILLED_MARK) & 0xffff;
+            }
+        }
+        for mark in marks {
+            unusable |= u64::from(mark == 0);
+        }
+        Self {
+            channels,
+            is_ordinary: unusable == 0,
+        }
+    }
+
+    /// The cells as a table holds valid ones.
+    #[inline(always)]
+    fn cells(&self) -> [Vec4; BLOCK] {
+        let mut cells = [Vec4::ONE; BLOCK];
+        let [red, green, blue] = &self.channels;
+        for (cell, rgba) in cells.iter_mut().enumerate() {
+            *rgba = Vec4::new(red[cell], green[cell], blue[cell], 1.0);
+        }
+        cells
     }
 }
 
@@ -131,12 +198,18 @@ fn read_header(file: &mut RegularFile) -> Result<Header> {
 pub fn decode_cells([red, green, blue]: [&[u8]; 3], mut push: impl FnMut([f64; 3])) {
     let [red, green, blue] = [red, green, blue].map(|plane| plane.as_chunks::<8>().0);
     for ((r, g), b) in red.iter().zip(green).zip(blue) {
-        push([
-            LittleEndian::read_f64(r) * SCALE[0],
-            LittleEndian::read_f64(g) * SCALE[1],
-            LittleEndian::read_f64(b) * SCALE[2],
-        ]);
+        push(decode_cell([r, g, b]));
     }
+}
+
+/// f_r of one cell from its numbers in a file.
+#[inline]
+fn decode_cell([red, green, blue]: [&[u8; 8]; 3]) -> [f64; 3] {
+    [
+        LittleEndian::read_f64(red) * SCALE[0],
+        LittleEndian::read_f64(green) * SCALE[1],
+        LittleEndian::read_f64(blue) * SCALE[2],
+    ]
 }
 
 #[cfg(test)]

@@ -308,7 +308,7 @@ fn valid_channels(validity: f32) -> [bool; 3] {
 
 /// Whether a channel is a value: not NaN, negative, infinite or beyond the range of f32.
 #[inline(always)]
-fn is_usable(rounded: f32, value: f64) -> bool {
+pub(super) fn is_usable(rounded: f32, value: f64) -> bool {
     // One comparison a channel passes ordinary cells: NaN fails it, as do −x, ∞ and what overflows f32.
     value >= 0.0 && rounded <= f32::MAX
 }
@@ -335,9 +335,15 @@ impl TableBuilder {
         }
     }
 
-    /// Notes that the cell `offset` cells after those pushed so far was filled in rather than measured.
-    pub(super) fn mark_filled(&mut self, offset: usize) {
-        self.filled.push((self.cells.len() + offset) as u32);
+    /// Notes that the next cell was filled in rather than measured.
+    pub(super) fn mark_filled(&mut self) {
+        self.filled.push(self.cells.len() as u32);
+    }
+
+    /// Adds cells all of whose channels are values.
+    #[inline(always)]
+    pub(super) fn extend(&mut self, cells: &[Vec4]) {
+        self.cells.extend_from_slice(cells);
     }
 
     /// Adds the next cell: f_r, not a file's raw values.

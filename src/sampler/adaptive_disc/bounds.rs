@@ -115,6 +115,16 @@ impl MaxTable {
         self.rule
     }
 
+    /// The values of all cells, by θh, θd and φd.
+    pub fn cells(&self) -> &[f32] {
+        &self.levels[0]
+    }
+
+    /// Bins of φd: 180, or 360 for a table that is not reciprocal.
+    pub fn phi_d_bins(&self) -> usize {
+        self.phi_d_bins
+    }
+
     /// The table's value for a pair of directions by floor lookup: from a plane of scalars, a quarter of the table's memory.
     #[inline]
     pub fn floor_value(&self, wo: Vec3, wi: Vec3) -> f32 {

@@ -1,12 +1,12 @@
 //! What squares hold of a MERL table, and of the thesis's image of any BRDF.
 
-use glam::DVec2;
+use glam::{DVec2, Vec3};
 
 use super::bounds::MaxTable;
 use super::grower::{Content, Contents};
 use super::quad_cell::{QuadCell, Rect};
 use super::settings::LeafChoice;
-use super::slice::Slice;
+use super::slice::{BATCH, Slice};
 
 /// Points along each side of a node in the refined construction. Where leaves are drawn by their bounds, the integral only
 /// decides on splits, and a rough one will do.
@@ -40,14 +40,19 @@ impl Contents for PointValues<'_> {
         let (mut sum, mut seen) = (0.0, 0.0f64);
         // I = mean of f at the midpoints of a grid, times the area. Points beyond the rim count as 0.
         let side = points_a_side(self.slice.settings.leaves);
-        for k in 0..side * side {
+        let (mut wi, mut values) = ([Vec3::ZERO; BATCH], [0.0; BATCH]);
+        let count = side * side;
+        for (k, wi) in wi[..count].iter_mut().enumerate() {
             let t = DVec2::new((k % side) as f64 + 0.5, (k / side) as f64 + 0.5) / side as f64;
-            let f = self.slice.value_on_disc(rect.point(t));
+            *wi = Slice::above_disc(rect.point(t));
+        }
+        self.slice.values(&wi[..count], &mut values[..count]);
+        for &f in &values[..count] {
             sum += f;
             seen = seen.max(f);
         }
         Content {
-            integral: sum / (side * side) as f64 * rect.area(),
+            integral: sum / count as f64 * rect.area(),
             seen,
             area: rect.area(),
         }

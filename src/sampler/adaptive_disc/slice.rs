@@ -52,12 +52,6 @@ impl<'a> Slice<'a> {
     pub fn values(&self, wi: &[Vec3], out: &mut [f64]) {
         let mut values = [Rgb::ZERO; BATCH];
         for (wi, out) in wi.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
-            if self.plane.is_some() {
-                for (out, &wi) in out.iter_mut().zip(wi) {
-                    *out = self.value(wi);
-                }
-                continue;
-            }
             let values = &mut values[..wi.len()];
             self.brdf.eval_batch(Wo::One(self.wo), wi, values);
             for (out, &value) in out.iter_mut().zip(&*values) {
@@ -85,8 +79,15 @@ impl<'a> Slice<'a> {
             offset,
             is_constant,
         };
-        BinQuadrature::new(self.wo, shape)
-            .map_or(0.0, |q| q.integrate(tolerance, |wi| self.value(wi)))
+        let Some(quadrature) = BinQuadrature::new(self.wo, shape) else {
+            return 0.0;
+        };
+        match self.plane {
+            Some(plane) if !quadrature.is_near_normal() => {
+                quadrature.integrate_cells(tolerance, plane.cells(), plane.phi_d_bins())
+            }
+            _ => quadrature.integrate(tolerance, |wi, out| self.values(wi, out)),
+        }
     }
 
     /// The direction above a point of the disc; none, which has the value 0, beyond the rim.
