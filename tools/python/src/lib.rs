@@ -46,6 +46,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::_run_task, module)?)?;
     module.add_function(wrap_pyfunction!(study::_merge_study, module)?)?;
     module.add_function(wrap_pyfunction!(timing::_time_library, module)?)?;
+    module.add_function(wrap_pyfunction!(lists::_primary_spectra, module)?)?;
     module.add_function(wrap_pyfunction!(lists::material_names, module)?)?;
     module.add_function(wrap_pyfunction!(lists::model_names, module)?)?;
     module.add_function(wrap_pyfunction!(lists::sampler_names, module)?)

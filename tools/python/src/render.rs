@@ -1,5 +1,6 @@
 //! Pictures of spheres as arrays.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use merlkit::image::{Image, MAX_PIXELS, encode_png, encode_srgb};
@@ -69,9 +70,11 @@ pub fn render<'py>(
     }
     // A function is called on one thread, and so is all the rest.
     let picture = if materials.iter().any(|m| m.get().is_function()) {
-        let never = AtomicBool::new(false);
-        let paint = move || paint(&spec, &loaded, &sampler, &settings, &never);
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let paint = move || paint(&spec, &loaded, &sampler, &settings, &stopped);
         work::on_one_thread_until_interrupt(py, paint, |interrupt| {
+            stop.store(true, Ordering::Relaxed);
             give_up(py, &materials, &interrupt);
         })?
     } else {
