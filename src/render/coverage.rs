@@ -10,7 +10,7 @@ use super::tracer::Tracer;
 /// Rays per pixel, at most: the fraction is then exact to a thousandth.
 const MOST_RAYS: u64 = 1024;
 
-/// For each pixel, row after row, the fraction of its camera rays that meet an object. They are the first `done` of `paths` paths
+/// For each pixel of the tracer's region, row after row, the fraction of its camera rays that meet an object. They are the first `done` of `paths` paths
 /// that pictures trace in it, or where these are too many, as many as are enough.
 pub(super) fn measure_coverage(tracer: &Tracer<'_>, done: u64, paths: u64) -> Vec<f32> {
     let (done, paths) = match paths > MOST_RAYS {
@@ -18,14 +18,16 @@ pub(super) fn measure_coverage(tracer: &Tracer<'_>, done: u64, paths: u64) -> Ve
         false => (done, paths),
     };
     let settings = &tracer.settings;
-    let mut coverage = vec![0.0; settings.width * settings.height];
-    let rows = coverage.par_chunks_mut(settings.width).enumerate();
+    let region = tracer.region;
+    let mut coverage = vec![0.0; region.pixel_count()];
+    let rows = coverage.par_chunks_mut(region.size[0]).enumerate();
     rows.for_each_init(Bundle::default, |bundle, (y, row)| {
         let mut hits = vec![0u64; row.len()];
         for x in 0..row.len() {
+            let pixel = region.pixel(x, y);
             let mut run = PathRun {
-                pixel: [x, y],
-                seed: settings.pixel_seed([x, y]),
+                pixel,
+                seed: settings.pixel_seed(pixel),
                 from: 0,
                 to: done,
                 count: paths,

@@ -22,6 +22,28 @@ pub struct RenderSettings {
     pub budget: Budget,
 }
 
+/// Pixels of a picture that are traced: a rectangle within it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PixelRegion {
+    /// Column and row of its upper left pixel.
+    pub(super) corner: [usize; 2],
+    /// Columns and rows, each ≥ 1.
+    pub(super) size: [usize; 2],
+}
+
+impl PixelRegion {
+    /// How many pixels it has.
+    pub(super) fn pixel_count(&self) -> usize {
+        self.size[0] * self.size[1]
+    }
+
+    /// The pixel of the picture in column `x` and row `y` of the region.
+    #[inline]
+    pub(super) fn pixel(&self, x: usize, y: usize) -> [usize; 2] {
+        [self.corner[0] + x, self.corner[1] + y]
+    }
+}
+
 /// How many paths are traced, and where. They are spread uniformly over each pixel (a box filter).
 ///
 /// The example of [`render`](fn@crate::render::render) plans, builds and renders a scene.
@@ -72,6 +94,41 @@ impl RenderSettings {
         self.budget.check()
     }
 
+    /// All pixels.
+    pub(super) fn whole_region(&self) -> PixelRegion {
+        PixelRegion {
+            corner: [0, 0],
+            size: [self.width, self.height],
+        }
+    }
+
+    /// The pixels from column and row `corner` on, `size` columns and rows of them.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for none, for pixels outside the picture, and for a budget that compares pixels.
+    pub(super) fn check_region(&self, corner: [usize; 2], size: [usize; 2]) -> Result<PixelRegion> {
+        let end = [0, 1].map(|axis| corner[axis].checked_add(size[axis]));
+        let is_inside = end[0].is_some_and(|x| x <= self.width)
+            && end[1].is_some_and(|y| y <= self.height)
+            && size[0].min(size[1]) > 0;
+        if !is_inside {
+            return Err(Error::argument(
+                format!(
+                    "a region of {} × {} pixels from column {} and row {} of a picture of {} × {}",
+                    size[0], size[1], corner[0], corner[1], self.width, self.height
+                ),
+                "give at least one pixel, and only pixels of the picture",
+            ));
+        }
+        if !matches!(self.budget, Budget::Even(_)) {
+            return Err(Error::argument(
+                "a region of a picture whose pixels get different numbers of paths",
+                "give every pixel the same number, since the others depend on the whole picture",
+            ));
+        }
+        Ok(PixelRegion { corner, size })
+    }
+
     /// Seed of all numbers of a pixel.
     pub(super) fn pixel_seed(&self, [x, y]: [usize; 2]) -> u64 {
         mix(self.seed ^ mix((y * self.width + x) as u64))
@@ -106,6 +163,39 @@ impl Budget {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn regions_lie_within_pictures_whose_pixels_are_independent() {
+        let settings = RenderSettings {
+            width: 30,
+            height: 20,
+            seed: 0,
+            points: PointSet::Lattice,
+            budget: Budget::Even(1),
+        };
+        let region = settings.check_region([10, 5], [20, 15]).unwrap();
+        assert_eq!(region.pixel(3, 2), [13, 7]);
+        assert_eq!(region.pixel_count(), 300);
+        for (corner, size) in [
+            ([0, 0], [31, 20]),
+            ([0, 0], [30, 21]),
+            ([29, 0], [2, 1]),
+            ([0, 0], [0, 1]),
+            ([0, 0], [1, 0]),
+            ([usize::MAX, 0], [1, 1]),
+            ([0, 1], [1, usize::MAX]),
+        ] {
+            assert!(
+                settings.check_region(corner, size).is_err(),
+                "{corner:?} {size:?}"
+            );
+        }
+        let adaptive = RenderSettings {
+            budget: Budget::Adaptive(16),
+            ..settings
+        };
+        assert!(adaptive.check_region([0, 0], [1, 1]).is_err());
+    }
 
     #[test]
     fn settings_outside_their_domain_are_refused() {

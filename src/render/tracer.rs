@@ -8,13 +8,16 @@ use super::camera::CameraAxes;
 use super::path_numbers::PathNumbers;
 use super::plan::Effect;
 use super::scene::Scene;
-use super::settings::RenderSettings;
+use super::settings::{PixelRegion, RenderSettings};
 use crate::distribution::Heuristic;
 
 /// The scene and the switches of its plan, read once.
 pub(super) struct Tracer<'a> {
     pub(super) scene: &'a Scene,
+    /// Of the whole picture.
     pub(super) settings: RenderSettings,
+    /// The pixels that are traced.
+    pub(super) region: PixelRegion,
     axes: CameraAxes,
     pub(super) numbers: PathNumbers,
     /// Whether directions from the BRDF are drawn.
@@ -35,7 +38,7 @@ pub(super) struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    pub(super) fn new(scene: &'a Scene, settings: RenderSettings) -> Self {
+    pub(super) fn new(scene: &'a Scene, settings: RenderSettings, region: PixelRegion) -> Self {
         let plan = &scene.plan;
         let mis = plan.is_on(Effect::Mis);
         let light_sampling = plan.is_on(Effect::LightSampling);
@@ -46,6 +49,7 @@ impl<'a> Tracer<'a> {
         Self {
             scene,
             settings,
+            region,
             axes: scene
                 .camera
                 .axes(settings.width as f64 / settings.height as f64),

@@ -30,6 +30,7 @@ mod scenes;
 mod schemas;
 mod sheet;
 mod shell;
+mod study;
 mod unlucky;
 mod usage;
 mod writing;

@@ -40,7 +40,7 @@ use failure::{Failure, Outcome};
     max_term_width = 100,
     after_help = "A MATERIAL is a path to a MERL binary or .bsdf file, the name of a built-in material (`merlkit list`), or an \
                   analytic model such as lambert:reflectance=0.5 or ward:sx=0.2,sy=0.4 (`merlkit models`), or several models with + between them.\n\
-                  Exit status: 0 success, 1 a check failed or tune found no sampler, 2 invalid usage or input, 130 or 143 interrupted."
+                  Exit status: 0 success, 1 a check failed, tune found no sampler or results of a study are missing, 2 invalid usage or input, 130 or 143 interrupted."
 )]
 struct Cli {
     /// Number of worker threads, at most 1024. Results don't depend on it [default: all cores]

@@ -10,7 +10,7 @@ use super::tensors::Tensor;
 /// Wavelengths of upsampled spectra, nm.
 pub(super) const WAVELENGTHS: [f32; 7] = [450.0, 480.0, 500.0, 550.0, 580.0, 600.0, 620.0];
 /// Spectra of red, green and blue at these wavelengths.
-const PRIMARIES: [[f32; 7]; 3] = [
+pub(super) const PRIMARIES: [[f32; 7]; 3] = [
     [
         0.025_386_5,
         0.001_747_8,

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::file::{BsdfFile, Colour};
-use super::spectrum::{WAVELENGTHS, to_spectra};
+use super::spectrum::{PRIMARIES, WAVELENGTHS, to_spectra};
 use super::tensors::Tensor;
 use crate::color::{Rgb, luminance};
 use crate::geometry::{reflect_about, spherical};
@@ -94,6 +94,12 @@ pub fn tabulate(
 }
 
 impl BsdfFile {
+    /// Wavelengths in nm, and there the spectra of red, green and blue that [`Self::to_spectral`] mixes. They sum to 1, and are linear
+    /// between the wavelengths and constant outside.
+    pub fn primary_spectra() -> ([f32; 7], [[f32; 7]; 3]) {
+        (WAVELENGTHS, PRIMARIES)
+    }
+
     /// The same material with spectra for colours; itself if it has spectra.
     pub fn to_spectral(&self) -> Self {
         let Colour::Rgb(rgb) = &self.colour else {

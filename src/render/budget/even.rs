@@ -4,11 +4,12 @@ use super::rounds::{Watch, part_done, paths_a_round, restore_moments, store_mome
 use super::words::{WordReader, WordWriter};
 use crate::render::film::{Film, RunningMoments};
 use crate::render::path_numbers::PathRun;
-use crate::render::settings::RenderSettings;
+use crate::render::settings::PixelRegion;
 use crate::render::tracer::Tracer;
 
-/// A picture with `done` paths in every pixel, of `paths`.
+/// A picture, or a region of one, with `done` paths in every pixel, of `paths`.
 pub(super) struct EvenPicture {
+    size: [usize; 2],
     paths: u64,
     done: u64,
     moments: Vec<RunningMoments>,
@@ -16,11 +17,12 @@ pub(super) struct EvenPicture {
 
 impl EvenPicture {
     /// Nothing is traced. The settings are checked.
-    pub(super) fn new(settings: &RenderSettings, paths: u64) -> Self {
+    pub(super) fn new(region: PixelRegion, paths: u64) -> Self {
         Self {
+            size: region.size,
             paths,
             done: 0,
-            moments: vec![RunningMoments::default(); settings.width * settings.height],
+            moments: vec![RunningMoments::default(); region.pixel_count()],
         }
     }
 
@@ -40,11 +42,11 @@ impl EvenPicture {
     /// Traces round after round, at least one if any is missing, until all are done or the caller wants to stop.
     pub(super) fn advance(&mut self, tracer: &Tracer<'_>, watch: Watch<'_>) {
         let settings = &tracer.settings;
-        let (paths, width) = (self.paths, settings.width as u64);
+        let (paths, width) = (self.paths, self.size[0] as u64);
         let round = paths_a_round(self.moments.len());
         // Progress counts pixels: of each row, the fraction that the finished rounds are of all paths.
         let pixels_done = |paths_done: u64| part_done(width, paths_done, paths) as usize;
-        (watch.progress)(settings.height * pixels_done(self.done));
+        (watch.progress)(self.size[1] * pixels_done(self.done));
         while !self.is_finished() {
             let from = self.done;
             let to = from.saturating_add(round).min(paths);
@@ -65,9 +67,10 @@ impl EvenPicture {
         }
     }
 
-    pub(super) fn into_film(self, settings: &RenderSettings) -> Film {
+    pub(super) fn into_film(self) -> Film {
+        let [width, height] = self.size;
         let pixels = self.moments.into_iter().map(|moments| moments.pixel());
-        Film::new(settings.width, settings.height, pixels.collect())
+        Film::new(width, height, pixels.collect())
     }
 
     pub(super) fn store(&self) -> WordWriter {

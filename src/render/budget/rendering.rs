@@ -14,7 +14,7 @@ use crate::files::Overwrite;
 use crate::points::PointSet;
 use crate::render::coverage::measure_coverage;
 use crate::render::scene::Scene;
-use crate::render::settings::{Budget, RenderSettings};
+use crate::render::settings::{Budget, PixelRegion, RenderSettings};
 use crate::render::tracer::Tracer;
 
 /// A picture as far as it has come.
@@ -47,14 +47,42 @@ impl<'a> Rendering<'a> {
     /// As [`RenderSettings::check`].
     pub fn begin(scene: &'a Scene, settings: &RenderSettings) -> Result<Self> {
         settings.check()?;
+        Ok(Self::begin_checked(
+            scene,
+            settings,
+            settings.whole_region(),
+        ))
+    }
+
+    /// Part of a picture: the pixels from column and row `corner` on, `size` columns and rows of them.
+    ///
+    /// `settings` are those of the whole picture. The film has `size`, and its pixels have the bits that they have in the whole
+    /// picture, so that parts can be drawn anywhere and put together.
+    ///
+    /// # Errors
+    /// As [`RenderSettings::check`]; [`crate::Error::Argument`] for a region without pixels or outside the picture, and for a
+    /// budget other than [`Budget::Even`], since the others compare pixels of the whole picture.
+    pub fn begin_region(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        corner: [usize; 2],
+        size: [usize; 2],
+    ) -> Result<Self> {
+        settings.check()?;
+        let region = settings.check_region(corner, size)?;
+        Ok(Self::begin_checked(scene, settings, region))
+    }
+
+    /// The settings are checked, and the region with them.
+    fn begin_checked(scene: &'a Scene, settings: &RenderSettings, region: PixelRegion) -> Self {
         let mut traced = *settings;
         if matches!(settings.budget, Budget::ToError { .. }) && traced.points == PointSet::Lattice {
             // Lattices are for numbers of paths that are known beforehand.
             traced.points = PointSet::Sobol;
         }
-        let tracer = Tracer::new(scene, traced);
+        let tracer = Tracer::new(scene, traced, region);
         let picture = match settings.budget {
-            Budget::Even(paths) => BudgetPicture::Even(EvenPicture::new(settings, paths)),
+            Budget::Even(paths) => BudgetPicture::Even(EvenPicture::new(region, paths)),
             Budget::Adaptive(paths) => {
                 BudgetPicture::Adaptive(AdaptivePicture::new(settings, paths))
             }
@@ -62,11 +90,11 @@ impl<'a> Rendering<'a> {
                 BudgetPicture::ToError(ErrorPicture::new(&tracer, error, most))
             }
         };
-        Ok(Self {
+        Self {
             tracer,
             settings: *settings,
             picture,
-        })
+        }
     }
 
     /// Traces paths, on all threads of the current pool, until the picture is finished or `should_stop()`, which is asked from any
@@ -115,7 +143,7 @@ impl<'a> Rendering<'a> {
     pub fn into_rendered(self) -> Rendered {
         let coverage = self.measure_coverage();
         let mut rendered = match self.picture {
-            BudgetPicture::Even(picture) => Rendered::from(picture.into_film(&self.settings)),
+            BudgetPicture::Even(picture) => Rendered::from(picture.into_film()),
             BudgetPicture::Adaptive(picture) => Rendered::from(picture.into_film(&self.settings)),
             BudgetPicture::ToError(picture) => picture.into_rendered(&self.tracer),
         };
@@ -171,7 +199,7 @@ impl<'a> Rendering<'a> {
         if restored.is_some() && reader.is_at_end() {
             return Ok(());
         }
-        *self = Self::begin(self.tracer.scene, &self.settings)?;
+        *self = Self::begin_checked(self.tracer.scene, &self.settings, self.tracer.region);
         Err(partial_file::damaged(
             path,
             "numbers that paths can have left",
@@ -200,6 +228,10 @@ impl<'a> Rendering<'a> {
             ("points".into(), format!("{points:?}")),
             ("budget".into(), format!("{budget:?}")),
         ];
+        let region = self.tracer.region;
+        if region != self.settings.whole_region() {
+            all.push(("region".into(), format!("{region:?}")));
+        }
         all.extend_from_slice(facts);
         all
     }

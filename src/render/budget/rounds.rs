@@ -40,7 +40,7 @@ pub(super) fn part_done(whole: u64, round: u64, rounds: u64) -> u64 {
     (u128::from(whole) * u128::from(round) / u128::from(rounds.max(1))) as u64
 }
 
-/// Traces one round: for each pixel the paths that `paths_of([x, y])` returns. Each pixel's paths are added in order, so that
+/// Traces one round: for each pixel of the tracer's region the paths that `paths_of([x, y])` returns. Each pixel's paths are added in order, so that
 /// the moments have the same bits for any rounds and any number of threads. `row_done` is called after each row.
 pub(super) fn trace_round(
     tracer: &Tracer<'_>,
@@ -48,9 +48,9 @@ pub(super) fn trace_round(
     paths_of: impl Fn([usize; 2]) -> PathRun + Sync,
     row_done: impl Fn() + Sync,
 ) {
-    let rows = moments.par_chunks_mut(tracer.settings.width).enumerate();
+    let rows = moments.par_chunks_mut(tracer.region.size[0]).enumerate();
     rows.for_each_init(Bundle::default, |bundle, (y, row)| {
-        let runs = (0..row.len()).map(|x| paths_of([x, y]));
+        let runs = (0..row.len()).map(|x| paths_of(tracer.region.pixel(x, y)));
         tracer.trace(runs, bundle, |x, radiance| row[x].add(radiance));
         row_done();
     });

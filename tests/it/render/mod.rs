@@ -3,6 +3,7 @@
 mod agreement;
 mod closed_forms;
 mod plans;
+mod regions;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use merlkit::brdf::Brdf;

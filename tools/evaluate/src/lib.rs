@@ -1,7 +1,7 @@
 //! What the `merlkit` command measures, checks, compares and plots, apart from the library that others build on.
 //!
 //! [`measure`] returns plain results, [`report`] puts them into words, tables and files, and [`plot`] draws charts from
-//! numbers alone.
+//! numbers alone. [`study`] does this for many materials on many machines.
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 #![warn(clippy::print_stdout, clippy::print_stderr, clippy::exit)]
@@ -11,3 +11,4 @@
 pub mod measure;
 pub mod plot;
 pub mod report;
+pub mod study;

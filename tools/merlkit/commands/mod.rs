@@ -21,6 +21,7 @@ mod report;
 mod sample;
 mod samplers;
 mod sheet;
+mod study;
 mod tune;
 
 use crate::failure::Outcome;
@@ -48,6 +49,7 @@ pub enum Command {
     Render(Box<render::Args>),
     Sheet(Box<sheet::Args>),
     Diff(diff::Args),
+    Study(study::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -76,6 +78,7 @@ impl Command {
             Self::Render(args) => render::run(&args),
             Self::Sheet(args) => sheet::run(&args),
             Self::Diff(args) => diff::run(&args),
+            Self::Study(args) => study::run(&args),
             Self::Completions(args) => completions::run(&args, cli),
             Self::Man(args) => man::run(&args, cli),
         }

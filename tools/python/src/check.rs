@@ -36,7 +36,7 @@ pub fn check<'py>(
     }
     let sampler = sampler.get();
     let material = sampler.subject();
-    let brdf = &**material.loaded().brdf();
+    let brdf = material.loaded().brdf().clone();
     let rows = wo.map(|wo| Rows::read(wo, "wo", 3)).transpose()?;
     let directions = match &rows {
         Some(rows) => rows.vectors::<Vec3>()?.to_vec(),
@@ -48,8 +48,10 @@ pub fn check<'py>(
         significance,
         ..CheckSettings::default()
     };
-    let drawing = sampler.sampler().as_dyn();
-    let report = material.run(py, || check_sampler(drawing, brdf, &directions, &settings))?;
+    let drawing = sampler.sampler().shared();
+    let report = material.run_until_interrupt(py, move || {
+        check_sampler(&*drawing, &*brdf, &directions, &settings)
+    })?;
     let result = CheckResult {
         material: material.loaded().name().into(),
         sampler: sampler.sampler().spec().to_string(),
@@ -89,6 +91,9 @@ pub fn report<'py>(
         ..ProfileSettings::default()
     };
     let rule = material.loaded().rule().unwrap_or_default();
-    let figures = work::on_threads(py, || profile(source, rule, &specs, &settings, &|| {}))?;
+    let source = source.clone();
+    let figures = work::on_threads_until_interrupt(py, move |_| {
+        profile(&source, rule, &specs, &settings, &|| {})
+    })?;
     to_python(py, &SamplerReport::new(figures.map_err(raise)?))
 }

@@ -67,8 +67,8 @@ pub fn fit(
         parsed.push(FitModel::parse(name).map_err(raise)?);
     }
     let material = material.get();
-    let loaded = material.loaded();
-    let fit = material.run(py, || {
+    let loaded = material.loaded().clone();
+    let fit = material.run_until_interrupt(py, move || {
         fit_models(loaded.name(), &**loaded.brdf(), &parsed, &plan)
     })?;
     Ok(PyFit {

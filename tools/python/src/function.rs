@@ -51,6 +51,13 @@ impl PythonBrdf {
         Ok(brdf)
     }
 
+    /// Lets the work that is calling the function come to its end: it is not called any more, and this exception is raised then.
+    pub fn give_up(&self, why: PyErr) {
+        let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure.get_or_insert(why);
+        self.failed.store(true, Ordering::Relaxed);
+    }
+
     /// Raises the exception that a call met, if one did, and forgets it.
     ///
     /// # Errors
@@ -107,9 +114,7 @@ impl PythonBrdf {
         let result = Python::attach(|py| self.call(py, wo, wi, out));
         if let Err(error) = result {
             out.fill(Rgb::ZERO);
-            let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
-            failure.get_or_insert(error);
-            self.failed.store(true, Ordering::Relaxed);
+            self.give_up(error);
         }
     }
 

@@ -18,6 +18,7 @@ mod material;
 mod memory;
 mod render;
 mod sampler;
+mod study;
 mod table;
 mod timing;
 mod work;
@@ -38,7 +39,14 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(render::render, module)?)?;
     module.add_function(wrap_pyfunction!(export::export, module)?)?;
+    module.add_function(wrap_pyfunction!(study::_plan_study, module)?)?;
+    module.add_function(wrap_pyfunction!(study::_plan_tasks, module)?)?;
+    module.add_function(wrap_pyfunction!(study::_check_plan, module)?)?;
+    module.add_function(wrap_pyfunction!(study::_task_key, module)?)?;
+    module.add_function(wrap_pyfunction!(study::_run_task, module)?)?;
+    module.add_function(wrap_pyfunction!(study::_merge_study, module)?)?;
     module.add_function(wrap_pyfunction!(timing::_time_library, module)?)?;
+    module.add_function(wrap_pyfunction!(lists::_primary_spectra, module)?)?;
     module.add_function(wrap_pyfunction!(lists::material_names, module)?)?;
     module.add_function(wrap_pyfunction!(lists::model_names, module)?)?;
     module.add_function(wrap_pyfunction!(lists::sampler_names, module)?)

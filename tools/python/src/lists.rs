@@ -3,6 +3,7 @@
 use merlkit::SamplerSpec;
 use merlkit::material::analytic::ModelFacts;
 use merlkit::material::merl::embedded_names;
+use merlkit::material::rgl::BsdfFile;
 use pyo3::prelude::*;
 
 /// Names of the built-in materials.
@@ -29,4 +30,10 @@ pub fn sampler_names() -> Vec<&'static str> {
         names.push(method.name());
     }
     names
+}
+
+/// Wavelengths in nm, and there the spectra of red, green and blue that exported `.bsdf` files mix.
+#[pyfunction]
+pub fn _primary_spectra() -> ([f32; 7], [[f32; 7]; 3]) {
+    BsdfFile::primary_spectra()
 }

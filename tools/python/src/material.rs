@@ -159,6 +159,27 @@ impl PyMaterial {
         }
     }
 
+    /// As [`Self::run`], but Ctrl-C ends the call: see [`work::on_threads_until_interrupt`]. A function is not called any more after
+    /// that.
+    ///
+    /// # Errors
+    /// Those of the function, and `KeyboardInterrupt`.
+    pub fn run_until_interrupt<R: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        task: impl FnOnce() -> R + Send + 'static,
+    ) -> PyResult<R> {
+        match &self.function {
+            None => work::on_threads_until_interrupt(py, move |_| task()),
+            Some(function) => {
+                let give_up = |interrupt| function.give_up(interrupt);
+                let result = work::on_one_thread_until_interrupt(py, task, give_up)?;
+                function.raise_failure()?;
+                Ok(result)
+            }
+        }
+    }
+
     /// Whether it is a function in Python.
     pub fn is_function(&self) -> bool {
         self.function.is_some()
@@ -172,6 +193,13 @@ impl PyMaterial {
         self.function
             .as_ref()
             .map_or(Ok(()), |function| function.raise_failure())
+    }
+
+    /// Lets a function be called no more by the work that is going on, which then raises this exception.
+    pub fn give_up(&self, why: PyErr) {
+        if let Some(function) = &self.function {
+            function.give_up(why);
+        }
     }
 
     /// Runs a batch on the calling thread while other Python threads run.

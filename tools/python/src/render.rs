@@ -1,9 +1,12 @@
 //! Pictures of spheres as arrays.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use merlkit::image::{Image, MAX_PIXELS, encode_png, encode_srgb};
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Budget, PlanRequest, RenderSettings, Scene, SceneSpec, Strategy, Surface, render as trace,
+    Budget, PlanRequest, RenderSettings, Rendering, Scene, SceneSpec, Strategy, Surface,
 };
 use merlkit::{Loaded, SamplerSpec};
 use numpy::{PyArray1, PyArrayMethods};
@@ -67,9 +70,17 @@ pub fn render<'py>(
     }
     // A function is called on one thread, and so is all the rest.
     let picture = if materials.iter().any(|m| m.get().is_function()) {
-        work::on_one_thread(py, || paint(&spec, &loaded, &sampler, &settings))?
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let paint = move || paint(&spec, &loaded, &sampler, &settings, &stopped);
+        work::on_one_thread_until_interrupt(py, paint, |interrupt| {
+            stop.store(true, Ordering::Relaxed);
+            give_up(py, &materials, &interrupt);
+        })?
     } else {
-        work::on_threads(py, || paint(&spec, &loaded, &sampler, &settings))?
+        work::on_threads_until_interrupt(py, move |stop| {
+            paint(&spec, &loaded, &sampler, &settings, stop)
+        })?
     };
     for material in &materials {
         material.get().raise_failure()?;
@@ -116,12 +127,20 @@ fn describe(
     Ok(spec)
 }
 
-/// Builds what the scene calls for, and renders it.
+/// Lets the functions among materials be called no more; the exception is raised by the first.
+fn give_up(py: Python<'_>, materials: &[Py<PyMaterial>], interrupt: &PyErr) {
+    for material in materials {
+        material.get().give_up(interrupt.clone_ref(py));
+    }
+}
+
+/// Builds what the scene calls for, and renders it, unless `stop` is set meanwhile: the picture is unfinished then.
 fn paint(
     spec: &SceneSpec,
     materials: &[Loaded],
     sampler: &SamplerSpec,
     settings: &RenderSettings,
+    stop: &AtomicBool,
 ) -> merlkit::Result<Image> {
     let scene = Scene::build(spec, PlanRequest::AsNeeded, |index, directions| {
         Ok(Surface {
@@ -132,7 +151,9 @@ fn paint(
             },
         })
     })?;
-    trace(&scene, settings, &|_| {})?.film.to_image()
+    let mut rendering = Rendering::begin(&scene, settings)?;
+    rendering.advance(&|| stop.load(Ordering::Relaxed), &|_| {});
+    rendering.into_rendered().film.to_image()
 }
 
 /// Refuses a picture without pixels, or of too many.

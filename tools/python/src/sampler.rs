@@ -75,7 +75,8 @@ impl PySampler {
     fn build(py: Python<'_>, material: Py<PyMaterial>, sampler: &str) -> PyResult<Self> {
         let spec: SamplerSpec = sampler.parse().map_err(raise)?;
         let subject = material.get();
-        let built = subject.run(py, || spec.build(subject.loaded()))?;
+        let loaded = subject.loaded().clone();
+        let built = subject.run_until_interrupt(py, move || spec.build(&loaded))?;
         Ok(Self {
             sampler: built.map_err(raise)?,
             material,

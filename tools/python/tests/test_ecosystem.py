@@ -142,10 +142,98 @@ def test_the_notebook_runs_from_top_to_bottom():
     nbclient.NotebookClient(notebook, timeout=120).execute()
 
 
-def test_mitsuba_must_have_an_rgb_variant():
+def test_mitsuba_must_have_a_variant_that_the_plugin_knows():
     mi = pytest.importorskip("mitsuba")
-    mi.set_variant("scalar_spectral")
+    mi.set_variant("scalar_spectral_polarized")
     import merlkit.mitsuba
 
-    with pytest.raises(ValueError, match="RGB"):
+    with pytest.raises(ValueError, match="_spectral"):
         merlkit.mitsuba.register()
+
+
+def sphere_scene(mi, integrator, reflectance):
+    """A sphere that fills the middle of a picture of 16 x 16 pixels, under a sky of radiance 1."""
+    material = f"lambert:reflectance={reflectance}"
+    return mi.load_dict(
+        {
+            "type": "scene",
+            "integrator": {"type": integrator},
+            "sphere": {"type": "sphere", "bsdf": {"type": "merlkit", "material": material, "sampler": "cosine"}},
+            "sky": {"type": "constant", "radiance": {"type": "rgb", "value": [1, 1, 1]}},
+            "sensor": {
+                "type": "perspective",
+                "to_world": mi.ScalarTransform4f().look_at([0, 0, 4], [0, 0, 0], [0, 1, 0]),
+                "film": {"type": "hdrfilm", "width": 16, "height": 16, "rfilter": {"type": "box"}},
+                "sampler": {"type": "independent", "sample_count": 128},
+            },
+        }
+    )
+
+
+@pytest.mark.parametrize("variant", ["scalar_spectral", "llvm_ad_spectral"])
+def test_mitsuba_renders_spectra_whose_colours_are_the_materials(variant):
+    mi = pytest.importorskip("mitsuba")
+    if variant.startswith("llvm") and "DRJIT_LIBLLVM_PATH" not in os.environ:
+        pytest.skip("DRJIT_LIBLLVM_PATH names no LLVM")
+    mi.set_variant(variant)
+    import merlkit.mitsuba
+
+    merlkit.mitsuba.register()
+    picture = np.array(mi.render(sphere_scene(mi, "direct", "0.8/0.4/0.1")))
+    assert np.allclose(picture[6:10, 6:10, :3].mean(axis=(0, 1)), [0.8, 0.4, 0.1], atol=0.02)
+
+
+@pytest.fixture
+def differentiable():
+    mi = pytest.importorskip("mitsuba")
+    if "DRJIT_LIBLLVM_PATH" not in os.environ:
+        pytest.skip("DRJIT_LIBLLVM_PATH names no LLVM")
+    mi.set_variant("llvm_ad_rgb")
+    import merlkit.mitsuba
+
+    merlkit.mitsuba.register()
+    return mi
+
+
+def gradient(mi, integrator, name):
+    """The derivative of the mean of the middle of the picture, which is reflectance x scale x radiance, 0.5."""
+    import drjit as dr
+
+    scene = sphere_scene(mi, integrator, 0.5)
+    parameters = mi.traverse(scene)
+    dr.enable_grad(parameters[name])
+    parameters.update()
+    picture = mi.render(scene, parameters, spp=128)
+    dr.backward(dr.mean(picture[6:10, 6:10, :], axis=None))
+    return np.array(dr.grad(parameters[name])).ravel()
+
+
+@pytest.mark.parametrize("integrator", ["direct", "path"])
+def test_mitsuba_has_gradients_of_the_scale_and_of_lights(differentiable, integrator):
+    found = gradient(differentiable, integrator, "sphere.bsdf.scale")
+    assert np.allclose(found, 0.5, atol=0.02), found
+    # Each channel of the light is a third of the mean.
+    found = gradient(differentiable, integrator, "sky.radiance.value")
+    assert np.allclose(found, 0.5 / 3, atol=0.01), found
+
+
+def causes(error):
+    while error is not None:
+        yield f"{type(error).__name__}: {error}"
+        error = error.__cause__ or error.__context__
+
+
+def test_mitsuba_gradients_that_are_missing_are_errors(differentiable):
+    mi = differentiable
+    import drjit as dr
+
+    angle = mi.Float(0.4)
+    dr.enable_grad(angle)
+    si = dr.zeros(mi.SurfaceInteraction3f)
+    si.wi = mi.Vector3f(0, 0, 1)
+    with pytest.raises(NotImplementedError, match="directions"):
+        bsdf_of(mi).eval(mi.BSDFContext(), si, mi.Vector3f(dr.sin(angle), 0, dr.cos(angle)))
+    # Without the refusal, Dr.Jit ends the process.
+    with pytest.raises(Exception) as raised:
+        gradient(mi, "prb", "sphere.bsdf.scale")
+    assert any("NotImplementedError" in cause and "path" in cause for cause in causes(raised.value))

@@ -1,5 +1,6 @@
 """Studies give the same bytes however their tasks are shared, and lost workers cost only their tasks."""
 
+import json
 import os
 import signal
 import subprocess
@@ -98,4 +99,57 @@ def test_a_lost_worker_costs_only_its_tasks(tasks, expected, tmp_path):
 
         assert study.run(tasks, tmp_path, client=client, progress=kill_one) == len(tasks)
         assert killed
+    assert files(tmp_path) == expected
+
+
+PICTURES = {"lights": ["studio"], "size": [50, 30], "tile": 20, "spp": 4}
+
+
+def test_the_command_plans_and_runs_the_same_bytes(command, tmp_path):
+    materials = ["lambert:reflectance=0.5", "ggx:ax=0.2,ay=0.2"]
+    described = dict(PLAN, materials=materials, pictures=PICTURES)
+    (tmp_path / "study.json").write_text(json.dumps(described))
+    folder = tmp_path / "s"
+    command("study", "plan", str(tmp_path / "study.json"), "-o", str(folder))
+    tasks = study.plan(materials, **PLAN, pictures=PICTURES)
+    study.write(tasks, tmp_path / "plan.json")
+    assert (tmp_path / "plan.json").read_bytes() == (folder / "plan.json").read_bytes()
+    # Each runs a part of what the other has planned.
+    study.run(study.shard(study.read(folder / "plan.json"), 1, 2), folder / "results")
+    command("study", "run", str(folder), "--shard", "2/2")
+    study.run(tasks, tmp_path / "here")
+    assert files(folder / "results") == files(tmp_path / "here")
+    command("study", "merge", str(folder), "-o", str(tmp_path / "merged"))
+    assert len(list((tmp_path / "merged").glob("*.exr"))) == 4
+
+
+def test_tiles_are_left_to_the_command(tmp_path):
+    tasks = study.plan(["lambert"], samplers=["cosine"], pictures=PICTURES)
+    study.write(tasks, tmp_path / "plan.json")
+    study.run(tasks, tmp_path / "results")
+    arguments = ["merge", str(tmp_path / "plan.json"), str(tmp_path / "results"), str(tmp_path / "merged.json")]
+    assert study.main(arguments) == 2
+    assert not (tmp_path / "merged.json").exists()
+
+
+def test_plans_that_were_changed_are_refused(tasks, tmp_path):
+    path = tmp_path / "plan.json"
+    study.write(tasks, path)
+    text = path.read_text()
+    path.write_text(text.replace(study.key(tasks[0]), "../../outside"))
+    with pytest.raises(ValueError, match="is not its task's"):
+        study.read(path)
+    with pytest.raises(ValueError, match="more than"):
+        study.plan(["lambert"], samplers=["cosine"], thetas=[10.0], seeds=10**15)
+
+
+def test_ray_gives_the_same_bytes(tasks, expected, tmp_path):
+    ray = pytest.importorskip("ray")
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    try:
+        seen = []
+        done = study.run(tasks, tmp_path, client=ray, progress=lambda done, count: seen.append((done, count)))
+        assert done == len(tasks) and seen[-1] == (18, 18)
+    finally:
+        ray.shutdown()
     assert files(tmp_path) == expected

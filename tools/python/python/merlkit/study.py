@@ -1,13 +1,14 @@
 """Studies of many materials: a list of independent tasks that any number of machines share.
 
 A plan is a JSON file. Each task of it has a key that depends on the task alone, and its result is one file, KEY.json, in a folder that
-the machines share. A task whose file is there is not run again. Results have the same bytes for any number of workers.
+the machines share. A task whose file is there is not run again. Results have the same bytes for any number of workers. Plans and
+results are those of the command `merlkit study`, which runs the same code: either runs what the other has planned.
 
     python3 -m merlkit.study plan plan.json --material nickel --material chrome --sampler half-vector:64KB --theta 10 --theta 60 --seeds 4
     python3 -m merlkit.study run plan.json results --shard 1/8
     python3 -m merlkit.study merge plan.json results study.json
 
-`run` is one job of a job array, or give it a client of dask.distributed:
+`run` is one job of a job array, or give it a client of dask.distributed, or the module ray:
 
     merlkit.study.run(merlkit.study.read("plan.json"), "results", client=Client("tcp://scheduler:8786"))
 """
@@ -15,19 +16,15 @@ the machines share. A task whose file is there is not run again. Results have th
 from __future__ import annotations
 
 import argparse
-import functools
-import hashlib
+import itertools
 import json
-import math
 import os
 import sys
 import tempfile
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
-import numpy as np
-
-import merlkit
+from . import _native
 
 Task = Dict[str, Any]
 """What a task is asked to do: `kind`, and what that kind needs."""
@@ -35,15 +32,14 @@ Task = Dict[str, Any]
 Folder = Union[str, "os.PathLike[str]"]
 
 RETRIES = 3
-"""How often Dask tries a task again."""
+"""How often Dask and Ray try a task again."""
+
+_Named = Tuple[str, Task]
 
 
 def key(task: Task) -> str:
     """The name of a task's result: readable words, then a checksum of all of the task."""
-    text = json.dumps(task, sort_keys=True)
-    words = f"{task['kind']}-{Path(task['material']).stem}"
-    safe = "".join(c if c.isalnum() or c in "-." else "-" for c in words)
-    return f"{safe[:80]}-{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+    return _native._task_key(json.dumps(task))
 
 
 def plan(
@@ -56,39 +52,42 @@ def plan(
     checks: bool = False,
     models: Sequence[str] = (),
     lookup: str = "floor",
+    pictures: Optional[Dict[str, Any]] = None,
 ) -> List[Task]:
     """The tasks of a study, those of a material together.
 
     For each material, sampler, polar angle of `wo` in degrees and seed, an estimate of the albedo from `draws` draws; with `checks`, for
-    each material, sampler and seed the checks of `merlkit.check`; with `models`, for each material their fits.
+    each material, sampler and seed the checks of `merlkit.check`; with `pictures`, for each material and sampler the tiles of a picture
+    (`lights`, `size`, `tile`, `spp`, `bounces`, `seed`); with `models`, for each material their fits.
     """
-    tasks: List[Task] = []
-    for material in materials:
-        subject = {"material": material, "lookup": lookup}
-        for sampler in samplers:
-            for seed in range(1, seeds + 1):
-                drawn = {**subject, "sampler": sampler, "seed": seed, "draws": draws}
-                for theta in thetas:
-                    tasks.append({"kind": "estimate", **drawn, "theta": theta})
-                if checks:
-                    tasks.append({"kind": "check", **drawn})
-        if models:
-            tasks.append({"kind": "fit", **subject, "models": list(models)})
-    return tasks
+    study = {
+        "materials": list(materials),
+        "samplers": list(samplers),
+        "thetas": list(thetas),
+        "seeds": seeds,
+        "draws": draws,
+        "checks": checks,
+        "models": list(models),
+        "lookup": lookup,
+        "pictures": pictures,
+    }
+    return _tasks(_native._plan_study(json.dumps(study)))
 
 
 def write(tasks: List[Task], path: Folder) -> None:
     """Writes a plan."""
-    _write_whole(Path(path), _text({"schema": 1, "tasks": tasks}))
+    _write_whole(Path(path), _native._plan_tasks(json.dumps(tasks)))
 
 
 def read(path: Folder) -> List[Task]:
     """Reads a plan."""
-    document = json.loads(Path(path).read_text(encoding="utf-8"))
-    if document.get("schema") != 1:
-        raise ValueError(f"{path} is not a plan of this version; make it again with `python3 -m merlkit.study plan`")
-    tasks: List[Task] = document["tasks"]
-    return tasks
+    data = Path(path).read_bytes()
+    _native._check_plan(data, os.fspath(path))
+    return _tasks(data.decode())
+
+
+def _tasks(text: str) -> List[Task]:
+    return [entry["task"] for entry in json.loads(text)["results"]]
 
 
 def shard(tasks: Sequence[Task], index: int, count: int) -> List[Task]:
@@ -100,7 +99,8 @@ def shard(tasks: Sequence[Task], index: int, count: int) -> List[Task]:
 
 def run_task(task: Task) -> Dict[str, Any]:
     """The result of a task."""
-    return _KINDS[task["kind"]](task)
+    result: Dict[str, Any] = json.loads(_native._run_task(json.dumps(task)))["results"]["result"]
+    return result
 
 
 def run(
@@ -112,16 +112,22 @@ def run(
 ) -> int:
     """Runs the tasks whose results are missing, and returns their number.
 
-    Without `client` they run here, one after another. With a client of dask.distributed they run on its workers; a worker that is lost
-    costs the tasks that it was running. `progress` is called with the number of finished tasks and of all that are to be run.
+    Without `client` they run here, one after another. With a client of dask.distributed, or with the module ray after `ray.init`, they run
+    on its workers, those of a material together; a worker that is lost costs the materials that it was at. `progress` is called with
+    the number of finished tasks and of all that are to be run.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     missing = {key(task): task for task in tasks}
     missing = {name: task for name, task in missing.items() if not (target / f"{name}.json").exists()}
-    results = _run_here(missing) if client is None else _run_on(client, missing)
-    for done, (name, result) in enumerate(results, start=1):
-        _write_whole(target / f"{name}.json", _text({"task": missing[name], "result": result}))
+    if client is None:
+        results = _run_here(missing)
+    elif getattr(client, "__name__", None) == "ray":
+        results = _run_on_ray(client, _groups(missing))
+    else:
+        results = _run_on_dask(client, _groups(missing))
+    for done, (name, text) in enumerate(results, start=1):
+        _write_whole(target / f"{name}.json", text)
         if progress is not None:
             progress(done, len(missing))
     return len(missing)
@@ -134,7 +140,7 @@ def merge(tasks: Iterable[Task], folder: Folder) -> List[Dict[str, Any]]:
     for task in tasks:
         path = target / f"{key(task)}.json"
         if path.exists():
-            results.append(json.loads(path.read_text(encoding="utf-8")))
+            results.append(json.loads(path.read_text(encoding="utf-8"))["results"])
         else:
             missing.append(path.name)
     if missing:
@@ -144,61 +150,35 @@ def merge(tasks: Iterable[Task], folder: Folder) -> List[Dict[str, Any]]:
     return results
 
 
-def _run_here(tasks: Dict[str, Task]) -> Iterable[Tuple[str, Any]]:
+def _run_here(tasks: Dict[str, Task]) -> Iterable[Tuple[str, str]]:
     for name, task in tasks.items():
-        yield name, run_task(task)
+        yield name, _native._run_task(json.dumps(task))
 
 
-def _run_on(client: Any, tasks: Dict[str, Task]) -> Iterable[Tuple[str, Any]]:
+def _groups(tasks: Dict[str, Task]) -> List[List[_Named]]:
+    """Neighbours of one material, which is loaded once for all of them."""
+    return [list(group) for _, group in itertools.groupby(tasks.items(), lambda named: named[1]["material"])]
+
+
+def _run_group(group: List[_Named]) -> List[Tuple[str, str]]:
+    return list(_run_here(dict(group)))
+
+
+def _run_on_dask(client: Any, groups: List[List[_Named]]) -> Iterable[Tuple[str, str]]:
     from dask.distributed import as_completed
 
-    futures = [client.submit(run_task, task, key=f"merlkit-{name}", retries=RETRIES) for name, task in tasks.items()]
-    names = {future.key: name for future, name in zip(futures, tasks)}
+    futures = [client.submit(_run_group, group, key=f"merlkit-{group[0][0]}", retries=RETRIES) for group in groups]
     for future in as_completed(futures):
-        yield names[future.key], future.result()
+        yield from future.result()
 
 
-@functools.lru_cache(maxsize=2)
-def _material(name: str, lookup: Any) -> merlkit.Material:
-    return merlkit.load(name, lookup)
-
-
-@functools.lru_cache(maxsize=4)
-def _sampler(material: str, lookup: str, sampler: str) -> merlkit.Sampler:
-    return merlkit.Sampler.build(_material(material, lookup), sampler)
-
-
-def _estimate(task: Task) -> Dict[str, Any]:
-    material = _material(task["material"], task["lookup"])
-    sampler = _sampler(task["material"], task["lookup"], task["sampler"])
-    wo = merlkit.spherical(math.radians(task["theta"]))
-    u = np.random.Generator(np.random.Philox(task["seed"])).random((task["draws"], 2), dtype=np.float32)
-    wi, pdf = sampler.sample(wo, u)
-    # A failed draw has the weight 0.
-    weight = material.eval_cos(wo, wi).astype(np.float64) / np.where(pdf > 0, pdf, 1)[:, None]
-    return {
-        "mean": weight.mean(axis=0).tolist(),
-        "deviation": weight.std(axis=0).tolist(),
-        "failed": int((pdf == 0).sum()),
-        "albedo": material.albedo(wo).tolist(),
-    }
-
-
-def _check(task: Task) -> Dict[str, Any]:
-    sampler = _sampler(task["material"], task["lookup"], task["sampler"])
-    report = merlkit.check(sampler, draws=task["draws"], seed=task["seed"])
-    return {"passed": report.passed, "failures": report.failures}
-
-
-def _fit(task: Task) -> Dict[str, Any]:
-    return {"fits": merlkit.fit(_material(task["material"], task["lookup"]), task["models"]).fits}
-
-
-_KINDS: Dict[str, Callable[[Task], Dict[str, Any]]] = {"estimate": _estimate, "check": _check, "fit": _fit}
-
-
-def _text(document: Any) -> str:
-    return json.dumps(document, sort_keys=True, indent=1, ensure_ascii=False) + "\n"
+def _run_on_ray(ray: Any, groups: List[List[_Named]]) -> Iterable[Tuple[str, str]]:
+    remote = ray.remote(max_retries=RETRIES)(_run_group)
+    waiting = [remote.remote(group) for group in groups]
+    while waiting:
+        finished, waiting = ray.wait(waiting)
+        for reference in finished:
+            yield from ray.get(reference)
 
 
 def _write_whole(path: Path, text: str) -> None:
@@ -264,7 +244,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             done = run(shard(read(args.plan), *args.shard), args.results)
             print(f"{args.results}: {done} tasks run")
         else:
-            _write_whole(Path(args.output), _text({"schema": 1, "results": merge(read(args.plan), args.results)}))
+            tasks = read(args.plan)
+            merge(tasks, args.results)
+            _write_whole(Path(args.output), _native._merge_study(args.plan, args.results))
     except (OSError, ValueError) as error:
         print(f"merlkit.study: {error}", file=sys.stderr)
         return 2
