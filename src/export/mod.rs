@@ -11,7 +11,10 @@ mod identifier;
 mod npz;
 mod packed;
 mod runtime;
+mod shaders;
+mod table_code;
 mod templates;
+mod wgsl;
 
 use std::path::Path;
 
@@ -46,10 +49,15 @@ impl Export {
         write_bytes(&little_endian(self.values()), path, overwrite)
     }
 
-    /// The names and texts of the code that reads files of [`Self::write_runtime`]: `merlkit.h` for C and C++. They are ASCII and
-    /// the same for all materials.
-    pub fn runtime_code() -> Vec<(&'static str, String)> {
-        vec![("merlkit.h", runtime::c_header())]
+    /// The names and texts of the code that reads files of [`Self::write_runtime`]: `merlkit.h` for C and C++, and shaders. They
+    /// are ASCII and the same for all materials.
+    pub fn runtime_code() -> [(&'static str, String); 4] {
+        [
+            ("merlkit.h", runtime::c_header()),
+            ("merlkit.glsl", shaders::glsl()),
+            ("merlkit.hlsl", shaders::hlsl()),
+            ("merlkit.wgsl", shaders::wgsl()),
+        ]
     }
 
     /// Writes the table and [`Self::values`] as a file for [`Self::runtime_code`]; returns the file's length in bytes.

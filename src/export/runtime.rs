@@ -4,16 +4,13 @@
 
 use super::contents::Export;
 use super::packed::Packed;
-use super::templates::{DRAW, Entry, FLOOR, LINEAR, SPELLING_C};
-use super::templates::{fill, shared, version_and_units};
+use super::table_code::{HEAD_WORDS, table_code, table_entries};
+use super::templates::{Entry, SPELLING_C, fill, shared, version_and_units};
 use crate::brdf::Importance;
 use crate::material::merl::LookupRule;
-use crate::sampler::NODE_UNIT;
 
 const TOP_C: &str = include_str!("templates/runtime/top_c.h");
 const WORDS_C: &str = include_str!("templates/runtime/words_c.h");
-const TABLE: &str = include_str!("templates/runtime/table.h");
-const EVAL: &str = include_str!("templates/runtime/eval.h");
 const LOAD: &str = include_str!("templates/runtime/load.h");
 
 /// The first eight bytes of a file, as two words.
@@ -103,45 +100,8 @@ fn checksum(words: &[u32]) -> u32 {
 pub(super) fn c_header() -> String {
     let mut entries = version_and_units();
     entries.extend(c_entries());
-    let mut text = fill(TOP_C, &entries) + &shared(SPELLING_C) + WORDS_C;
-    for part in [TABLE, DRAW, "\n", FLOOR, "\n", LINEAR, EVAL] {
-        text += &fill(&name_functions(part, "table->"), &entries);
-    }
-    text + LOAD
-}
-
-/// What `NAME` begins in a template, as the run-time header calls it: functions of the table at hand, and its settings as members.
-fn name_functions(template: &str, member: &str) -> String {
-    let functions = [
-        ("NAME_about", "merlkit_prepare"),
-        ("NAME_draw", "merlkit_draw_prepared"),
-        ("NAME_density_of", "merlkit_pdf_prepared"),
-        ("NAME_sample", "merlkit_sample"),
-        ("NAME_pdf", "merlkit_pdf"),
-        ("NAME_WORD", "MERLKIT_WORD"),
-        ("NAME_VALUE(", "merlkit_table_value(table, "),
-    ];
-    let mut text = template.to_owned();
-    for (from, to) in functions {
-        text = text.replace(from, to);
-    }
-    for setting in [
-        "tables",
-        "rows",
-        "segments",
-        "fold",
-        "phi_bins",
-        "cdf",
-        "slopes",
-        "density",
-        "node_unit",
-        "per_segment",
-        "offset",
-    ] {
-        let from = format!("NAME_{}", setting.to_uppercase());
-        text = text.replace(&from, &format!("{member}{setting}"));
-    }
-    text.replace("NAME", "merlkit_table")
+    let top = fill(TOP_C, &entries) + &shared(SPELLING_C) + WORDS_C;
+    top + &table_code(&entries, "table->") + LOAD
 }
 
 /// The run-time header's tables are handed over by pointer.
@@ -161,30 +121,6 @@ fn c_entries() -> Vec<Entry> {
         entries.push((key, format!("words[{word}]")));
     }
     entries
-}
-
-/// Words of a file's head that a table is opened by.
-const HEAD_WORDS: [(&str, usize); 6] = [
-    ("WORD_5", 5),
-    ("WORD_6", 6),
-    ("WORD_7", 7),
-    ("WORD_8", 8),
-    ("WORD_9", 9),
-    ("WORD_10", 10),
-];
-
-/// How a table is a parameter, an argument, and an owner of members.
-fn table_entries(parameter: &str, member: &str) -> Vec<Entry> {
-    vec![
-        ("TABLE", parameter.into()),
-        ("VALUES", parameter.into()),
-        ("PASS", "table, ".into()),
-        ("PASS_VALUES", "table, ".into()),
-        ("T", member.into()),
-        ("EVAL_FLOOR", "merlkit_eval_floor".into()),
-        ("EVAL_LINEAR", "merlkit_eval_linear".into()),
-        ("NODE_UNIT", format!("{NODE_UNIT:?}")),
-    ]
 }
 
 #[cfg(test)]

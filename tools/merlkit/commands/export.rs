@@ -29,7 +29,7 @@ use crate::{args, output, sampler_args, table};
 /// NAME.f32).
 ///
 /// runtime: NAME.merlkit, the same table and values as a file that a program loads when it runs, and the code for all such
-/// files: merlkit.h for C, C++ and CUDA.
+/// files: merlkit.h for C, C++ and CUDA, and merlkit.glsl, merlkit.hlsl and merlkit.wgsl for shaders.
 ///
 /// npz: NAME.npz, the same table and values as numpy arrays. For header, runtime and npz, the smallest and the largest spread
 /// of the sample weights over the angles of wo are printed.

@@ -7,7 +7,7 @@
 //
 // Add this text to yours, which says where the words of the files are, one file after the other:
 //
-//     @group(0) @binding(0) var<storage, read> merlkit_words: array<u32>;
+//     @AT@group(0) @AT@binding(0) var<storage, read> merlkit_words: array<u32>;
 //     fn merlkit_word(i: u32) -> u32 { return merlkit_words[i]; }
 //
 // Files are not checked here; the host does that with merlkit_load of merlkit.h.
