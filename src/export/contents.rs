@@ -66,14 +66,14 @@ impl Export {
         })
     }
 
-    /// Between bins, a header leaves out whole cells, by their red.
+    /// Between bins, headers and run-time code leave out whole cells, by their red.
     pub(super) fn require_whole_cells(&self) -> Result<()> {
         if !self.merl().has_partial_cells() || self.brdf.rule() == LookupRule::Floor {
             return Ok(());
         }
         Err(Error::argument(
             format!(
-                "a header for the {} lookup cannot keep the channels of a cell apart",
+                "a table for programs with the {} lookup cannot keep the channels of a cell apart",
                 self.brdf.rule().name()
             ),
             "leave --invalid channel out, or export for the floor lookup or as npz",

@@ -1,69 +1,80 @@
-//! The C header: templates that hold the code, filled with a material's arrays.
+//! A material's own header: templates that hold the code, filled with the material's arrays.
 //!
-//! In the templates `NAME` begins every identifier of a material, and `@…@` is a key whose value is filled in. The text is ASCII
-//! without backslashes, and its floats are the shortest decimals that are read back to the bit.
+//! Its floats are the shortest decimals that are read back to the bit.
 
 use super::contents::Export;
 use super::identifier::identifier;
-use crate::geometry::half_vector_chart::ChartEdge;
+use super::packed::Packed;
+use super::templates::{DRAW, Entry, FLOOR, LINEAR, SPELLING_C, SPELLING_GLSL};
+use super::templates::{fill, shared, version_and_units};
 use crate::material::merl::LookupRule;
-use crate::sampler::{NODE_UNIT, ROW_UNIT, Stored};
+use crate::sampler::NODE_UNIT;
 
-const TOP: &str = include_str!("header/top.h");
-const SHARED: &str = include_str!("header/shared.h");
-const TABLE: &str = include_str!("header/table.h");
-const FLOOR: &str = include_str!("header/floor.h");
-const TRILINEAR: &str = include_str!("header/trilinear.h");
-const LOAD: &str = include_str!("header/load.h");
+const TOP: &str = include_str!("templates/header/top.h");
+const ARRAYS: &str = include_str!("templates/header/arrays.h");
+const VALUES: &str = include_str!("templates/header/values.h");
+const LOAD: &str = include_str!("templates/header/load.h");
 
 pub(super) fn text(export: &Export) -> String {
     let name = identifier(&export.name);
-    let eval = if export.brdf.rule() == LookupRule::Floor {
+    let spelling = format!(
+        "#if defined(GL_core_profile) || defined(GL_compatibility_profile) || defined(GL_ES)\n\
+         {SPELLING_GLSL}#else\n{SPELLING_C}#endif\n"
+    );
+    let material = [
+        TOP,
+        ARRAYS,
+        DRAW,
+        VALUES,
+        eval(export.brdf.rule()),
+        "#endif\n",
+        LOAD,
+    ];
+    let mut parts = material.map(|part| fill(&part.replace("NAME", &name), &values(export)));
+    // What all materials share, behind the description and in front of the arrays.
+    parts[0] += &format!(
+        "#ifndef {name}_H\n#define {name}_H\n\n{}",
+        shared(&spelling)
+    );
+    parts.concat() + &format!("\n#endif // {name}_H\n")
+}
+
+/// The values of a material by its lookup rule; `NAME_eval` in either case.
+fn eval(rule: LookupRule) -> &'static str {
+    if rule == LookupRule::Floor {
         FLOOR
     } else {
-        TRILINEAR
-    };
-    let parts = [
-        TOP,
-        &format!("#ifndef {name}_H\n#define {name}_H\n\n"),
-        SHARED,
-        "\n",
-        TABLE,
-        eval,
-        LOAD,
-        &format!("\n#endif // {name}_H\n"),
-    ];
-    fill(&parts.concat().replace("NAME", &name), &values(export))
-}
-
-/// Every `@key@` of a template by its value. Values are taken as they are.
-fn fill(template: &str, values: &[(&str, String)]) -> String {
-    let mut filled = String::new();
-    // Every second piece is a key.
-    for (i, piece) in template.split('@').enumerate() {
-        if i % 2 == 0 {
-            filled += piece;
-        } else if let Some((_, value)) = values.iter().find(|v| v.0 == piece) {
-            filled += value;
-        }
+        LINEAR
     }
-    filled
 }
 
-fn values(export: &Export) -> Vec<(&'static str, String)> {
-    let mut values = description(export);
-    values.extend(arrays(&export.table.to_stored()));
+fn values(export: &Export) -> Vec<Entry> {
+    let mut values = version_and_units();
+    values.extend(description(export));
+    values.extend(arrays(&Packed::new(&export.table.to_stored())));
+    values.extend(parameters(&identifier(&export.name)));
     values
 }
 
+/// The arrays are constants, so that only `eval` has a parameter for data.
+fn parameters(name: &str) -> Vec<Entry> {
+    vec![
+        ("TABLE", String::new()),
+        ("PASS", String::new()),
+        ("VALUES", "MERLKIT_VALUES ".into()),
+        ("PASS_VALUES", format!("{name}_VALUES ")),
+        ("EVAL_FLOOR", format!("{name}_eval")),
+        ("EVAL_LINEAR", format!("{name}_eval")),
+    ]
+}
+
 /// The description in the header's comments, and the numbers in its code.
-fn description(export: &Export) -> Vec<(&'static str, String)> {
+fn description(export: &Export) -> Vec<Entry> {
     let settings = export.table.settings();
     let segments = settings.segments as f32;
     let centred = export.brdf.rule() == LookupRule::Centred;
     vec![
         ("FILE", printable(&export.name)),
-        ("VERSION", env!("CARGO_PKG_VERSION").into()),
         ("SHA256", export.sha256.clone()),
         ("LOOKUP", export.brdf.rule().name().into()),
         ("IMPORTANCE", settings.importance.name().into()),
@@ -73,106 +84,62 @@ fn description(export: &Export) -> Vec<(&'static str, String)> {
         ("TABLES", settings.tables.to_string()),
         ("ROWS", settings.rows.to_string()),
         ("SEGMENTS", settings.segments.to_string()),
-        ("NODES", (settings.segments + 1).to_string()),
         ("EDGES", (settings.rows + 1).to_string()),
         ("FOLD", u8::from(settings.fold).to_string()),
         ("FOLDED", if settings.fold { ", folded" } else { "" }.into()),
-        ("ROW_UNIT", format!("{ROW_UNIT:?}")),
         // In the library's order of operations, for the same bits.
         (
             "NODE_UNIT",
             format!("{:?}", 0.5 * (2.0 * segments * NODE_UNIT)),
         ),
         ("PER_SEGMENT", format!("{:?}", 1.0 / segments)),
-        (
-            "STANDING",
-            if centred {
-                "their centres"
-            } else {
-                "their lower edges"
-            }
-            .into(),
-        ),
+        ("POSITIONS", positions(export.brdf.rule()).into()),
         ("OFFSET", if centred { "0.5" } else { "0.0" }.into()),
     ]
 }
 
-/// The tables of the half-vector sampler as initialisers. Small numbers share words: first those of CDF and slopes, then densities.
-fn arrays(stored: &Stored) -> Vec<(&'static str, String)> {
-    let cdf = words(&to_u32(&stored.rows), 16);
-    let density = words(&to_u32(&stored.nodes), 16);
-    let slopes = slope_words(&stored.slopes);
-    let density_from = cdf.len() + slopes.len();
-    let mut arrays = edges(stored);
-    arrays.extend([
-        (
-            "COSINE",
-            lines(stored.cosines.iter().map(|x| format!("{x:?}f"))),
-        ),
-        ("CDF_WORDS", cdf.len().to_string()),
-        ("CDF", lines(cdf.iter().map(hexadecimal))),
-        ("DENSITY_FROM", density_from.to_string()),
-        ("WORDS", (density_from + density.len()).to_string()),
-        ("SLOPE", lines(slopes.iter().map(hexadecimal))),
-        ("DENSITY", lines(density.iter().map(hexadecimal))),
-    ]);
-    arrays
+/// Where the values of bins are taken to lie.
+fn positions(rule: LookupRule) -> &'static str {
+    match rule {
+        LookupRule::Floor => "each holds for its whole bin",
+        LookupRule::Linear => "linear between the lower edges of bins",
+        LookupRule::Centred => "linear between the centres of bins",
+    }
 }
 
-/// The edges of the rows: the fixed part of each, and the weight of the part that moves with `wo`.
-fn edges(stored: &Stored) -> Vec<(&'static str, String)> {
-    let mut edges = Vec::new();
-    for &edge in &stored.edges {
-        edges.push(ChartEdge::new(usize::from(edge)));
-    }
+/// The table as initialisers.
+fn arrays(packed: &Packed) -> Vec<Entry> {
+    let density_from = packed.cdf.len() + packed.slopes.len();
     vec![
+        ("COSINE", lines(packed.cosines.iter().map(decimal))),
+        ("EDGE_FIXED", lines(packed.edges_fixed.iter().map(decimal))),
         (
-            "EDGE_FIXED",
-            lines(edges.iter().map(|e| format!("{:?}f", e.fixed()))),
+            "EDGE_WEIGHT",
+            lines(packed.edges_weight.iter().map(decimal)),
         ),
-        (
-            "EDGE_SHARE",
-            lines(edges.iter().map(|e| format!("{:?}f", e.weight()))),
-        ),
+        ("CDF_WORDS", packed.cdf.len().to_string()),
+        ("DENSITY_FROM", density_from.to_string()),
+        ("WORDS", (density_from + packed.density.len()).to_string()),
+        ("WORD_LINES", lines(packed.words().map(|w| hexadecimal(&w)))),
     ]
 }
 
-fn to_u32(numbers: &[u16]) -> Vec<u32> {
-    numbers.iter().map(|&x| u32::from(x)).collect()
-}
-
-/// Slopes in words. A slope of −128 to 127 is stored as 0 to 255.
-fn slope_words(slopes: &[i8]) -> Vec<u32> {
-    let mut numbers = Vec::with_capacity(slopes.len());
-    for &slope in slopes {
-        numbers.push((i32::from(slope) + 128) as u32);
-    }
-    words(&numbers, 8)
-}
-
-/// Numbers of `bits` each in words of 32, the first in the lowest bits.
-fn words(numbers: &[u32], bits: usize) -> Vec<u32> {
-    let mut words = Vec::with_capacity(numbers.len().div_ceil(32 / bits));
-    for chunk in numbers.chunks(32 / bits) {
-        let mut word = 0;
-        for &number in chunk.iter().rev() {
-            word = word << bits | number;
-        }
-        words.push(word);
-    }
-    words
+fn decimal(x: &f32) -> String {
+    format!("{x:?}f")
 }
 
 fn hexadecimal(word: &u32) -> String {
     format!("{word:#010x}u")
 }
 
-/// Numbers of an initialiser, eight a line.
+/// Numbers of an initialiser, eight a line. GLSL ES takes no comma behind the last.
 fn lines(numbers: impl Iterator<Item = String>) -> String {
     let all: Vec<String> = numbers.collect();
-    all.chunks(8)
-        .map(|line| format!("    {},\n", line.join(", ")))
-        .collect()
+    let lines: Vec<String> = all
+        .chunks(8)
+        .map(|line| format!("    {}", line.join(", ")))
+        .collect();
+    lines.join(",\n") + "\n"
 }
 
 /// A name for a comment: none of its bytes ends the line or joins it to the next.
@@ -199,10 +166,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_hold_numbers_from_the_lowest_bits() {
-        assert_eq!(words(&[1, 2, 3], 16), [0x0002_0001, 3]);
-        assert_eq!(words(&[1, 2, 3, 4, 255], 8), [0x0403_0201, 255]);
-        assert_eq!(lines(["1".into(), "2".into()].into_iter()), "    1, 2,\n");
+    fn initialisers_end_without_a_comma() {
+        let numbers = (1..=9).map(|i| i.to_string());
+        assert_eq!(lines(numbers), "    1, 2, 3, 4, 5, 6, 7, 8,\n    9\n");
     }
 
     #[test]
@@ -212,42 +178,8 @@ mod tests {
     }
 
     #[test]
-    fn every_key_of_the_templates_is_known() {
-        let known = [
-            "FILE",
-            "VERSION",
-            "SHA256",
-            "LOOKUP",
-            "IMPORTANCE",
-            "LICENCE",
-            "FLOATS",
-            "PHI_BINS",
-            "TABLES",
-            "ROWS",
-            "SEGMENTS",
-            "NODES",
-            "EDGES",
-            "FOLD",
-            "FOLDED",
-            "ROW_UNIT",
-            "NODE_UNIT",
-            "PER_SEGMENT",
-            "STANDING",
-            "OFFSET",
-            "COSINE",
-            "EDGE_FIXED",
-            "EDGE_SHARE",
-            "CDF_WORDS",
-            "CDF",
-            "DENSITY_FROM",
-            "SLOPE",
-            "WORDS",
-            "DENSITY",
-        ];
-        let all = [TOP, SHARED, TABLE, FLOOR, TRILINEAR, LOAD].concat();
-        for key in all.split('@').skip(1).step_by(2) {
-            assert!(known.contains(&key), "{key}");
-        }
+    fn templates_are_plain() {
+        let all = [TOP, ARRAYS, VALUES, LOAD].concat();
         assert!(all.is_ascii() && !all.contains('\\'));
     }
 }

@@ -1,4 +1,5 @@
-//! A material with its half-vector table for other programs: a C header, which is C++ and GLSL as well, and numpy's `.npz`.
+//! A material with its half-vector table for other programs: a C header, which is C++ and GLSL as well, files that one header
+//! loads at run time, and numpy's `.npz`.
 //!
 //! What is written is values and the tables of [`crate::sampler::HalfVectorTable`]; files for renderers that have a format of
 //! their own are [`crate::material::rgl`]'s business, and how well a table draws is the caller's.
@@ -8,6 +9,12 @@ mod header;
 mod identifier;
 #[cfg(feature = "npz")]
 mod npz;
+mod packed;
+mod runtime;
+mod shaders;
+mod table_code;
+mod templates;
+mod wgsl;
 
 use std::path::Path;
 
@@ -40,6 +47,26 @@ impl Export {
     pub fn write_values(&self, path: &Path, overwrite: Overwrite) -> Result<u64> {
         self.require_whole_cells()?;
         write_bytes(&little_endian(self.values()), path, overwrite)
+    }
+
+    /// The names and texts of the code that reads files of [`Self::write_runtime`]: `merlkit.h` for C and C++, and shaders. They
+    /// are ASCII and the same for all materials.
+    pub fn runtime_code() -> [(&'static str, String); 4] {
+        [
+            ("merlkit.h", runtime::c_header()),
+            ("merlkit.glsl", shaders::glsl()),
+            ("merlkit.hlsl", shaders::hlsl()),
+            ("merlkit.wgsl", shaders::wgsl()),
+        ]
+    }
+
+    /// Writes the table and [`Self::values`] as a file for [`Self::runtime_code`]; returns the file's length in bytes.
+    ///
+    /// # Errors
+    /// As [`Self::write_header`].
+    pub fn write_runtime(&self, path: &Path, overwrite: Overwrite) -> Result<u64> {
+        self.require_whole_cells()?;
+        write_bytes(&runtime::file(self), path, overwrite)
     }
 
     /// Writes values, tables and settings as arrays that `numpy.load` reads; returns the file's length in bytes.

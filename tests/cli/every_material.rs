@@ -86,6 +86,10 @@ const COMMANDS: [(&str, [Answer; 4]); 21] = [
         [Result, NO_TABLE, NO_TABLE, NO_TABLE],
     ),
     (
+        "export MATERIAL --format runtime --sampler half-vector:2KB -o out",
+        [Result, NO_TABLE, NO_TABLE, NO_TABLE],
+    ),
+    (
         "export MATERIAL --format npz --sampler half-vector:2KB -o out",
         [Result, NO_TABLE, NO_TABLE, NO_TABLE],
     ),

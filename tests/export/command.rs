@@ -84,7 +84,10 @@ fn options_of_other_formats_are_refused() {
         said.contains("--sampler does not apply to --format bsdf"),
         "{said}"
     );
-    assert!(said.contains("choose --format header or npz"), "{said}");
+    assert!(
+        said.contains("choose --format header, runtime or npz"),
+        "{said}"
+    );
     let said = fails(
         folder.path(),
         &[
@@ -100,7 +103,7 @@ fn options_of_other_formats_are_refused() {
     assert!(said.contains("called 3KB; did you mean"), "{said}");
     assert!(
         fails(folder.path(), &["nickel", "--format", "h", "-o", "out"])
-            .contains("bsdf, npz, header")
+            .contains("bsdf, npz, header, runtime")
     );
     assert!(names(folder.path()).is_empty());
 }

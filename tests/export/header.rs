@@ -1,4 +1,4 @@
-//! The header as C and C++.
+//! A material's header and the run-time header as C and C++.
 
 use crate::support::half_vector_preset;
 use std::f64::consts::TAU;
@@ -14,7 +14,9 @@ use merlkit::material::merl::write;
 use merlkit::sampler::HalfVectorSettings;
 
 use crate::has;
-use crate::program::{Answer, Beyond, COMPILERS, Program, Question, compare, expected, questions};
+use crate::program::{
+    Answer, Beyond, COMPILERS, Kind, Program, Question, compare, expected, questions,
+};
 use crate::support::noise_table;
 
 const DRAWS: usize = 100_000;
@@ -32,15 +34,21 @@ const ALLOWED: Beyond = Beyond {
     values: 10,
 };
 
-/// Compares a program of each compiler with the library.
+/// Compares programs of each compiler and header with the library.
 fn agree(export: &Export, compilers: &[(&str, &[&str])]) {
     let questions = questions(export, DRAWS, 7);
     let expected = expected(export, &questions);
     for &compiler in compilers.iter().filter(|c| has(c.0, &["--version"])) {
-        let folder = tempfile::tempdir().unwrap();
-        let found = Program::new(export, folder.path(), compiler, |text| text).ask(&questions);
-        let beyond = compare(&found, &expected, 1e-5);
-        assert!(beyond.within(ALLOWED), "{}: {beyond:?}", compiler.0);
+        for kind in Kind::ALL {
+            let folder = tempfile::tempdir().unwrap();
+            let program = Program::new(kind, export, folder.path(), compiler, |text| text);
+            let beyond = compare(&program.ask(&questions), &expected, 1e-5);
+            assert!(
+                beyond.within(ALLOWED),
+                "{kind:?}, {}: {beyond:?}",
+                compiler.0
+            );
+        }
     }
 }
 
@@ -79,9 +87,15 @@ fn noise_with_holes_agrees_by_every_rule() {
         for (rule, most) in LookupRule::ALL.into_iter().zip([1e-5, 1e-3, 1e-3]) {
             let export = export(path.to_str().unwrap(), rule, half_vector_preset("2KB"));
             let questions = questions(&export, DRAWS, 8);
-            let found = Program::new(&export, folder.path(), compiler, |text| text).ask(&questions);
-            let beyond = compare(&found, &expected(&export, &questions), most);
-            assert!(beyond.within(ALLOWED), "{bins} {rule:?}: {beyond:?}");
+            let expected = expected(&export, &questions);
+            for kind in Kind::ALL {
+                let program = Program::new(kind, &export, folder.path(), compiler, |text| text);
+                let beyond = compare(&program.ask(&questions), &expected, most);
+                assert!(
+                    beyond.within(ALLOWED),
+                    "{kind:?}, {bins} {rule:?}: {beyond:?}"
+                );
+            }
         }
     }
 }
@@ -151,36 +165,41 @@ fn degenerate_inputs_are_as_in_the_library() {
         let questions = difficult_questions();
         let expected = expected(&export, &questions);
         for compiler in COMPILERS.into_iter().filter(|c| has(c.0, &["--version"])) {
-            let folder = tempfile::tempdir().unwrap();
-            let found = Program::new(&export, folder.path(), compiler, |text| text).ask(&questions);
-            for ((question, found), expected) in questions.iter().zip(&found).zip(&expected) {
-                let here = format!("{}: {question:?}\n{found:?}\n{expected:?}", compiler.0);
-                assert!(
-                    found.wi.is_finite()
-                        && found.drawn.is_finite()
-                        && found.pdf.is_finite()
-                        && found.f.is_finite(),
-                    "{here}"
-                );
-                let zeros = |a: &Answer| [a.drawn == 0.0, a.pdf == 0.0, a.f == Rgb::ZERO];
-                assert_eq!(zeros(found), zeros(expected), "{here}");
-                assert!(found.wi.abs_diff_eq(expected.wi, 1e-5), "{here}");
+            for kind in Kind::ALL {
+                let folder = tempfile::tempdir().unwrap();
+                let program = Program::new(kind, &export, folder.path(), compiler, |text| text);
+                let here = format!("{kind:?}, {}", compiler.0);
+                assert_degenerate(&questions, &program.ask(&questions), &expected, &here);
             }
-            // On an edge of a bin, and at the seam opposite wo, either side is right; at the horizon, f32 tells little of a
-            // density.
-            let beyond = compare(&found, &expected, 1e-5);
-            let few = questions.len() / 50;
-            assert!(
-                beyond.within(Beyond {
-                    draws: few,
-                    densities: few,
-                    values: few
-                }),
-                "{}: {beyond:?}",
-                compiler.0
-            );
         }
     }
+}
+
+/// What is found is finite, and zero where it is expected to be.
+fn assert_degenerate(questions: &[Question], found: &[Answer], expected: &[Answer], program: &str) {
+    for ((question, found), expected) in questions.iter().zip(found).zip(expected) {
+        let here = format!("{program}: {question:?}\n{found:?}\n{expected:?}");
+        assert!(
+            found.wi.is_finite()
+                && found.drawn.is_finite()
+                && found.pdf.is_finite()
+                && found.f.is_finite(),
+            "{here}"
+        );
+        let zeros = |a: &Answer| [a.drawn == 0.0, a.pdf == 0.0, a.f == Rgb::ZERO];
+        assert_eq!(zeros(found), zeros(expected), "{here}");
+        assert!(found.wi.abs_diff_eq(expected.wi, 1e-5), "{here}");
+    }
+    // On an edge of a bin, and at the seam opposite wo, either side is right; at the horizon, f32 tells little of a
+    // density.
+    let beyond = compare(found, expected, 1e-5);
+    let few = questions.len() / 50;
+    let most = Beyond {
+        draws: few,
+        densities: few,
+        values: few,
+    };
+    assert!(beyond.within(most), "{program}: {beyond:?}");
 }
 
 /// Points outside the unit square are held at its edge, and no number counts as 0.
@@ -199,11 +218,16 @@ fn points_outside_the_square_are_drawn_from() {
         w: Vec3::Z,
     };
     let outside = [f32::NAN, -1.0, f32::NEG_INFINITY, 1.0, 2.0, f32::INFINITY].map(question);
-    let folder = tempfile::tempdir().unwrap();
-    let found = Program::new(&export, folder.path(), compiler, |text| text).ask(&outside);
     let edges = expected(&export, &[0.0, 1f32.next_down()].map(question));
     let expected = [0, 0, 0, 1, 1, 1].map(|k| edges[k]);
-    assert_eq!(compare(&found, &expected, 1e-5), Beyond::default());
+    for kind in Kind::ALL {
+        let folder = tempfile::tempdir().unwrap();
+        let program = Program::new(kind, &export, folder.path(), compiler, |text| text);
+        assert_eq!(
+            compare(&program.ask(&outside), &expected, 1e-5),
+            Beyond::default()
+        );
+    }
 }
 
 /// Headers that are wrong in the code or in one number of a table are told from right ones.
@@ -221,7 +245,7 @@ fn the_comparison_rejects_wrong_headers() {
     let folder = tempfile::tempdir().unwrap();
     let beyond = |edit: &dyn Fn(String) -> String| {
         compare(
-            &Program::new(&export, folder.path(), compiler, edit).ask(&questions),
+            &Program::new(Kind::Material, &export, folder.path(), compiler, edit).ask(&questions),
             &expected,
             1e-5,
         )
@@ -251,11 +275,11 @@ fn the_comparison_rejects_wrong_headers() {
     ));
     assert!(value.draws < 20 && value.values > 100, "{value:?}");
     for (array, line) in [
-        ("cosine", 0),
-        ("edge_fixed", 1),
+        ("cosines", 0),
+        ("edges_fixed", 1),
         ("words", 8),
-        ("words", 15),
-        ("words", 30),
+        ("words", 14),
+        ("words", 32),
     ] {
         let wrong = beyond(&|text: String| spoil(&text, array, line));
         assert!(
@@ -265,8 +289,8 @@ fn the_comparison_rejects_wrong_headers() {
     }
 }
 
-/// The header with the last number in a line of an array made a little smaller. Of the words, probabilities stand in lines 0
-/// to 9, slopes to 14, and densities.
+/// The header with the last number in a line of an array made a little smaller. Of the words, lines 1 to 9 hold probabilities,
+/// those to 14 slopes, and those from 16 on densities.
 fn spoil(text: &str, array: &str, line: usize) -> String {
     let start = text.find(&format!(" nickel_{array}[")).unwrap();
     let line = text[start..].lines().nth(line + 1).unwrap();
@@ -300,11 +324,9 @@ fn headers_are_the_same_every_time_and_plain() {
     assert_eq!(text, make());
     assert!(text.is_ascii() && !text.contains(['\\', '@', '\t']) && !text.contains("NAME"));
     assert!(text.lines().all(|l| l.trim_end() == l));
-    assert!(
-        text.starts_with(
-            "// blue-metallic-paint.h: a measured material for C99, C++11 and GLSL 4.30"
-        )
-    );
+    assert!(text.starts_with(
+        "// blue-metallic-paint.h: a measured material for C99, C++11, GLSL 4.30 and GLSL ES 3.00"
+    ));
     for expected in [
         "SHA-256 ",
         "by the centred lookup",

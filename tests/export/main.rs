@@ -5,6 +5,7 @@ mod glsl;
 mod header;
 mod numpy;
 mod program;
+mod runtime;
 #[path = "../support/mod.rs"]
 mod support;
 

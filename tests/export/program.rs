@@ -1,4 +1,4 @@
-//! A program made of a header, and how far its answers are from the library's.
+//! A program made of a material's header or of the run-time header, and how far its answers are from the library's.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,21 @@ use merlkit::geometry::spherical;
 use merlkit::points::Stream;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-const DRIVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/export/driver.c");
+/// The folder of C sources.
+pub const HERE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/export");
+
+/// Which header a program is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// The material's own, with its table.
+    Material,
+    /// `merlkit.h`, which loads a file.
+    Runtime,
+}
+
+impl Kind {
+    pub const ALL: [Self; 2] = [Self::Material, Self::Runtime];
+}
 
 /// How a compiler is asked for a program, of the header alone and without a warning.
 pub const COMPILERS: [(&str, &[&str]); 2] = [
@@ -64,47 +78,39 @@ impl Beyond {
     }
 }
 
-/// Compiled from a header, with its values in the file beside it.
+/// Compiled from a header, with its data in the file of that name.
 pub struct Program {
     path: PathBuf,
-    values: PathBuf,
+    data: PathBuf,
 }
 
 impl Program {
-    /// Writes the header, as `edit` leaves it, and the values into `folder`, and compiles them.
+    /// Writes the header, as `edit` leaves it, and the data into `folder`, and compiles them.
     pub fn new(
+        kind: Kind,
         export: &Export,
         folder: &Path,
         compiler: (&str, &[&str]),
         edit: impl Fn(String) -> String,
     ) -> Self {
-        let (header, values) = (folder.join("material.h"), folder.join("material.f32"));
-        std::fs::write(&header, edit(export.header())).unwrap();
-        export.write_values(&values, Overwrite::Replace).unwrap();
-        let path = folder.join("program");
-        let compiled = Command::new(compiler.0)
-            .args(compiler.1)
-            .args(STRICT)
-            .args([
-                "-DHEADER=\"material.h\"",
-                &format!("-DMATERIAL={}", name_in(&export.header())),
-            ])
-            .arg("-I")
-            .args([
-                folder,
-                Path::new(DRIVER),
-                Path::new("-o"),
-                &path,
-                Path::new("-lm"),
-            ])
-            .output()
-            .unwrap();
-        assert!(
-            compiled.status.success(),
-            "{}",
-            String::from_utf8_lossy(&compiled.stderr)
-        );
-        Self { path, values }
+        let data = folder.join("material.data");
+        let (text, driver) = match kind {
+            Kind::Material => {
+                export.write_values(&data, Overwrite::Replace).unwrap();
+                (export.header(), "driver.c")
+            }
+            Kind::Runtime => {
+                export.write_runtime(&data, Overwrite::Replace).unwrap();
+                (runtime_header(), "runtime_driver.c")
+            }
+        };
+        std::fs::write(folder.join("material.h"), edit(text)).unwrap();
+        let defined = [
+            "-DHEADER=\"material.h\"".to_owned(),
+            format!("-DMATERIAL={}", name_in(&export.header())),
+        ];
+        let path = compile(folder, compiler, &Path::new(HERE).join(driver), &defined);
+        Self { path, data }
     }
 
     pub fn ask(&self, questions: &[Question]) -> Vec<Answer> {
@@ -115,7 +121,7 @@ impl Program {
         });
         let input: Vec<u8> = input.collect();
         let mut child = Command::new(&self.path)
-            .arg(&self.values)
+            .arg(&self.data)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -141,6 +147,36 @@ impl Program {
         });
         answers.collect()
     }
+}
+
+/// The text of `merlkit.h`.
+pub fn runtime_header() -> String {
+    let mut code = Export::runtime_code().into_iter();
+    code.find(|c| c.0 == "merlkit.h").unwrap().1
+}
+
+/// Compiles a source strictly, with `folder` for headers and for the program.
+pub fn compile(
+    folder: &Path,
+    compiler: (&str, &[&str]),
+    source: &Path,
+    more: &[String],
+) -> PathBuf {
+    let path = folder.join("program");
+    let compiled = Command::new(compiler.0)
+        .args(compiler.1)
+        .args(STRICT)
+        .args(more)
+        .arg("-I")
+        .args([folder, source, Path::new("-o"), &path, Path::new("-lm")])
+        .output()
+        .unwrap();
+    assert!(
+        compiled.status.success(),
+        "{}",
+        String::from_utf8_lossy(&compiled.stderr)
+    );
+    path
 }
 
 /// What the functions of a header begin with.

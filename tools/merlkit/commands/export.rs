@@ -1,13 +1,13 @@
 //! `merlkit export`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
 use merlkit::brdf::Importance;
 use merlkit::export::{Export, refuse_same_identifier};
-use merlkit::files::check_writable;
+use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit::material::rgl::{BsdfFile, BsdfSize, RglBrdf, tabulate};
 use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
@@ -28,8 +28,11 @@ use crate::{args, output, sampler_args, table};
 /// header: NAME.h for C, C++ and GLSL, with sample and pdf (from the half-vector table) and eval (from the values of f_r in
 /// NAME.f32).
 ///
-/// npz: NAME.npz, the same table and values as numpy arrays. For header and npz, the smallest and the largest spread of the
-/// sample weights over the angles of wo are printed.
+/// runtime: NAME.merlkit, the same table and values as a file that a program loads when it runs, and the code for all such
+/// files: merlkit.h for C, C++ and CUDA, and merlkit.glsl, merlkit.hlsl and merlkit.wgsl for shaders.
+///
+/// npz: NAME.npz, the same table and values as numpy arrays. For header, runtime and npz, the smallest and the largest spread
+/// of the sample weights over the angles of wo are printed.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit export nickel --format bsdf -o exported")]
 pub struct Args {
@@ -47,7 +50,7 @@ pub struct Args {
     /// bsdf: use the smallest size whose median error is at most E, such as 0.001 or 0.1% [default: none]
     #[arg(help_heading = "Format", long, value_name = "E", value_parser = args::target_error)]
     target_error: Option<f64>,
-    /// header, npz: half-vector table to export, with settings (`merlkit samplers half-vector`) [default: half-vector:64KB]
+    /// header, runtime, npz: half-vector table to export, with settings (`merlkit samplers half-vector`) [default: half-vector:64KB]
     #[arg(help_heading = "Format", long, value_name = sampler_args::VALUE)]
     sampler: Option<SamplerSpec>,
     /// How values between the samples of a table are interpolated. A written .bsdf file is always linear [default: linear for
@@ -70,12 +73,14 @@ enum Format {
     Bsdf,
     Npz,
     Header,
+    Runtime,
 }
 
 const FORMATS: &[(&str, Format)] = &[
     ("bsdf", Format::Bsdf),
     ("npz", Format::Npz),
     ("header", Format::Header),
+    ("runtime", Format::Runtime),
 ];
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -108,7 +113,7 @@ pub fn run(args: &Args) -> Outcome {
     args::refuse_repeated(&materials)?;
     match args.format {
         Format::Bsdf => args::require_isotropic(&materials, "an exported .bsdf file")?,
-        Format::Npz | Format::Header => {
+        Format::Npz | Format::Header | Format::Runtime => {
             args.table_settings()?;
             args::require_tables(&materials, "this export")?;
         }
@@ -120,6 +125,10 @@ pub fn run(args: &Args) -> Outcome {
     for path in materials.iter().flat_map(|m| args.paths(m)) {
         check_writable(&path, output::overwrite(args.force))?;
     }
+    let code = args.missing_code();
+    for (path, _) in &code {
+        check_writable(path, output::overwrite(args.force))?;
+    }
     let progress = Progress::new("exporting", materials.len());
     let mut sheet = if args.format == Format::Bsdf {
         export_sheet()
@@ -130,11 +139,23 @@ pub fn run(args: &Args) -> Outcome {
     for material in &materials {
         match args.format {
             Format::Bsdf => all_written &= bsdf(material, args, &mut sheet)?,
-            Format::Npz | Format::Header => table_and_values(material, args, &mut sheet)?,
+            Format::Npz | Format::Header | Format::Runtime => {
+                table_and_values(material, args, &mut sheet)?;
+            }
         }
         progress.advance();
     }
     drop(progress);
+    for (path, text) in &code {
+        write_text(path, text, output::overwrite(args.force))?;
+        let bytes = text.len() as u64;
+        sheet.push(drawn_row(
+            path.display().to_string(),
+            bytes,
+            "sample, pdf, eval",
+            None,
+        ));
+    }
     output::stdout(|out| write!(out, "{}", table::render(&sheet)))?;
     unreadable.end(materials.len(), ExitCode::from(u8::from(!all_written)))
 }
@@ -150,8 +171,8 @@ impl Args {
         ];
         let of_tables = [(self.sampler.is_some(), "--sampler")];
         let (foreign, others) = match self.format {
-            Format::Bsdf => (&of_tables[..], "header or npz"),
-            Format::Npz | Format::Header => (&of_bsdf[..], "bsdf"),
+            Format::Bsdf => (&of_tables[..], "header, runtime or npz"),
+            Format::Npz | Format::Header | Format::Runtime => (&of_bsdf[..], "bsdf"),
         };
         match foreign.iter().find(|option| option.0) {
             None => Ok(()),
@@ -207,11 +228,34 @@ impl Args {
             Format::Bsdf => self.variants().map(|v| format!("{v}.bsdf")).collect(),
             Format::Npz => vec!["npz".into()],
             Format::Header => vec!["f32".into(), "h".into()],
+            Format::Runtime => vec!["merlkit".into()],
         };
         ends.iter()
             .map(|end| self.output.join(format!("{}.{end}", material.name())))
             .collect()
     }
+
+    /// The code of run-time tables that is not in the folder yet. It is the same for all materials, so that more of them can be
+    /// exported to one folder.
+    fn missing_code(&self) -> Vec<(PathBuf, String)> {
+        let mut missing = Vec::new();
+        if self.format == Format::Runtime {
+            for (name, text) in Export::runtime_code() {
+                let path = self.output.join(name);
+                if std::fs::read(&path).ok().as_deref() != Some(text.as_bytes()) {
+                    missing.push((path, text));
+                }
+            }
+        }
+        missing
+    }
+}
+
+fn write_text(path: &Path, text: &str, overwrite: Overwrite) -> Result<(), Error> {
+    write_new(path, overwrite, |out| {
+        out.write_all(text.as_bytes())
+            .map_err(|e| Error::io(path, "write", e))
+    })
 }
 
 /// Writes a material's `.bsdf` files; false if the error of one is too large to write it.
@@ -265,6 +309,11 @@ fn table_and_values(material: &Material, args: &Args, sheet: &mut Sheet) -> Resu
             Some("h") => (
                 export.write_header(&path, overwrite)?,
                 "sample, pdf, eval",
+                Some(&draws),
+            ),
+            Some("merlkit") => (
+                export.write_runtime(&path, overwrite)?,
+                "half-vector table, f_r",
                 Some(&draws),
             ),
             _ => (export.write_values(&path, overwrite)?, "f_r for eval", None),

@@ -1,4 +1,4 @@
-// @FILE@.h: a measured material for C99, C++11 and GLSL 4.30 or later, written by merlkit @VERSION@
+// @FILE@.h: a measured material for C99, C++11, GLSL 4.30 and GLSL ES 3.00 or later, written by merlkit @VERSION@
 //
 // Define MERLKIT_STDIO before including it for NAME_load, which uses stdio; nothing else does.
 //
@@ -17,6 +17,9 @@
 //
 //     layout(std430, binding = 1) readonly buffer NAME_tables { uint NAME_table[]; };
 //     #define NAME_WORD(i) NAME_table[i]
+//
+// GLSL ES 3.00 has no buffers: let both macros read a texture by texelFetch. merlkit export --format runtime writes files that
+// one header and one shader load, instead of a header for each material.
 //
 // Directions leave the surface in a frame whose +z is the normal: wo to the viewer (given), wi to the light (drawn).
 // They are merlkit_vec3, a struct of x, y, z; vec3 in GLSL. Other lengths than 1 are renormalised. f is f_r, linear RGB

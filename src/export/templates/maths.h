@@ -1,55 +1,3 @@
-#ifndef MERLKIT_SHARED
-#define MERLKIT_SHARED 1
-
-// ---- What C, C++ and GLSL spell differently ----
-
-#if defined(GL_core_profile) || defined(GL_compatibility_profile)
-#define MERLKIT_GLSL 1
-#define MERLKIT_FN
-#define MERLKIT_CONST const
-#define MERLKIT_UINT uint
-#define MERLKIT_TO_UINT(x) uint(x)
-#define MERLKIT_TO_INT(x) int(x)
-#define MERLKIT_TO_FLOAT(x) float(x)
-#define MERLKIT_SQRT(x) sqrt(x)
-#define MERLKIT_ABS(x) abs(x)
-#define MERLKIT_VALUES
-#define merlkit_vec3 vec3
-#define merlkit_v(x, y, z) vec3(x, y, z)
-#else
-#include <math.h>
-#include <stdbool.h>
-#include <stdint.h>
-#define MERLKIT_FN static inline
-#define MERLKIT_CONST static const
-#define MERLKIT_UINT uint32_t
-#define MERLKIT_TO_UINT(x) ((uint32_t)(x))
-#define MERLKIT_TO_INT(x) ((int)(x))
-#define MERLKIT_TO_FLOAT(x) ((float)(x))
-#define MERLKIT_SQRT(x) sqrtf(x)
-#define MERLKIT_ABS(x) fabsf(x)
-#define MERLKIT_VALUES const float *values,
-typedef struct merlkit_vec3 merlkit_vec3;
-typedef struct merlkit_draw merlkit_draw;
-typedef struct merlkit_about merlkit_about;
-typedef struct merlkit_place merlkit_place;
-typedef struct merlkit_segment merlkit_segment;
-typedef struct merlkit_bins merlkit_bins;
-typedef struct merlkit_pair merlkit_pair;
-typedef struct merlkit_cell merlkit_cell;
-struct merlkit_vec3 {
-    float x, y, z;
-};
-MERLKIT_FN merlkit_vec3 merlkit_v(float x, float y, float z)
-{
-    merlkit_vec3 v;
-    v.x = x;
-    v.y = y;
-    v.z = z;
-    return v;
-}
-#endif
-
 // ---- What functions return ----
 
 // A direction and its density; pdf is 0 where the draw failed.
@@ -59,59 +7,91 @@ struct merlkit_draw {
 };
 
 // What depends on wo alone: its polar angle, the cosine and sine of its azimuth, the cap of the largest theta_h, and two
-// tables with the share of the second in 1/65536. first = second = share = 0 and cos_o = 0 for a wo that is none.
+// tables with the weight of the second in 1/65536. cos_o is 0 for a wo that is not above the horizon.
 struct merlkit_about {
-    float sin_o, cos_o, c, s, top;
-    MERLKIT_UINT first, second, share;
+    float sin_o;
+    float cos_o;
+    float c;
+    float s;
+    float top;
+    MERLKIT_UINT first;
+    MERLKIT_UINT second;
+    MERLKIT_UINT weight;
 };
 
-// Where a direction lies: its cap, its share of the azimuth in [-1, 1], and dsigma(wi) per dcap db.
+// Where a direction lies: its cap, its fraction b of the widest azimuth in [-1, 1], and dsigma(wi) per dcap db.
 struct merlkit_place {
-    float cap, b, jacobian;
+    float cap;
+    float b;
+    float jacobian;
 };
 
 // Density over the azimuth at both ends of a segment.
 struct merlkit_segment {
-    float index, low, high;
+    float index;
+    float low;
+    float high;
 };
 
 // Half and difference angles in units of MERL's bins, from the lower edge of bin 0.
 struct merlkit_bins {
-    float theta_h, theta_d, phi_d;
+    float theta_h;
+    float theta_d;
+    float phi_d;
 };
 
-// Two neighbouring bins and the share of the second.
+// Two neighbouring bins and the weight of the second.
 struct merlkit_pair {
-    int low, high;
-    float share;
+    int low;
+    int high;
+    float weight;
 };
 
-// A mean of bins by their shares, and the sum of the shares of those that hold a value.
+// A weighted mean of bins, and the sum of the weights of those that hold a value.
 struct merlkit_cell {
-    float r, g, b, valid;
+    float r;
+    float g;
+    float b;
+    float valid;
 };
 
 // ---- Numbers ----
 
+MERLKIT_FN float merlkit_pick(bool condition, float yes, float no)
+{
+    if (condition) {
+        return yes;
+    }
+    return no;
+}
+
+MERLKIT_FN int merlkit_pick_int(bool condition, int yes, int no)
+{
+    if (condition) {
+        return yes;
+    }
+    return no;
+}
+
 MERLKIT_FN float merlkit_min(float a, float b)
 {
-    return a < b ? a : b;
+    return merlkit_pick(a < b, a, b);
 }
 
 MERLKIT_FN float merlkit_max(float a, float b)
 {
-    return a > b ? a : b;
+    return merlkit_pick(a > b, a, b);
 }
 
-// x in [0, 1), 0 for what is no number.
+// x in [0, 1), 0 for NaN.
 MERLKIT_FN float merlkit_point(float x)
 {
-    return x > 0.0f ? (x < 1.0f ? x : 0.99999994f) : 0.0f;
+    return merlkit_pick(x > 0.0f, merlkit_min(x, 0.99999994f), 0.0f);
 }
 
-MERLKIT_FN MERLKIT_UINT merlkit_mix(MERLKIT_UINT a, MERLKIT_UINT b, MERLKIT_UINT share)
+MERLKIT_FN MERLKIT_UINT merlkit_mix(MERLKIT_UINT a, MERLKIT_UINT b, MERLKIT_UINT weight)
 {
-    return a * (65536u - share) + b * share;
+    return a * (65536u - weight) + b * weight;
 }
 
 // floor(x * 65535 * 65536) of x in [0, 1), exact without f64: x is (a + (b + q) / 65536) / 65536.
@@ -122,7 +102,7 @@ MERLKIT_FN MERLKIT_UINT merlkit_row_target(float x)
     float r = scaled - MERLKIT_TO_FLOAT(a);
     MERLKIT_UINT b = MERLKIT_TO_UINT(r * 65536.0f);
     float q = r * 65536.0f - MERLKIT_TO_FLOAT(b);
-    return a * 65535u + b - (q < r ? 1u : 0u);
+    return a * 65535u + b - MERLKIT_TO_UINT(q < r);
 }
 
 // floor(x * 65534 * 65536) of x in [0, 1].
@@ -133,7 +113,7 @@ MERLKIT_FN MERLKIT_UINT merlkit_node_target(float x)
     float r = scaled - MERLKIT_TO_FLOAT(a);
     MERLKIT_UINT b = MERLKIT_TO_UINT(r * 65536.0f);
     float q = r * 65536.0f - MERLKIT_TO_FLOAT(b);
-    return a * 65534u + b - (q < 2.0f * r ? 1u : 0u) - (q < 2.0f * r - 1.0f ? 1u : 0u);
+    return a * 65534u + b - MERLKIT_TO_UINT(q < 2.0f * r) - MERLKIT_TO_UINT(q < 2.0f * r - 1.0f);
 }
 
 // ---- Directions ----
@@ -143,7 +123,6 @@ MERLKIT_FN merlkit_vec3 merlkit_unit(merlkit_vec3 w)
 {
     float length2 = w.x * w.x + w.y * w.y + w.z * w.z;
     float largest = merlkit_max(merlkit_max(MERLKIT_ABS(w.x), MERLKIT_ABS(w.y)), w.z);
-    float x, y, z, scale;
     if (w.z > 0.0f && MERLKIT_ABS(length2 - 1.0f) <= 1e-5f) {
         return w;
     }
@@ -151,10 +130,10 @@ MERLKIT_FN merlkit_vec3 merlkit_unit(merlkit_vec3 w)
           && w.z <= 3.4028234e38f)) {
         return merlkit_v(0.0f, 0.0f, 0.0f);
     }
-    x = w.x / largest;
-    y = w.y / largest;
-    z = w.z / largest;
-    scale = 1.0f / MERLKIT_SQRT(x * x + y * y + z * z);
+    float x = w.x / largest;
+    float y = w.y / largest;
+    float z = w.z / largest;
+    float scale = 1.0f / MERLKIT_SQRT(x * x + y * y + z * z);
     return merlkit_v(x * scale, y * scale, z * scale);
 }
 
@@ -187,11 +166,11 @@ MERLKIT_FN merlkit_about merlkit_square(merlkit_vec3 wo)
     about.top = 0.5f * (1.0f - about.cos_o / MERLKIT_SQRT(2.0f * (1.0f + about.sin_o)));
     about.first = 0u;
     about.second = 0u;
-    about.share = 0u;
+    about.weight = 0u;
     return about;
 }
 
-// Steps 15 to 17: the direction at a cap and a share b of the azimuth.
+// Steps 15 to 17: the direction at a cap and a fraction b of the azimuth.
 MERLKIT_FN merlkit_vec3 merlkit_direction(merlkit_about about, float cap, float b)
 {
     float sin_h = 2.0f * MERLKIT_SQRT(cap * (1.0f - cap));
@@ -225,10 +204,13 @@ MERLKIT_FN merlkit_place merlkit_place_of(merlkit_about about, merlkit_vec3 wi)
     float scale = 1.0f / merlkit_max(MERLKIT_SQRT(2.0f * rho * sum), 1.1754944e-38f);
     float big = sum * scale;
     float little = MERLKIT_ABS(y) * scale;
-    float q = merlkit_min(x < 0.0f ? big / (1.0f + little) : little / (1.0f + big), 1.0f);
+    // Both are at least 0: the azimuth is beyond 90 degrees where x is below 0.
+    float over = merlkit_pick(x < 0.0f, big, little);
+    float under = merlkit_pick(x < 0.0f, little, big);
+    float q = merlkit_min(over / (1.0f + under), 1.0f);
     float b = merlkit_min(q / widest, 1.0f);
     place.cap = 0.5f * rho2 * inverse / (len + z);
-    place.b = y < 0.0f ? -b : b;
+    place.b = merlkit_pick(y < 0.0f, -b, b);
     place.jacobian = 16.0f * len * widest / (1.0f + q * q);
     return place;
 }
@@ -256,12 +238,15 @@ MERLKIT_FN float merlkit_find_in(merlkit_segment segment, float rest)
 MERLKIT_FN float merlkit_degrees(float y, float x)
 {
     float high = merlkit_max(x, y);
-    float t = high > 0.0f ? merlkit_min(x, y) / high : 0.0f;
+    float t = 0.0f;
+    if (high > 0.0f) {
+        t = merlkit_min(x, y) / high;
+    }
     float s = t * t;
     float tail = 2.4585398f + s * (-0.9262285f + s * 0.16422264f);
     float a = t * (57.29578f + s * (-19.098485f + s * (11.455461f + s * (-8.1410999f + s * (6.1055895f
                 + s * (-4.3137787f + s * tail))))));
-    return y > x ? 90.0f - a : a;
+    return merlkit_pick(y > x, 90.0f - a, a);
 }
 
 // Degrees from 0 to bins of the azimuth of wi, which is phi_d where the half vector is the normal. Opposite azimuths are one
@@ -269,11 +254,11 @@ MERLKIT_FN float merlkit_degrees(float y, float x)
 MERLKIT_FN float merlkit_azimuth(merlkit_vec3 wi, int bins)
 {
     bool turned = bins == 180 && (wi.y < 0.0f || (wi.y == 0.0f && wi.x < 0.0f));
-    float x = turned ? -wi.x : wi.x;
-    float y = turned ? -wi.y : wi.y;
+    float x = merlkit_pick(turned, -wi.x, wi.x);
+    float y = merlkit_pick(turned, -wi.y, wi.y);
     float a = merlkit_degrees(MERLKIT_ABS(y), MERLKIT_ABS(x));
-    float upper = x < 0.0f ? 180.0f - a : a;
-    return y < 0.0f ? 360.0f - upper : upper;
+    float upper = merlkit_pick(x < 0.0f, 180.0f - a, a);
+    return merlkit_pick(y < 0.0f, 360.0f - upper, upper);
 }
 
 // Angles of a pair of unit directions above the horizon. Sums and differences of the directions keep their digits where
@@ -281,8 +266,12 @@ MERLKIT_FN float merlkit_azimuth(merlkit_vec3 wi, int bins)
 MERLKIT_FN merlkit_bins merlkit_bins_of(merlkit_vec3 wo, merlkit_vec3 wi, int phi_d_bins)
 {
     merlkit_bins at;
-    float sx = wo.x + wi.x, sy = wo.y + wi.y, sz = wo.z + wi.z;
-    float dx = wo.x - wi.x, dy = wo.y - wi.y, dz = wo.z - wi.z;
+    float sx = wo.x + wi.x;
+    float sy = wo.y + wi.y;
+    float sz = wo.z + wi.z;
+    float dx = wo.x - wi.x;
+    float dy = wo.y - wi.y;
+    float dz = wo.z - wi.z;
     float rho2 = sx * sx + sy * sy;
     float len = MERLKIT_SQRT(rho2 + sz * sz);
     float across = dx * sy - dy * sx;
@@ -295,7 +284,8 @@ MERLKIT_FN merlkit_bins merlkit_bins_of(merlkit_vec3 wo, merlkit_vec3 wi, int ph
         float a = merlkit_degrees(MERLKIT_ABS(across), MERLKIT_ABS(along));
         bool rising = across == 0.0f || ((across > 0.0f) == (dz > 0.0f) && dz != 0.0f);
         bool second = across < 0.0f || (across == 0.0f && dz < 0.0f);
-        at.phi_d = (rising ? a : 180.0f - a) + (phi_d_bins == 360 && second ? 180.0f : 0.0f);
+        float half_turn = merlkit_pick(phi_d_bins == 360 && second, 180.0f, 0.0f);
+        at.phi_d = merlkit_pick(rising, a, 180.0f - a) + half_turn;
     }
     return at;
 }
@@ -304,7 +294,7 @@ MERLKIT_FN merlkit_bins merlkit_bins_of(merlkit_vec3 wo, merlkit_vec3 wi, int ph
 MERLKIT_FN int merlkit_bin(float x, int bins)
 {
     int bin = MERLKIT_TO_INT(x);
-    return bin < bins ? bin : bins - 1;
+    return merlkit_pick_int(bin < bins, bin, bins - 1);
 }
 
 // The bins on both sides of x, held at the ends of the axis.
@@ -313,8 +303,8 @@ MERLKIT_FN merlkit_pair merlkit_clamped(float x, int bins)
     merlkit_pair pair;
     float held = merlkit_min(merlkit_max(x, 0.0f), MERLKIT_TO_FLOAT(bins - 1));
     pair.low = MERLKIT_TO_INT(held);
-    pair.high = pair.low + 1 < bins ? pair.low + 1 : pair.low;
-    pair.share = held - MERLKIT_TO_FLOAT(pair.low);
+    pair.high = merlkit_pick_int(pair.low + 1 < bins, pair.low + 1, pair.low);
+    pair.weight = held - MERLKIT_TO_FLOAT(pair.low);
     return pair;
 }
 
@@ -322,24 +312,20 @@ MERLKIT_FN merlkit_pair merlkit_clamped(float x, int bins)
 MERLKIT_FN merlkit_pair merlkit_periodic(float x, int bins)
 {
     merlkit_pair pair;
-    float held = x < 0.0f ? x + MERLKIT_TO_FLOAT(bins) : x;
+    float held = merlkit_pick(x < 0.0f, x + MERLKIT_TO_FLOAT(bins), x);
     int low = MERLKIT_TO_INT(held);
-    pair.share = held - MERLKIT_TO_FLOAT(low);
-    pair.low = low < bins ? low : low - bins;
-    pair.high = pair.low + 1 < bins ? pair.low + 1 : 0;
+    pair.weight = held - MERLKIT_TO_FLOAT(low);
+    pair.low = merlkit_pick_int(low < bins, low, low - bins);
+    pair.high = merlkit_pick_int(pair.low + 1 < bins, pair.low + 1, 0);
     return pair;
 }
 
-MERLKIT_FN merlkit_cell merlkit_mix_cells(merlkit_cell low, merlkit_cell high, float share)
+MERLKIT_FN merlkit_cell merlkit_mix_cells(merlkit_cell low, merlkit_cell high, float weight)
 {
     merlkit_cell mean;
-    mean.r = low.r * (1.0f - share) + high.r * share;
-    mean.g = low.g * (1.0f - share) + high.g * share;
-    mean.b = low.b * (1.0f - share) + high.b * share;
-    mean.valid = low.valid * (1.0f - share) + high.valid * share;
+    mean.r = low.r * (1.0f - weight) + high.r * weight;
+    mean.g = low.g * (1.0f - weight) + high.g * weight;
+    mean.b = low.b * (1.0f - weight) + high.b * weight;
+    mean.valid = low.valid * (1.0f - weight) + high.valid * weight;
     return mean;
 }
-#endif
-#if MERLKIT_SHARED != 1
-#error "these headers are of different versions of merlkit: export them together"
-#endif
