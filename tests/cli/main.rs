@@ -20,6 +20,7 @@ mod memory;
 mod models;
 mod notes;
 mod plot;
+mod plot_files;
 mod python;
 mod render;
 mod reports;

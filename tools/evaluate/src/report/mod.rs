@@ -20,6 +20,7 @@ mod page;
 mod profile;
 mod sheet;
 mod summary;
+mod surface_charts;
 mod thesis;
 mod thesis_ranking;
 mod tune;
@@ -42,6 +43,7 @@ pub use page::{comparison_page, fit_page};
 pub use profile::{SamplerReport, thesis_legend};
 pub use sheet::Sheet;
 pub use summary::summary;
+pub use surface_charts::{SurfaceOptions, check_surfaces, surface_chart};
 pub use thesis::{ThesisFigures, thesis_figures, thesis_uniform_memory};
 pub use tune::{tuning_sheet, tuning_summary};
 
