@@ -31,6 +31,7 @@ mod scenes;
 mod schemas;
 mod sheet;
 mod shell;
+mod tasks;
 mod unlucky;
 mod usage;
 mod writing;

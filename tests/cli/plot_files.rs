@@ -307,7 +307,7 @@ fn solids_are_seen_from_where_it_is_said_and_stay_small() {
         usual,
         picture("nickel --theta 30 --elevation 25 --azimuth 20")
     );
-    for name in [">wo<", ">mirror<", ">n<", ">nickel, θ = 30°<"] {
+    for name in [">wo<", ">mirror<", ">n<", ">nickel: lobe at θ = 30°<"] {
         assert!(usual.contains(name), "{name}");
     }
     for other in [

@@ -27,6 +27,7 @@ mod pdf_text;
 mod png;
 mod polar;
 mod scatter;
+mod stage;
 mod style;
 mod surfaces;
 mod svg;

@@ -6,11 +6,12 @@ use glam::DVec3;
 
 use super::Caption;
 use super::axis::{Axis, Ruler};
-use super::drawing::{Area, ChartSize, Colour, Drawing, Element, Face, GRID, INK, Paint, Stroke};
+use super::drawing::{Area, ChartSize, Colour, Drawing, Element, Face, INK, Paint, Stroke};
 use super::legend::{Entry, Legend};
+use super::stage::{ARROW, Stage, arrows, draw_base, draw_names};
 use super::style::Style;
-use super::text::{Anchor, TEXT, label_room, overlap, shortened, width_of};
-use super::viewpoint::{Projection, Viewpoint};
+use super::text::{Anchor, TEXT, shortened};
+use super::viewpoint::Viewpoint;
 
 /// A lobe by the vertices of its surface.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,47 +51,27 @@ pub struct Surfaces {
     pub viewpoint: Viewpoint,
 }
 
-/// Length of arrows, in radii of the hemisphere, and where their names are.
-const ARROW: f64 = 1.2;
-const NAME: f64 = 1.27;
 /// Pixels above a panel's solid for its title, and below it for the ruler.
 const ABOVE: f64 = 34.0;
-const BELOW: f64 = 58.0;
+const BELOW: f64 = 66.0;
 /// Pixels left and right of the arrows.
 const SIDE: f64 = 40.0;
 /// Opacity of lobes that share a hemisphere.
 const TRANSLUCENT: f64 = 0.6;
 /// Pieces of an arrow that are hidden or shown one by one.
 const PIECES: usize = 24;
-/// Corners of the base.
-const BASE_CORNERS: usize = 90;
-const BASE: Colour = Colour(0xf4f4f4);
-
-/// Where a panel's hemisphere lies.
-struct Stage {
-    centre: (f64, f64),
-    radius: f64,
-    projection: Projection,
-}
-
-impl Stage {
-    fn pixel(&self, point: DVec3) -> (f64, f64) {
-        let (x, y) = self.projection.place(point);
-        (
-            self.centre.0 + self.radius * x,
-            self.centre.1 - self.radius * y,
-        )
-    }
-
-    fn pixels(&self, points: impl IntoIterator<Item = DVec3>) -> Vec<(f64, f64)> {
-        points.into_iter().map(|p| self.pixel(p)).collect()
-    }
-}
 
 /// A piece of a panel, to be drawn from the farthest to the nearest.
 enum Piece {
     Face(Face),
-    Arrow((f64, f64), (f64, f64)),
+    Arrow(ArrowPiece),
+}
+
+/// A piece of an arrow: the arrow and the piece by their numbers, and its ends.
+struct ArrowPiece {
+    arrow: usize,
+    number: usize,
+    ends: [(f64, f64); 2],
 }
 
 /// Columns and rows, pixels of a panel, and the hemisphere's radius.
@@ -196,8 +177,11 @@ impl Surfaces {
             radius,
             projection: self.viewpoint.projection(),
         };
-        let title = shortened(&panel.title, TEXT, area.width - 16.0);
-        drawing.label((stage.centre.0, area.y + 12.0), Anchor::Middle, &title);
+        // One panel is what the picture's title says.
+        if self.panels.len() > 1 {
+            let title = shortened(&panel.title, TEXT, area.width - 16.0);
+            drawing.label((stage.centre.0, area.y + 12.0), Anchor::Middle, &title);
+        }
         draw_base(drawing, &stage);
         let ruler = Ruler::new(&self.radius, std::iter::empty(), 0.0, 1.0);
         let Some(ruler) = ruler.filter(|_| !panel.lobes.is_empty()) else {
@@ -347,164 +331,66 @@ impl Solid {
 /// Draws pieces from the farthest to the nearest.
 fn draw_pieces(drawing: &mut Drawing, mut pieces: Vec<(f64, Piece)>) {
     pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut faces = Vec::new();
+    let (mut faces, mut arrows) = (Vec::new(), Vec::new());
     for (_, piece) in pieces {
+        // Neighbours in this order that are alike are drawn together.
         match piece {
-            Piece::Face(face) => faces.push(face),
-            Piece::Arrow(from, to) => {
-                if !faces.is_empty() {
-                    drawing
-                        .elements
-                        .push(Element::Faces(std::mem::take(&mut faces)));
-                }
-                let stroke = Stroke {
-                    round_caps: true,
-                    ..Stroke::new(INK).with_width(1.6)
-                };
-                drawing.line(from, to, Paint::line(stroke));
+            Piece::Face(face) => {
+                draw_arrows(drawing, std::mem::take(&mut arrows));
+                faces.push(face);
+            }
+            Piece::Arrow(piece) => {
+                draw_faces(drawing, std::mem::take(&mut faces));
+                arrows.push(piece);
             }
         }
     }
+    draw_faces(drawing, faces);
+    draw_arrows(drawing, arrows);
+}
+
+fn draw_faces(drawing: &mut Drawing, faces: Vec<Face>) {
     if !faces.is_empty() {
         drawing.elements.push(Element::Faces(faces));
     }
 }
 
-/// The base with rings of polar angle and lines of azimuth, each 30°, and the hemisphere's arc in the plane of incidence.
-fn draw_base(drawing: &mut Drawing, stage: &Stage) {
-    let grid = Paint::outline(Stroke::new(GRID));
-    for theta in [90f64, 60.0, 30.0] {
-        let ring = (0..BASE_CORNERS).map(|i| {
-            let phi = std::f64::consts::TAU * i as f64 / BASE_CORNERS as f64;
-            theta.to_radians().sin() * DVec3::new(phi.cos(), phi.sin(), 0.0)
+/// Draws pieces of arrows, those that follow each other as one line.
+fn draw_arrows(drawing: &mut Drawing, mut pieces: Vec<ArrowPiece>) {
+    let paint = Paint::line(Stroke::new(INK).with_width(1.6));
+    pieces.sort_by_key(|piece| (piece.arrow, piece.number));
+    let mut rest = &pieces[..];
+    while let Some(first) = rest.first() {
+        let joined = rest.iter().enumerate().take_while(|(i, piece)| {
+            (piece.arrow, piece.number) == (first.arrow, first.number + i)
         });
-        let paint = match theta {
-            90.0 => Paint::both(BASE, Stroke::new(Colour(0x8a8a8a))),
-            _ => grid,
-        };
-        drawing.path(&stage.pixels(ring), true, paint);
+        let count = joined.count();
+        drawing.line(first.ends[0], rest[count - 1].ends[1], paint);
+        rest = &rest[count..];
     }
-    for step in 0..6 {
-        let (y, x) = (f64::from(step) * 30.0).to_radians().sin_cos();
-        let ends = [DVec3::new(x, y, 0.0), DVec3::new(-x, -y, 0.0)];
-        drawing.path(&stage.pixels(ends), false, grid);
-    }
-    let arc = (-45..=45).map(|i| in_plane(f64::from(i) * 2.0));
-    let dashes = Stroke::new(Colour(0x8a8a8a)).with_dashes(&[2.0, 3.0]);
-    drawing.path(&stage.pixels(arc), false, Paint::outline(dashes));
-}
-
-/// The direction at a signed angle from the normal in the plane of incidence, degrees.
-fn in_plane(angle: f64) -> DVec3 {
-    let (sin, cos) = angle.to_radians().sin_cos();
-    DVec3::new(sin, 0.0, cos)
-}
-
-/// Directions with their names; those that are one have one name.
-fn arrows(theta_o: f64) -> Vec<(DVec3, &'static str)> {
-    if theta_o == 0.0 {
-        return vec![(DVec3::Z, "n = wo = mirror")];
-    }
-    vec![
-        (in_plane(-theta_o), "wo"),
-        (in_plane(theta_o), "mirror"),
-        (DVec3::Z, "n"),
-    ]
 }
 
 /// Arrows from the surface of what they leave: inside it they are hidden.
 fn arrow_pieces(stage: &Stage, arrows: &[(DVec3, &str)], solids: &[Solid]) -> Vec<(f64, Piece)> {
     let mut pieces = Vec::new();
-    for (direction, _) in arrows {
+    for (arrow, (direction, _)) in arrows.iter().enumerate() {
         let inside = match solids {
             [solid] => solid.radius_towards(*direction),
             _ => 0.0,
         };
-        for i in 0..PIECES {
-            let ends = [i, i + 1].map(|k| {
+        for number in 0..PIECES {
+            let ends = [number, number + 1].map(|k| {
                 let along = k as f64 / PIECES as f64;
                 *direction * (inside + along * (ARROW - inside))
             });
-            let [from, to] = ends.map(|end| stage.pixel(end));
             let nearness = stage.projection.nearness((ends[0] + ends[1]) / 2.0);
-            pieces.push((nearness, Piece::Arrow(from, to)));
+            let piece = ArrowPiece {
+                arrow,
+                number,
+                ends: ends.map(|end| stage.pixel(end)),
+            };
+            pieces.push((nearness, Piece::Arrow(piece)));
         }
     }
     pieces
-}
-
-/// Heads and names of arrows, then the angles of the arc, where there is room.
-fn draw_names(drawing: &mut Drawing, stage: &Stage, arrows: &[(DVec3, &str)], panel: &Area) {
-    let mut taken = Vec::new();
-    for (direction, name) in arrows {
-        draw_head(drawing, stage, *direction);
-        let (x, y) = stage.pixel(*direction * ARROW);
-        taken.push(Area {
-            x: x - 5.0,
-            y: y - 5.0,
-            width: 10.0,
-            height: 10.0,
-        });
-        draw_name(drawing, stage, *direction, (name, NAME), &mut taken, panel);
-    }
-    for angle in [-60.0, -30.0, 0.0, 30.0, 60.0] {
-        let direction = in_plane(angle);
-        // A name on an arrow would seem to be the arrow's.
-        if arrows
-            .iter()
-            .all(|(a, _)| a.dot(direction) < 8f64.to_radians().cos())
-        {
-            let name = format!("{}°", angle.abs());
-            draw_name(drawing, stage, direction, (&name, 1.06), &mut taken, panel);
-        }
-    }
-}
-
-/// A triangle at an arrow's tip; nothing where the arrow points at the viewer.
-fn draw_head(drawing: &mut Drawing, stage: &Stage, direction: DVec3) {
-    let (from, tip) = (stage.pixel(direction), stage.pixel(direction * ARROW));
-    let (dx, dy) = (tip.0 - from.0, tip.1 - from.1);
-    let length = dx.hypot(dy);
-    if length < 3.0 {
-        return;
-    }
-    let (dx, dy) = (dx / length, dy / length);
-    let back = (tip.0 - 9.0 * dx, tip.1 - 9.0 * dy);
-    let corners = [
-        (tip.0 + 2.0 * dx, tip.1 + 2.0 * dy),
-        (back.0 - 3.5 * dy, back.1 + 3.5 * dx),
-        (back.0 + 3.5 * dy, back.1 - 3.5 * dx),
-    ];
-    drawing.path(&corners, true, Paint::inside(INK));
-}
-
-/// A name beyond the end of a direction, at the first of some places where it covers none of `taken`, which it joins.
-fn draw_name(
-    drawing: &mut Drawing,
-    stage: &Stage,
-    direction: DVec3,
-    (name, distance): (&str, f64),
-    taken: &mut Vec<Area>,
-    panel: &Area,
-) {
-    let width = width_of(name, TEXT);
-    let (x, y) = stage.pixel(direction * distance);
-    let side = (x - stage.centre.0).signum();
-    let leaning = 0.5 * width * ((x - stage.centre.0) / stage.radius).clamp(-1.0, 1.0);
-    let shifts = [
-        (leaning, 4.0),
-        (leaning, -8.0),
-        (side * (0.5 * width + 10.0), 4.0),
-        (-side * (0.5 * width + 10.0), 4.0),
-        (side * (0.5 * width + 10.0), 16.0),
-    ];
-    for (dx, dy) in shifts {
-        let room = label_room(x + dx - 0.5 * width, y + dy, width);
-        let inside = room.x >= panel.x && room.right() <= panel.right();
-        if inside && taken.iter().all(|t| !overlap(t, &room)) {
-            drawing.label_above((x + dx, y + dy), Anchor::Middle, name);
-            taken.push(room);
-            return;
-        }
-    }
 }

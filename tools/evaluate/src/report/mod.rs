@@ -32,7 +32,8 @@ pub use compare::{ComparisonDocument, comparison_csv, targets};
 pub use curve_charts::{CurveCharts, CurveOptions};
 pub use export::{drawn_row, export_row, export_sheet, table_sheet};
 pub use fit::{
-    FitDocument, fit_matrix, fit_ranking, fit_summary, fit_text, fits_sheet, parameters_sheet,
+    FitDocument, fit_matrix, fit_ranking, fit_summary, fit_text, fits_csv, fits_sheet,
+    parameters_sheet,
 };
 pub use fitted::{FitFormat, best_held, fitted_text};
 pub use hard::HardSheets;

@@ -108,7 +108,7 @@ pub fn surface_chart(
     })
 }
 
-/// Under a root where a lobe is narrow, or else even.
+/// Logarithmic where a lobe is narrow, or else even.
 fn own_scale(materials: &[Loaded], thetas: &[f64], value: PlottedValue) -> Scale {
     let mut curves = Vec::new();
     for material in materials {
@@ -178,10 +178,10 @@ fn radius_title(value: PlottedValue, scale: Scale) -> String {
     };
     let scale = match scale {
         Scale::Linear => "",
-        Scale::Log => ", logarithmic",
+        Scale::Log => ", log scale",
         Scale::Root => ", root scale",
     };
-    format!("radius: {}{channel} [sr⁻¹]{scale}", value.symbol())
+    format!("{}{channel} [sr⁻¹]{scale}", value.symbol())
 }
 
 fn caption(materials: &[Loaded], thetas: &[f64], value: PlottedValue, scale: Scale) -> Caption {
