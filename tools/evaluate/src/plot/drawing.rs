@@ -273,19 +273,21 @@ fn trace_quarters(centre: (f64, f64), radius: f64, count: usize, pen: &mut dyn P
         (0.0, 1.0),
         (-1.0, 0.0),
     ];
-    let pixel = |(x, y): (f64, f64)| {
-        (
-            bounded(centre.0 + radius * x),
-            bounded(centre.1 + radius * y),
-        )
-    };
-    pen.start(pixel(ENDS[0]));
+    pen.start(on_circle(centre, radius, ENDS[0]));
     for i in 0..count {
         let (from, to) = (ENDS[i], ENDS[i + 1]);
         let after = (from.0 + QUARTER * to.0, from.1 + QUARTER * to.1);
         let before = (to.0 + QUARTER * from.0, to.1 + QUARTER * from.1);
-        pen.curve([pixel(after), pixel(before), pixel(to)]);
+        pen.curve([after, before, to].map(|place| on_circle(centre, radius, place)));
     }
+}
+
+/// Pixel of a place in units of a circle's radius from its centre.
+fn on_circle(centre: (f64, f64), radius: f64, (x, y): (f64, f64)) -> (f64, f64) {
+    (
+        bounded(centre.0 + radius * x),
+        bounded(centre.1 + radius * y),
+    )
 }
 
 /// A line of text.

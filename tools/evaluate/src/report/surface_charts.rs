@@ -78,31 +78,31 @@ pub fn surface_chart(
         rings: rings as usize,
         spokes: (rings * SLENDERNESS) as usize,
     };
-    let radius = |value: f64, greatest: f64| radius_fraction(scale, value, greatest);
-    let (mut panels, mut greatest, mut least) = (Vec::new(), 0f64, f64::INFINITY);
-    for &theta_o in thetas {
+    // Of each material its lobes, by the angle.
+    let mut rows = Vec::new();
+    for (m, material) in materials.iter().enumerate() {
         let mut lobes = Vec::new();
-        for (m, material) in materials.iter().enumerate() {
-            let mesh = lobe_mesh(&**material.brdf(), theta_o, options.value, size, &radius);
-            for value in mesh.vertices.iter().map(|v| v.value).filter(|&v| v > 0.0) {
-                (greatest, least) = (greatest.max(value), least.min(value));
-            }
+        for &theta_o in thetas {
+            let mesh = lobe_mesh(
+                &**material.brdf(),
+                theta_o,
+                options.value,
+                size,
+                &|value, greatest| radius_fraction(scale, value, greatest),
+            );
             lobes.push(solid(material.name(), style_number(m, 0, m), mesh));
         }
-        panels.extend(arrange(lobes, theta_o, options.together));
+        rows.push(lobes);
     }
-    if !options.together {
-        // The angles of a material stand in one row.
-        panels.sort_by_key(|p: &SurfacePanel| p.lobes[0].style);
-    }
-    let low = match scale {
-        Scale::Log => least.max(greatest * 10f64.powf(-DECADES)),
-        _ => 0.0,
+    let range = radius_range(scale, rows.iter().flatten());
+    let panels = match options.together && materials.len() > 1 {
+        true => share_panels(rows, thetas),
+        false => separate_panels(rows, thetas),
     };
     let axis = Axis::new(radius_title(options.value, scale), scale);
     Ok(Surfaces {
         caption: caption(materials, thetas, options.value, scale),
-        radius: axis.with_range(low, greatest),
+        radius: axis.with_range(range.0, range.1),
         panels,
         viewpoint: options.viewpoint,
     })
@@ -150,23 +150,57 @@ fn solid(name: &str, style: usize, mesh: LobeMesh) -> SurfaceLobe {
     }
 }
 
-/// One hemisphere for all lobes, or one for each.
-fn arrange(lobes: Vec<SurfaceLobe>, theta_o: f64, together: bool) -> Vec<SurfacePanel> {
-    let angle = format!("θ = {theta_o}°");
-    if together && lobes.len() > 1 {
-        return vec![SurfacePanel {
-            title: angle,
-            lobes,
-            theta_o,
-        }];
-    }
-    let mut panels = Vec::new();
+/// The values in the middle and on the hemisphere.
+fn radius_range<'a>(scale: Scale, lobes: impl Iterator<Item = &'a SurfaceLobe>) -> (f64, f64) {
+    let (mut least, mut greatest) = (f64::INFINITY, 0f64);
     for lobe in lobes {
+        for (_, value) in lobe
+            .vertices
+            .iter()
+            .filter(|v| v.1 > 0.0 && v.1.is_finite())
+        {
+            (least, greatest) = (least.min(*value), greatest.max(*value));
+        }
+    }
+    match scale {
+        // A lobe whose values are all alike fills the hemisphere.
+        Scale::Log => {
+            let low = least.max(greatest * 10f64.powf(-DECADES));
+            (low.min(0.1 * greatest), greatest)
+        }
+        _ => (0.0, greatest),
+    }
+}
+
+/// One hemisphere at each angle for all materials.
+fn share_panels(rows: Vec<Vec<SurfaceLobe>>, thetas: &[f64]) -> Vec<SurfacePanel> {
+    let mut panels = Vec::new();
+    for &theta_o in thetas {
         panels.push(SurfacePanel {
-            title: format!("{}, {angle}", lobe.label),
-            lobes: vec![lobe],
+            title: format!("θ = {theta_o}°"),
+            lobes: Vec::new(),
             theta_o,
         });
+    }
+    for lobes in rows {
+        for (panel, lobe) in panels.iter_mut().zip(lobes) {
+            panel.lobes.push(lobe);
+        }
+    }
+    panels
+}
+
+/// A hemisphere for each lobe, the angles of a material one after the other.
+fn separate_panels(rows: Vec<Vec<SurfaceLobe>>, thetas: &[f64]) -> Vec<SurfacePanel> {
+    let mut panels = Vec::new();
+    for lobes in rows {
+        for (lobe, &theta_o) in lobes.into_iter().zip(thetas) {
+            panels.push(SurfacePanel {
+                title: format!("{}, θ = {theta_o}°", lobe.label),
+                lobes: vec![lobe],
+                theta_o,
+            });
+        }
     }
     panels
 }

@@ -52,7 +52,8 @@ const CHANNELS: &[(&str, PlottedChannel)] = &[
     after_help = "Examples:\n  merlkit plot nickel chrome --kind lobe --theta 30\n  merlkit plot nickel --kind lobe --sampler half-vector --sampler cosine --csv nickel.csv\n  merlkit plot nickel red-plastic --kind lobe-3d --elevation 40 -o lobes.pdf\n  merlkit plot nickel --kind slice-rgb --exposure=-2 -o nickel.png"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, names of built-in materials, or formulas; several for lobes and albedo
+    /// MERL binaries and .bsdf files or folders of them, stored fits, names of built-in materials, or formulas; several for lobes and
+    /// albedo
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// What to plot
