@@ -127,6 +127,14 @@ impl Material {
         &self.origin
     }
 
+    /// The text of the formula that the material is, by its argument or in a stored fit; `None` for other materials.
+    ///
+    /// # Errors
+    /// Those of a stored fit that does not read.
+    pub fn formula(&self) -> Result<Option<String>> {
+        stored_fit::formula_text(&self.origin)
+    }
+
     /// The same material; `apart` says whether in a cell of its table of which some channels are negative, NaN or infinite only
     /// these are invalid, rather than the whole cell as by default. Other materials have no such cells.
     pub fn with_channels_apart(self, apart: bool) -> Self {

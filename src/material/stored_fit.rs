@@ -35,6 +35,21 @@ impl MaterialFormat for StoredFits {
     }
 }
 
+/// The formula of an origin that is one, or names a stored fit.
+///
+/// # Errors
+/// Those of a stored fit that does not read.
+pub(super) fn formula_text(origin: &Origin) -> Result<Option<String>> {
+    match origin {
+        Origin::Formula(text) => Ok(Some(text.clone())),
+        Origin::File(path) if begins_as_fit(path) => match read_formula(path)? {
+            Origin::Formula(text) => Ok(Some(text)),
+            _ => Ok(None),
+        },
+        _ => Ok(None),
+    }
+}
+
 /// Whether a file is JSON that names the kind "fit" near its beginning.
 fn begins_as_fit(path: &Path) -> bool {
     let Ok(mut file) = RegularFile::open(path) else {

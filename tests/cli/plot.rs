@@ -2,9 +2,10 @@
 
 use crate::run::{fails, run, run_in, succeeds};
 
-const KINDS: [&str; 8] = [
+const KINDS: [&str; 9] = [
     "lobe",
     "lobe-polar",
+    "lobe-3d",
     "slice",
     "slice-rgb",
     "disc",
@@ -175,7 +176,10 @@ fn mistakes_are_refused_with_what_to_do() {
             &["--kind", "albedo", "--sampler", "cosine"],
             "--sampler has no effect",
         ),
-        (&["--kind", "lobe", "-o", "lobe.jpg"], "SVG, CSV or PNG"),
+        (
+            &["--kind", "lobe", "-o", "lobe.jpg"],
+            "SVG, PDF, PNG or CSV",
+        ),
         (&["--kind", "round"], "slice-rgb"),
         (&[], "--kind"),
     ] {
@@ -183,23 +187,6 @@ fn mistakes_are_refused_with_what_to_do() {
         assert!(text.contains(expected), "{arguments:?}: {text}");
     }
     assert!(fails(run(&["plot", "nikel", "--kind", "lobe"], "")).contains("nickel"));
-}
-
-#[test]
-fn png_is_written_by_builds_that_can() {
-    let folder = tempfile::tempdir().unwrap();
-    let arguments = ["plot", "teflon", "--kind", "albedo", "-o", "a.png"];
-    if cfg!(feature = "png-plots") {
-        let wrote = succeeds(run_in(folder.path(), &arguments, ""));
-        assert_eq!(wrote, "wrote a.png\n");
-        assert!(
-            std::fs::read(folder.path().join("a.png"))
-                .unwrap()
-                .starts_with(b"\x89PNG")
-        );
-    } else {
-        assert!(fails(run_in(folder.path(), &arguments, "")).contains("--features png-plots"));
-    }
 }
 
 #[test]

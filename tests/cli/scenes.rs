@@ -235,7 +235,25 @@ fn columns_of_a_sheet_are_samplers_or_values_of_a_parameter() {
         same < 0.3 * dark && same < 0.3 * bright,
         "{dark} {same} {bright}"
     );
+    // A stored fit has the parameters of its best formula.
+    let fit = r#"{"schema": 3, "kind": "fit", "results": {"materials": [{"fits": [
+        {"error": 0.1, "material": "lambert:reflectance=0.2+ggx:ax=0.2,ay=0.2"}]}]}}"#;
+    std::fs::write(folder.path().join("fit.json"), fit).unwrap();
+    std::fs::write(folder.path().join("bent.json"), &fit[..150]).unwrap();
+    let (words, _) = sheet("fit.json --sampler cosine --columns-by alpha=0.1,0.2,0.6");
+    let errors = ["0.1", "0.2", "0.6"].map(|value| {
+        let column = format!("| alpha={value} ");
+        let line = words.lines().find(|line| line.contains(&column)).unwrap();
+        line.split('|')
+            .nth(3)
+            .unwrap()
+            .trim()
+            .parse::<f64>()
+            .unwrap()
+    });
+    assert!(errors[1] < errors[0] && errors[1] < errors[2], "{errors:?}");
     for (command, complaint) in [
+        ("sheet bent.json --columns-by alpha=0.1", "does not read"),
         (
             "sheet lambert --sampler cosine --sampler lobe:cosine",
             "--columns-by sampler",

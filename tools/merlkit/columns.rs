@@ -3,7 +3,7 @@
 use merlkit::Error;
 use merlkit::color::Rgb;
 use merlkit::image::Image;
-use merlkit::material::{Material, Origin};
+use merlkit::material::Material;
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::difference::{PictureDifference, Viewing};
 use merlkit_evaluate::plot::viridis;
@@ -76,15 +76,14 @@ impl ColumnsBy {
 
 /// The same formula with another value of some parameters.
 fn vary(material: &Material, names: &[String], value: &str) -> Result<Material, Error> {
-    let Origin::Formula(text) = material.origin() else {
+    let Some(mut text) = material.formula()? else {
         return Err(Error::argument(
             format!("{} has no parameters", material.name()),
-            "name analytic models, such as the formulas that `merlkit fit` prints",
+            "name analytic models or stored fits: `merlkit fit MATERIAL --format json -o FIT.json` writes one",
         ));
     };
-    let mut text = text.clone();
     for name in names {
-        text = with_parameter(&text, name, value).ok_or_else(|| {
+        text = with_named(&text, name, value).ok_or_else(|| {
             Error::argument(
                 format!("{text} has no parameter {name} that can be {value}"),
                 "`merlkit models` lists parameters and their domains",
@@ -92,6 +91,16 @@ fn vary(material: &Material, names: &[String], value: &str) -> Result<Material, 
         })?;
     }
     Material::resolve(&text)
+}
+
+/// A formula with a parameter set. What is called alpha in the field is here ax and ay, but where a term has a parameter of that
+/// name.
+fn with_named(text: &str, name: &str, value: &str) -> Option<String> {
+    let own = with_parameter(text, name, value);
+    if own.is_some() || name != "alpha" {
+        return own;
+    }
+    with_parameter(&with_parameter(text, "ax", value)?, "ay", value)
 }
 
 /// A formula with a parameter set, in the last term that has it; `None` if none does.
@@ -246,6 +255,11 @@ mod tests {
         assert_eq!(ward, "ward:sy=0.3,sx=0.2");
         let sum = vary("lambert:reflectance=0.2+ward", "reflectance", "0.5/0.1/0.1").unwrap();
         assert_eq!(sum, "lambert:reflectance=0.5/0.1/0.1+ward");
+        assert_eq!(
+            with_named("ggx:ax=0.1,ay=0.3+lambert", "alpha", "0.2").unwrap(),
+            "ggx:ax=0.2,ay=0.2+lambert"
+        );
+        assert_eq!(with_named("lambert", "alpha", "0.2"), None);
         assert_eq!(vary("lambert", "sx", "0.2"), None);
         assert_eq!(vary("ward", "sx", "-1"), None);
         let nickel = Material::resolve("nickel").unwrap();

@@ -16,7 +16,6 @@ mod output;
 mod picture;
 mod progress;
 mod provenance;
-mod raster;
 mod resumable;
 mod sampler_args;
 mod scene_args;

@@ -3,9 +3,6 @@
 use std::env::consts::{ARCH, OS};
 use std::sync::LazyLock;
 
-/// Optional features of the package, and whether they were built in.
-const FEATURES: [(&str, bool); 1] = [("png-plots", cfg!(feature = "png-plots"))];
-
 /// Instructions that the compiler was allowed to use beyond the architecture's least, of those that matter here.
 const INSTRUCTIONS: [(&str, bool); 4] = [
     ("avx2", cfg!(target_feature = "avx2")),
@@ -14,7 +11,7 @@ const INSTRUCTIONS: [(&str, bool); 4] = [
     ("neon", cfg!(target_feature = "neon")),
 ];
 
-/// Version, features, target and profile, one a line.
+/// Version, target and profile, one a line.
 pub fn long() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(text);
     &TEXT
@@ -27,9 +24,8 @@ fn text() -> String {
         "release"
     };
     format!(
-        "{}\nfeatures: {}\ntarget: {ARCH} {OS}, {} bits\ncpu features: {}\nprofile: {profile}",
+        "{}\ntarget: {ARCH} {OS}, {} bits\ncpu features: {}\nprofile: {profile}",
         env!("CARGO_PKG_VERSION"),
-        list_chosen(&FEATURES, "none built in (png-plots: plots as PNG)"),
         usize::BITS,
         list_chosen(&INSTRUCTIONS, "the baseline of the architecture"),
     )

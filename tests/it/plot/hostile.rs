@@ -11,6 +11,13 @@ fn empty_charts_say_so() {
         Polar::default().svg(),
         Disc::default().svg(),
         heat(vec![f64::NAN; 4], Scale::Log).svg().unwrap(),
+        Surfaces::default().drawing(ChartSize::default()).svg(),
+        surfaces(&[], "lobe", (0.0, 1.0))
+            .drawing(ChartSize::default())
+            .svg(),
+        surfaces(&[1.0], "lobe", (1.0, f64::NAN))
+            .drawing(ChartSize::default())
+            .svg(),
     ];
     for svg in nothing {
         check(&svg);
@@ -126,4 +133,44 @@ fn hostile_numbers_and_texts_leave_a_well_formed_picture() {
         }
         .svg(),
     );
+}
+
+/// Every writer takes what SVG takes, with numbers and texts that no picture has a place for.
+#[test]
+fn hostile_pictures_are_drawn_as_png_and_pdf() {
+    let pairs: Vec<(f64, f64)> = HOSTILE
+        .iter()
+        .flat_map(|&a| HOSTILE.map(|b| (a, b)))
+        .collect();
+    let mut solids = surfaces(&HOSTILE, HOSTILE_TEXT, (0.0, 1.0));
+    solids.panels[0].lobes[0].vertices[1].0 = [f64::NAN, f64::INFINITY, 1e300];
+    solids.panels[0].lobes[1].spokes = 0;
+    let mut one = surfaces(&[1e17], HOSTILE_TEXT, (0.0, 1e17));
+    one.viewpoint.elevation = f64::NAN;
+    let size = ChartSize::default();
+    let drawings = [
+        lines(vec![series(pairs.clone())], Scale::Linear).drawing(size),
+        Disc {
+            caption: Caption::new(HOSTILE_TEXT.repeat(9), HOSTILE_TEXT),
+            points: pairs.clone(),
+            cells: vec![pairs],
+            ..Disc::default()
+        }
+        .drawing(size),
+        heat(HOSTILE.to_vec(), Scale::Root).drawing(size).unwrap(),
+        solids.drawing(size),
+        one.drawing(size),
+    ];
+    for drawing in drawings {
+        check(&drawing.svg());
+        let (width, height) = drawing.size();
+        let png = drawing.png(0.5).unwrap();
+        let sides = [16, 20].map(|at| u32::from_be_bytes(png[at..at + 4].try_into().unwrap()));
+        assert_eq!(
+            sides.map(f64::from),
+            [width, height].map(|s| (0.5 * s).round())
+        );
+        assert!(drawing.pdf().starts_with(b"%PDF"));
+        assert!(drawing.png(0.0).is_err() && drawing.png(f64::NAN).is_err());
+    }
 }

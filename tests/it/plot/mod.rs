@@ -8,7 +8,8 @@ mod views;
 use merlkit::image::Image;
 use merlkit_evaluate::plot::{
     Axis, Caption, Chart, ChartSize, Disc, DiscMark, Group, Heat, Lines, Marks, Pixels, Polar,
-    PolarCurve, Scale, Scatter, ScatterPoint, Series, style_number, viridis,
+    PolarCurve, Scale, Scatter, ScatterPoint, Series, SurfaceLobe, SurfacePanel, Surfaces,
+    Viewpoint, style_number, viridis,
 };
 
 /// Numbers that charts must survive.
@@ -105,6 +106,35 @@ fn texts(svg: &str) -> Vec<String> {
         .descendants()
         .filter(|n| n.has_tag_name("text") || n.tag_name().name() == "text");
     texts.filter_map(|n| n.text().map(str::to_owned)).collect()
+}
+
+/// A hemisphere with lobes of four vertices about the normal, all of one value.
+fn surfaces(values: &[f64], label: &str, range: (f64, f64)) -> Surfaces {
+    let directions = [
+        [0.0, 0.0, 1.0],
+        [0.9, 0.0, 0.4],
+        [-0.5, 0.8, 0.4],
+        [-0.5, -0.8, 0.4],
+    ];
+    let mut lobes = Vec::new();
+    for &value in values {
+        lobes.push(SurfaceLobe {
+            label: label.into(),
+            vertices: directions.map(|wi| (wi, value)).to_vec(),
+            spokes: 3,
+            style: lobes.len(),
+        });
+    }
+    Surfaces {
+        caption: caption(),
+        radius: Axis::new("f", Scale::Linear).with_range(range.0, range.1),
+        panels: vec![SurfacePanel {
+            title: label.into(),
+            lobes,
+            theta_o: 30.0,
+        }],
+        viewpoint: Viewpoint::default(),
+    }
 }
 
 fn heat(values: Vec<f64>, scale: Scale) -> Heat {

@@ -14,7 +14,7 @@ use merlkit_evaluate::measure::fit::{
 };
 use merlkit_evaluate::report::{
     FitDocument, FitFormat, best_held, fit_matrix, fit_page, fit_ranking, fit_summary, fit_text,
-    fits_sheet, fitted_text, parameters_sheet, write_json,
+    fits_csv, fits_sheet, fitted_text, parameters_sheet, write_json,
 };
 use rayon::prelude::*;
 
@@ -40,7 +40,7 @@ use crate::{args, table};
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit fit nickel\n  merlkit fit nickel --model ggx,ggx+ggx --format materialx -o nickel.mtlx\n  \
-                  merlkit fit --all --model ward,ggx --page gallery.html"
+                  merlkit fit --all --model ward,ggx --page gallery.html --csv fits.csv"
 )]
 pub struct Args {
     #[command(flatten, next_help_heading = "Materials")]
@@ -78,6 +78,10 @@ pub struct Args {
     /// Also write every number as JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
     #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     json: Option<Destination>,
+    /// Also write CSV, one line per material and model, to FILE; with -, write CSV to standard output instead of the table
+    /// [default: none]
+    #[arg(help_heading = "Output", long, value_name = "FILE|-")]
+    csv: Option<Destination>,
     /// Replace existing files [default: refuse]
     #[arg(help_heading = "Output", long)]
     force: bool,
@@ -128,8 +132,11 @@ pub fn run(args: &Args) -> Outcome {
         .collect();
     drop(progress);
     let (fits, pictures) = split(fitted?);
-    if args.json != Some(Destination::Stdout) {
+    if ![&args.json, &args.csv].contains(&&Some(Destination::Stdout)) {
         print_tables(&fits, &plan)?;
+    }
+    if let Some(destination) = &args.csv {
+        destination.write(overwrite, |out| fits_csv(&fits).write_csv(out))?;
     }
     if let Some(destination) = &args.json {
         args.write_document(destination, &fits, &plan)?;
@@ -220,7 +227,14 @@ impl Args {
 
     /// Says before the work which files can't be written, or would be replaced.
     fn check_files(&self, materials: &[Material], overwrite: Overwrite) -> Result<(), Error> {
-        let mut files: Vec<Destination> = self.json.iter().cloned().collect();
+        if self.json.is_some() && self.json == self.csv {
+            let fix = "name two files, or omit one of the options";
+            return Err(Error::argument(
+                "--json and --csv name the same output",
+                fix,
+            ));
+        }
+        let mut files: Vec<Destination> = self.json.iter().chain(&self.csv).cloned().collect();
         files.extend(self.page.iter().cloned().map(Destination::File));
         if let Some(folder) = &self.output
             && materials.len() > 1

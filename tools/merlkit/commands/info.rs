@@ -24,7 +24,7 @@ use crate::{args, table};
 /// comes from.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  merlkit info nickel chrome.binary\n  merlkit info brdfs --json facts.json"
+    after_help = "Examples:\n  merlkit info nickel chrome.binary\n  merlkit info brdfs --json facts.json --csv albedos.csv"
 )]
 pub struct Args {
     /// MERL binaries, .bsdf files, sampler files, pictures or folders of these, names of built-in materials, or formulas
@@ -38,6 +38,10 @@ pub struct Args {
     /// Also write JSON to FILE; with -, write JSON to standard output instead of the table [default: none]
     #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     json: Option<Destination>,
+    /// Also write the directional albedos as CSV, one line per material and angle, to FILE; with -, write CSV to standard output
+    /// instead of the table [default: none]
+    #[arg(help_heading = "Output", long, value_name = "FILE|-")]
+    csv: Option<Destination>,
     /// Replace an existing FILE [default: refuse]
     #[arg(help_heading = "Output", long)]
     force: bool,
@@ -52,14 +56,18 @@ pub fn run(args: &Args) -> Outcome {
         }
     }
     let overwrite = output::overwrite(args.force);
-    if let Some(destination) = &args.json {
+    if args.json.is_some() && args.json == args.csv {
+        let fix = "name two files, or omit one of the options";
+        return Err(Error::argument("--json and --csv name the same output", fix).into());
+    }
+    for destination in args.json.iter().chain(&args.csv) {
         destination.check(overwrite)?;
     }
     let progress = Progress::new("measuring", subjects.len());
     let mut results = Vec::new();
     for subject in subjects {
         let info = subject.describe(args.lookup)?;
-        if args.json != Some(Destination::Stdout) {
+        if ![&args.json, &args.csv].contains(&&Some(Destination::Stdout)) {
             progress.aside(|| {
                 output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet())))
             })?;
@@ -69,6 +77,10 @@ pub fn run(args: &Args) -> Outcome {
     }
     if let Some(destination) = &args.json {
         destination.write(overwrite, |out| write_json(out, "info", &results))?;
+    }
+    if let Some(destination) = &args.csv {
+        let materials = results.iter().filter_map(Description::material);
+        destination.write(overwrite, |out| Info::albedo_csv(materials).write_csv(out))?;
     }
     unreadable.end(results.len(), ExitCode::SUCCESS)
 }
@@ -119,6 +131,14 @@ enum Description {
 }
 
 impl Description {
+    /// The facts, if it is of a material.
+    fn material(&self) -> Option<&Info> {
+        match self {
+            Self::Material(info) => Some(info),
+            _ => None,
+        }
+    }
+
     fn sheet(&self) -> Sheet {
         match self {
             Self::Material(info) => info.sheet(),

@@ -34,7 +34,7 @@ use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
     after_help = "Each sphere is alone in its tile, in the middle and far from the eye, so that its outline is a circle and its pixels don't \
                   depend on its neighbours. Ctrl-C keeps the finished spheres in the folder NAME.tiles; the same command with --resume \
                   goes on from there.\n\n\
-                  Examples:\n  merlkit sheet --all -o merl100\n  merlkit sheet nickel chrome ward:sx=0.2,sy=0.4 --columns 3 --size 256 --spp 256\n  merlkit sheet nickel teflon --columns-by sampler --sampler cosine --sampler half-vector --difference"
+                  Examples:\n  merlkit sheet --all -o merl100\n  merlkit sheet nickel chrome ward:sx=0.2,sy=0.4 --columns 3 --size 256 --spp 256\n  merlkit sheet nickel teflon --columns-by sampler --sampler cosine --sampler half-vector --difference\n  merlkit sheet nickel.json --columns-by alpha=0.02,0.05,0.1,0.2 -o roughness"
 )]
 pub struct Args {
     #[command(flatten, next_help_heading = "Materials")]
@@ -71,8 +71,8 @@ pub struct Args {
     /// Seed of all random numbers
     #[arg(help_heading = "Sampling", long, value_name = "K", default_value_t = 0)]
     seed: u64,
-    /// A row for each material, a column for each sampler or value of a parameter: sampler, or such as sx=sy=0.1,0.2,0.4. The
-    /// first column is the reference, and under each other sphere is its error [default: no meaning of columns]
+    /// A row for each material, a column for each sampler or value of a parameter of a formula or stored fit: sampler, or such as
+    /// alpha=0.05,0.1,0.2 (ax and ay). The first column is the reference, and under each other sphere is its error [default: no meaning of columns]
     #[arg(help_heading = "Comparison", long, value_name = "sampler|PARAM=V,V,…", conflicts_with = "columns", value_parser = ColumnsBy::parse)]
     columns_by: Option<ColumnsBy>,
     /// Add to each row a row of differences from the reference, as FLIP sees them: dark for none, yellow for 1

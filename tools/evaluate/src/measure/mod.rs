@@ -15,6 +15,7 @@ mod expected;
 mod facts;
 pub mod fit;
 pub mod hard;
+pub mod lobe_mesh;
 mod probe;
 pub mod profile;
 mod reproduction;

@@ -90,7 +90,8 @@ impl PlottedValue {
         }
     }
 
-    fn evaluate(self, brdf: &dyn Brdf, wo: Vec3, wi: Vec3) -> f32 {
+    /// The number of one pair of directions.
+    pub fn evaluate(self, brdf: &dyn Brdf, wo: Vec3, wi: Vec3) -> f32 {
         self.channel.reduce(if self.without_cosine {
             brdf.eval(wo, wi)
         } else {

@@ -1,8 +1,9 @@
 //! The frame of charts with an axis across and one upwards.
 
 use super::axis::{Axis, Ruler, Tick};
+use super::drawing::{Area, ChartSize, Drawing, GRID, INK, Paint, Stroke, TOP};
 use super::legend::{Entry, Legend};
-use super::svg::{Anchor, Area, ChartSize, GRID, INK, Svg, TEXT, TOP, px, shortened, width_of};
+use super::text::{Anchor, TEXT, shortened, width_of};
 use super::{Caption, Scale};
 
 /// Height of the data's area for each pixel of the sheet's width, where no height is given.
@@ -65,14 +66,14 @@ impl Frame {
     }
 
     /// Begins the picture: sheet, grid, axes and legend.
-    pub fn begin(&self, caption: &Caption, axes: (&Axis, &Axis), grid: bool) -> Svg {
+    pub fn begin(&self, caption: &Caption, axes: (&Axis, &Axis), grid: bool) -> Drawing {
         let height = self.area.bottom() + BELOW + self.legend.height() + FOOT;
-        let mut svg = Svg::new(self.sheet_width, height, caption);
+        let mut drawing = Drawing::new(self.sheet_width, height, caption);
         if let Some((x, y)) = &self.rulers {
-            self.draw_ticks(&mut svg, &x.ticks(), true, grid);
-            self.draw_ticks(&mut svg, &y.ticks(), false, grid);
+            self.draw_ticks(&mut drawing, &x.ticks(), true, grid);
+            self.draw_ticks(&mut drawing, &y.ticks(), false, grid);
         } else {
-            svg.no_data(&self.area);
+            drawing.no_data(&self.area);
         }
         let Area {
             x,
@@ -80,22 +81,19 @@ impl Frame {
             width,
             height,
         } = self.area;
-        let [left, top, across, down] = [x, y, width, height].map(px);
-        svg.push(&format!(
-            "<rect x=\"{left}\" y=\"{top}\" width=\"{across}\" height=\"{down}\" fill=\"none\" stroke=\"{INK}\"/>"
-        ));
-        svg.label(
+        drawing.rectangle(&self.area, Paint::outline(Stroke::new(INK)));
+        drawing.label(
             (x + width / 2.0, self.area.bottom() + 37.0),
             Anchor::Middle,
             &shortened(&scaled(axes.0), TEXT, width + 60.0),
         );
         let title = shortened(&scaled(axes.1), TEXT, height + 30.0);
-        svg.label_upwards((18.0, y + height / 2.0), &title);
-        self.legend.draw(&mut svg, self.area.bottom() + BELOW);
-        svg
+        drawing.label_upwards((18.0, y + height / 2.0), &title);
+        self.legend.draw(&mut drawing, self.area.bottom() + BELOW);
+        drawing
     }
 
-    fn draw_ticks(&self, svg: &mut Svg, ticks: &[Tick], across: bool, grid: bool) {
+    fn draw_ticks(&self, drawing: &mut Drawing, ticks: &[Tick], across: bool, grid: bool) {
         let Area { x, y, .. } = self.area;
         let (right, bottom) = (self.area.right(), self.area.bottom());
         for tick in ticks {
@@ -105,13 +103,13 @@ impl Frame {
                 false => ((x, tick.at), (x - length, tick.at), (right, tick.at)),
             };
             if grid && tick.label.is_some() {
-                svg.line(edge, opposite, &format!("stroke=\"{GRID}\""));
+                drawing.line(edge, opposite, Paint::line(Stroke::new(GRID)));
             }
-            svg.line(edge, outside, &format!("stroke=\"{INK}\""));
+            drawing.line(edge, outside, Paint::line(Stroke::new(INK)));
             let Some(label) = &tick.label else { continue };
             match across {
-                true => svg.label((tick.at, bottom + 18.0), Anchor::Middle, label),
-                false => svg.label((x - 8.0, tick.at + 4.0), Anchor::End, label),
+                true => drawing.label((tick.at, bottom + 18.0), Anchor::Middle, label),
+                false => drawing.label((x - 8.0, tick.at + 4.0), Anchor::End, label),
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Any chart, as a picture or as the numbers in it.
 
-use super::{ChartSize, Disc, Heat, Lines, Pixels, Polar};
+use super::{ChartSize, Disc, Drawing, Heat, Lines, Pixels, Polar, Surfaces};
 use merlkit::Result;
 
 /// A chart of any kind.
@@ -14,20 +14,31 @@ pub enum Chart {
     Disc(Disc),
     /// A picture over two axes.
     Heat(Heat),
+    /// Lobes as solids.
+    Surfaces(Surfaces),
 }
 
 impl Chart {
-    /// The picture.
+    /// The shapes of the picture.
     ///
     /// # Errors
-    /// Those of [`Heat::svg`].
-    pub fn svg(&self, size: ChartSize) -> Result<String> {
+    /// Those of [`Heat::drawing`].
+    pub fn drawing(&self, size: ChartSize) -> Result<Drawing> {
         match self {
-            Self::Lines(chart) => Ok(chart.svg_sized(size)),
-            Self::Polar(chart) => Ok(chart.svg_sized(size)),
-            Self::Disc(chart) => Ok(chart.svg_sized(size)),
-            Self::Heat(chart) => chart.svg_sized(size),
+            Self::Lines(chart) => Ok(chart.drawing(size)),
+            Self::Polar(chart) => Ok(chart.drawing(size)),
+            Self::Disc(chart) => Ok(chart.drawing(size)),
+            Self::Heat(chart) => chart.drawing(size),
+            Self::Surfaces(chart) => Ok(chart.drawing(size)),
         }
+    }
+
+    /// The picture as SVG.
+    ///
+    /// # Errors
+    /// Those of [`Self::drawing`].
+    pub fn svg(&self, size: ChartSize) -> Result<String> {
+        Ok(self.drawing(size)?.svg())
     }
 
     /// The numbers of the picture as CSV (RFC 4180), a point a row, under a heading with the axes' titles. Values that the
@@ -38,6 +49,7 @@ impl Chart {
             Self::Polar(chart) => polar_csv(chart),
             Self::Disc(chart) => disc_csv(chart),
             Self::Heat(chart) => heat_csv(chart),
+            Self::Surfaces(chart) => surfaces_csv(chart),
         }
     }
 }
@@ -100,6 +112,25 @@ fn heat_csv(chart: &Heat) -> String {
         let mut row = vec![number(x), number(y)];
         row.extend(values.iter().map(|&v| number(v)));
         push_row(&mut text, &row);
+    }
+    text
+}
+
+/// Vertices: the direction, the value, and the radius as a fraction of the hemisphere's. A vertex is at the direction times the
+/// radius.
+fn surfaces_csv(chart: &Surfaces) -> String {
+    let value = &chart.radius.title;
+    let mut text = heading(&["panel", "lobe", "wi_x", "wi_y", "wi_z", value, "radius"]);
+    for panel in &chart.panels {
+        for lobe in &panel.lobes {
+            let names = [field(&panel.title), field(&lobe.label)];
+            for (wi, value) in &lobe.vertices {
+                let mut row = names.to_vec();
+                row.extend(wi.map(number));
+                row.extend([number(*value), number(chart.radius_of(*value))]);
+                push_row(&mut text, &row);
+            }
+        }
     }
     text
 }

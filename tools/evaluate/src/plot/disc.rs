@@ -3,9 +3,12 @@
 use std::collections::BTreeSet;
 
 use super::Caption;
+use super::drawing::{
+    ChartSize, Colour, Drawing, Element, INK, Outline, Paint, Stroke, TOP, WHITE,
+};
 use super::legend::{Entry, Legend};
 use super::style::Style;
-use super::svg::{Anchor, ChartSize, INK, Svg, TEXT, TOP, path_data, px, shortened};
+use super::text::{Anchor, TEXT, shortened};
 
 /// A place with a name, such as `wo`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,7 +57,7 @@ impl DiscPlace {
 
 /// Cells that are smaller, in pixels, are dots.
 const SMALLEST: f64 = 1.2;
-const CELLS: &str = "#8a8a8a";
+const CELLS: Colour = Colour(0x8a8a8a);
 
 impl Disc {
     /// The picture: 640 pixels wide, 440 or so high.
@@ -64,6 +67,11 @@ impl Disc {
 
     /// The picture in another size.
     pub fn svg_sized(&self, size: ChartSize) -> String {
+        self.drawing(size).svg()
+    }
+
+    /// The shapes of the picture.
+    pub fn drawing(&self, size: ChartSize) -> Drawing {
         let size = size.limited();
         // Points look alike in picture and legend; cells are grey squares and need no sample of a curve.
         let mut entries = Vec::new();
@@ -85,24 +93,25 @@ impl Disc {
         };
         let below = place.centre.1 + radius + 12.0;
         let height = size.height.unwrap_or(0.0).max(below + foot - 12.0);
-        let mut svg = Svg::new(size.width, height, &self.caption);
-        self.draw_cells(&mut svg, &place);
-        let [x, y, r] = [place.centre.0, place.centre.1, radius].map(px);
-        svg.push(&format!(
-            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.4\"/>"
-        ));
-        self.draw_points(&mut svg, &place);
+        let mut drawing = Drawing::new(size.width, height, &self.caption);
+        self.draw_cells(&mut drawing, &place);
+        drawing.elements.push(Element::Circle {
+            centre: place.centre,
+            radius,
+            paint: Paint::outline(Stroke::new(INK).with_width(1.4)),
+        });
+        self.draw_points(&mut drawing, &place);
         for mark in &self.marks {
-            draw_mark(&mut svg, &place, mark);
+            draw_mark(&mut drawing, &place, mark);
         }
         if self.cells.is_empty() && self.points.is_empty() {
-            svg.label(place.centre, Anchor::Middle, "no data");
+            drawing.label(place.centre, Anchor::Middle, "no data");
         }
         if lines > 0.0 {
             let label = shortened(&self.labels[0], TEXT, size.width - 66.0);
-            svg.label((58.0, below + 13.0), Anchor::Start, &label);
-            let square = format!("fill=\"#ffffff\" stroke=\"{CELLS}\"");
-            svg.path(
+            drawing.label((58.0, below + 13.0), Anchor::Start, &label);
+            let square = Paint::both(WHITE, Stroke::new(CELLS));
+            drawing.path(
                 &[
                     (32.0, below + 3.0),
                     (43.0, below + 3.0),
@@ -110,16 +119,16 @@ impl Disc {
                     (32.0, below + 14.0),
                 ],
                 true,
-                &square,
+                square,
             );
         }
-        legend.draw(&mut svg, below + 18.0 * lines);
-        svg.finish()
+        legend.draw(&mut drawing, below + 18.0 * lines);
+        drawing
     }
 
     /// Outlines in one path; each dot once, however many cells it stands for.
-    fn draw_cells(&self, svg: &mut Svg, place: &DiscPlace) {
-        let (mut outlines, mut dots) = (String::new(), BTreeSet::new());
+    fn draw_cells(&self, drawing: &mut Drawing, place: &DiscPlace) {
+        let (mut outlines, mut dots) = (Vec::new(), BTreeSet::new());
         for cell in &self.cells {
             let Some(corners) = cell
                 .iter()
@@ -135,54 +144,43 @@ impl Disc {
             if corners.iter().map(reach).fold(0.0, f64::max) < SMALLEST {
                 dots.insert((first.0.round() as i64, first.1.round() as i64));
             } else {
-                outlines.push_str(&path_data(&corners, true));
+                outlines.push(Outline::Closed(corners));
             }
         }
-        if !outlines.is_empty() {
-            svg.push(&format!(
-                "<path d=\"{outlines}\" fill=\"none\" stroke=\"{CELLS}\" stroke-width=\"0.6\"/>"
-            ));
-        }
-        if !dots.is_empty() {
-            let data: String = dots
-                .iter()
-                .map(|(x, y)| format!("M{x} {y}h1v1h-1Z"))
-                .collect();
-            svg.push(&format!("<path d=\"{data}\" fill=\"{CELLS}\"/>"));
-        }
+        drawing.outlines(outlines, Paint::outline(Stroke::new(CELLS).with_width(0.6)));
+        let pixels = dots.into_iter().map(|(x, y)| Outline::Pixel(x, y));
+        drawing.outlines(pixels.collect(), Paint::inside(CELLS));
     }
 
-    fn draw_points(&self, svg: &mut Svg, place: &DiscPlace) {
-        let style = POINTS;
+    fn draw_points(&self, drawing: &mut Drawing, place: &DiscPlace) {
         // Round line ends of no length are dots, of a few bytes each.
-        let mut data = String::new();
+        let mut dots = Vec::new();
         for &point in &self.points {
             let on_disc = point.0.hypot(point.1) <= 1.0 + 1e-6;
             if let Some((x, y)) = place.pixel(point).filter(|_| on_disc) {
-                data += &format!("M{} {}h0", px(x), px(y));
+                dots.push(Outline::Dot((x, y)));
             }
         }
-        if !data.is_empty() {
-            let colour = style.colour();
-            svg.push(&format!(
-                "<path d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.6\" stroke-linecap=\"round\"/>"
-            ));
-        }
+        let stroke = Stroke {
+            round_caps: true,
+            ..Stroke::new(POINTS.colour()).with_width(2.6)
+        };
+        drawing.outlines(dots, Paint::outline(stroke));
     }
 }
 
 const POINTS: Style = Style(0);
 
-fn draw_mark(svg: &mut Svg, place: &DiscPlace, mark: &DiscMark) {
+fn draw_mark(drawing: &mut Drawing, place: &DiscPlace, mark: &DiscMark) {
     let Some((x, y)) = place.pixel(mark.at) else {
         return;
     };
     for (dx, dy) in [(6.0, 0.0), (0.0, 6.0)] {
-        for (ink, width) in [("#ffffff", 4.0), (INK, 1.8)] {
-            svg.line(
+        for (ink, width) in [(WHITE, 4.0), (INK, 1.8)] {
+            drawing.line(
                 (x - dx, y - dy),
                 (x + dx, y + dy),
-                &format!("stroke=\"{ink}\" stroke-width=\"{width}\""),
+                Paint::line(Stroke::new(ink).with_width(width)),
             );
         }
     }
@@ -192,5 +190,5 @@ fn draw_mark(svg: &mut Svg, place: &DiscPlace, mark: &DiscMark) {
     } else {
         (9.0, Anchor::Start)
     };
-    svg.label_above((x + dx, y - 6.0), anchor, &mark.label);
+    drawing.label_above((x + dx, y - 6.0), anchor, &mark.label);
 }

@@ -1,13 +1,11 @@
 //! Pictures over two axes.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-
 use super::Caption;
 use super::axis::{Axis, Ruler};
 use super::cartesian::{Frame, MARGIN};
 use super::colours::viridis;
-use super::svg::{Anchor, Area, ChartSize, INK, Svg, TEXT, px, shortened, width_of};
+use super::drawing::{Area, ChartSize, Drawing, Element, INK, Paint, Raster, Stroke};
+use super::text::{Anchor, TEXT, shortened, width_of};
 use merlkit::image::{Image, encode_png};
 use merlkit::{Error, Result};
 
@@ -66,6 +64,14 @@ impl Heat {
     /// # Errors
     /// As [`Self::svg`].
     pub fn svg_sized(&self, size: ChartSize) -> Result<String> {
+        Ok(self.drawing(size)?.svg())
+    }
+
+    /// The shapes of the picture.
+    ///
+    /// # Errors
+    /// As [`Self::svg`].
+    pub fn drawing(&self, size: ChartSize) -> Result<Drawing> {
         let axes = (&self.x, &self.y);
         let right = match &self.pixels {
             Pixels::Values { .. } => BAR_GAP + BAR + RIGHT_OF_BAR,
@@ -79,17 +85,17 @@ impl Heat {
                 "give both axes a range",
             ));
         }
-        let mut svg = frame.begin(&self.caption, axes, false);
+        let mut drawing = frame.begin(&self.caption, axes, false);
         let Some(bytes) = self.bytes()? else {
-            svg.no_data(&frame.area);
-            return Ok(svg.finish());
+            drawing.no_data(&frame.area);
+            return Ok(drawing);
         };
         let (width, height) = self.columns_and_rows()?;
-        embed(&mut svg, &frame.area, &encode_png(width, height, &bytes)?);
+        embed(&mut drawing, &frame.area, raster(width, height, bytes)?);
         if let Pixels::Values { values, bar, .. } = &self.pixels {
-            draw_bar(&mut svg, &frame.area, values, bar)?;
+            draw_bar(&mut drawing, &frame.area, values, bar)?;
         }
-        Ok(svg.finish())
+        Ok(drawing)
     }
 
     /// A PNG of the pixels alone, without axes: each a rectangle, `width` by `height` in all.
@@ -165,7 +171,7 @@ fn gamma_bytes(image: &Image, exposure: f32) -> Vec<u8> {
 }
 
 /// The bar, its ticks and its title.
-fn draw_bar(svg: &mut Svg, area: &Area, values: &[f64], axis: &Axis) -> Result<()> {
+fn draw_bar(drawing: &mut Drawing, area: &Area, values: &[f64], axis: &Axis) -> Result<()> {
     let Some(ruler) = Ruler::new(axis, values.iter().copied(), area.bottom(), area.y) else {
         return Ok(());
     };
@@ -178,34 +184,43 @@ fn draw_bar(svg: &mut Svg, area: &Area, values: &[f64], axis: &Axis) -> Result<(
         .rev()
         .flat_map(|i| viridis((i as f64 + 0.5) / SHADES as f64))
         .collect();
-    embed(svg, &bar, &encode_png(1, SHADES, &shades)?);
+    embed(drawing, &bar, raster(1, SHADES, shades)?);
     let mut widest = 0f64;
     for tick in ruler.ticks() {
         let length = if tick.label.is_some() { 5.0 } else { 3.0 };
-        svg.line(
+        drawing.line(
             (bar.right(), tick.at),
             (bar.right() + length, tick.at),
-            &format!("stroke=\"{INK}\""),
+            Paint::line(Stroke::new(INK)),
         );
         if let Some(label) = tick.label {
-            svg.label((bar.right() + 8.0, tick.at + 4.0), Anchor::Start, &label);
+            drawing.label((bar.right() + 8.0, tick.at + 4.0), Anchor::Start, &label);
             widest = widest.max(width_of(&label, TEXT));
         }
     }
     let title = shortened(&axis.title, TEXT, area.height + 30.0);
     let x = bar.right() + (8.0 + widest + 18.0).min(RIGHT_OF_BAR - 6.0);
-    svg.label_upwards((x, area.y + area.height / 2.0), &title);
+    drawing.label_upwards((x, area.y + area.height / 2.0), &title);
     Ok(())
 }
 
-/// Puts a PNG into `area`, its pixels as sharp rectangles, with a frame around it.
-fn embed(svg: &mut Svg, area: &Area, png: &[u8]) {
-    let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(px);
-    let place = format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"");
-    svg.push(&format!(
-        "<image {place} preserveAspectRatio=\"none\" image-rendering=\"optimizeSpeed\" \
-         style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>",
-        STANDARD.encode(png)
-    ));
-    svg.push(&format!("<rect {place} fill=\"none\" stroke=\"{INK}\"/>"));
+/// Pixels, and the PNG of them.
+fn raster(width: usize, height: usize, bytes: Vec<u8>) -> Result<Raster> {
+    let png = encode_png(width, height, &bytes)?;
+    Ok(Raster {
+        width,
+        height,
+        bytes,
+        png,
+    })
+}
+
+/// Spreads pixels over `area` as sharp rectangles, with a frame around them.
+fn embed(drawing: &mut Drawing, area: &Area, raster: Raster) {
+    let place = *area;
+    drawing.elements.push(Element::Image {
+        area: place,
+        raster,
+    });
+    drawing.rectangle(area, Paint::outline(Stroke::new(INK)));
 }

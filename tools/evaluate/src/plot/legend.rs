@@ -1,7 +1,8 @@
 //! Which style is whose, below the chart.
 
+use super::drawing::Drawing;
 use super::style::Style;
-use super::svg::{Anchor, Svg, TEXT, shortened, width_of};
+use super::text::{Anchor, TEXT, shortened, width_of};
 
 /// One entry.
 pub(super) struct Entry {
@@ -69,21 +70,21 @@ impl Legend {
     }
 
     /// Draws it with its top at `y`.
-    pub fn draw(&self, svg: &mut Svg, y: f64) {
+    pub fn draw(&self, drawing: &mut Drawing, y: f64) {
         for (entry, x, row) in &self.entries {
             let middle = y + (*row as f64 + 0.5) * ROW;
             if entry.line {
-                svg.line(
+                drawing.line(
                     (*x, middle),
                     (x + SAMPLE - 8.0, middle),
-                    &entry.style.stroke(),
+                    entry.style.stroke(),
                 );
             }
             if entry.mark {
                 let mark = entry.style.mark((x + (SAMPLE - 8.0) / 2.0, middle));
-                svg.push(&format!("<path d=\"{mark}\" {}/>", entry.style.marks()));
+                drawing.outlines(vec![mark], entry.style.marks());
             }
-            svg.label(
+            drawing.label(
                 (x + SAMPLE - 3.0, middle + 4.0),
                 Anchor::Start,
                 &entry.label,

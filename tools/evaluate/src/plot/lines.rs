@@ -3,9 +3,9 @@
 use super::Caption;
 use super::axis::Axis;
 use super::cartesian::{Frame, MARGIN};
+use super::drawing::{Area, ChartSize, Drawing};
 use super::legend::Entry;
 use super::style::Style;
-use super::svg::{Area, ChartSize, Svg};
 
 /// Where a series has marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,23 +60,28 @@ impl Lines {
 
     /// The picture in another size.
     pub fn svg_sized(&self, size: ChartSize) -> String {
+        self.drawing(size).svg()
+    }
+
+    /// The shapes of the picture.
+    pub fn drawing(&self, size: ChartSize) -> Drawing {
         let axes = (&self.x, &self.y);
         let listed = self.series.iter().filter(|s| !s.label.is_empty());
         let entries = listed.map(Series::entry).collect();
         let frame = Frame::new(axes, self.all_x(), self.all_y(), MARGIN, entries, size);
-        let mut svg = frame.begin(&self.caption, axes, true);
-        svg.open_window(&frame.area);
+        let mut drawing = frame.begin(&self.caption, axes, true);
+        drawing.open_window(&frame.area);
         for series in &self.series {
-            series.draw_band(&frame, &mut svg);
+            series.draw_band(&frame, &mut drawing);
         }
         for series in &self.series {
-            series.draw_line(&frame, &mut svg);
+            series.draw_line(&frame, &mut drawing);
         }
-        svg.close_window();
+        drawing.close_window();
         for (i, series) in self.series.iter().enumerate() {
-            series.draw_marks(&frame, &mut svg, i);
+            series.draw_marks(&frame, &mut drawing, i);
         }
-        svg.finish()
+        drawing
     }
 
     fn all_x(&self) -> impl Iterator<Item = f64> {
@@ -106,7 +111,7 @@ impl Series {
         }
     }
 
-    fn draw_band(&self, frame: &Frame, svg: &mut Svg) {
+    fn draw_band(&self, frame: &Frame, drawing: &mut Drawing) {
         let edges = |&(x, low, high): &(f64, f64, f64)| {
             let above = frame.pixel((x, high))?;
             let floor = frame.rulers.as_ref().map_or(above.1, |r| r.1.bottom());
@@ -119,20 +124,20 @@ impl Series {
                 .map(|e| e.0)
                 .chain(run.iter().rev().map(|e| e.1))
                 .collect();
-            svg.path(&outline, true, &Style(self.style).translucent());
+            drawing.path(&outline, true, Style(self.style).translucent());
         }
     }
 
-    fn draw_line(&self, frame: &Frame, svg: &mut Svg) {
+    fn draw_line(&self, frame: &Frame, drawing: &mut Drawing) {
         if self.marks == Marks::Only {
             return;
         }
         for run in runs(self.points.iter().map(|&p| frame.pixel(p))) {
-            svg.path(&run, false, &Style(self.style).stroke());
+            drawing.path(&run, false, Style(self.style).stroke());
         }
     }
 
-    fn draw_marks(&self, frame: &Frame, svg: &mut Svg, order: usize) {
+    fn draw_marks(&self, frame: &Frame, drawing: &mut Drawing, order: usize) {
         let inside = self
             .points
             .iter()
@@ -144,17 +149,14 @@ impl Series {
             Marks::Few if points.len() > FEW => spread(&points, frame.area, order),
             _ => points,
         };
-        draw_marks(svg, Style(self.style), &chosen);
+        draw_marks(drawing, Style(self.style), &chosen);
     }
 }
 
 /// A mark at each of `points`, in one path: marks that overlap don't hide each other's rims.
-pub(super) fn draw_marks(svg: &mut Svg, style: Style, points: &[(f64, f64)]) {
-    if points.is_empty() {
-        return;
-    }
-    let data: String = points.iter().map(|&p| style.mark(p)).collect();
-    svg.push(&format!("<path d=\"{data}\" {}/>", style.marks()));
+pub(super) fn draw_marks(drawing: &mut Drawing, style: Style, points: &[(f64, f64)]) {
+    let marks = points.iter().map(|&p| style.mark(p));
+    drawing.outlines(marks.collect(), style.marks());
 }
 
 /// A few points, about as far apart across the picture; not the same ones for the next curve, which may hide this one.

@@ -18,25 +18,35 @@ mod cartesian;
 mod chart;
 mod colours;
 mod disc;
+mod drawing;
 mod heat;
 mod legend;
 mod lines;
+mod pdf;
+mod pdf_text;
+mod png;
 mod polar;
 mod scatter;
+mod stage;
 mod style;
+mod surfaces;
 mod svg;
+mod text;
+mod viewpoint;
 
 pub use axis::{Axis, Scale};
 pub use chart::Chart;
 pub use colours::viridis;
 pub use disc::{Disc, DiscMark};
+pub use drawing::{ChartSize, Drawing};
 pub use heat::{Heat, Pixels};
 pub use lines::{Lines, Marks, Series};
 pub use polar::{Polar, PolarCurve};
 pub use scatter::{Group, Scatter, ScatterPoint};
 pub use style::{COLOURS, DASHES, style_number};
-pub use svg::ChartSize;
+pub use surfaces::{SurfaceLobe, SurfacePanel, Surfaces};
 pub(crate) use svg::escape;
+pub use viewpoint::Viewpoint;
 
 /// What a chart is called, and what it shows in a sentence or two, for those who don't see it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -2,13 +2,11 @@
 
 use super::Caption;
 use super::axis::{Axis, Ruler, Scale};
+use super::drawing::{Area, ChartSize, Colour, Drawing, GRID, INK, Outline, Paint, Stroke, TOP};
 use super::legend::{Entry, Legend};
 use super::lines::runs;
 use super::style::Style;
-use super::svg::{
-    Anchor, Area, ChartSize, GRID, INK, Svg, TEXT, TOP, label_room, overlap, px, shortened,
-    width_of,
-};
+use super::text::{Anchor, TEXT, label_room, overlap, shortened, width_of};
 
 /// A curve around the origin.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -65,6 +63,11 @@ impl Polar {
 
     /// The picture in another size.
     pub fn svg_sized(&self, size: ChartSize) -> String {
+        self.drawing(size).svg()
+    }
+
+    /// The shapes of the picture.
+    pub fn drawing(&self, size: ChartSize) -> Drawing {
         let size = size.limited();
         let mut entries = Vec::new();
         for curve in self.curves.iter().filter(|c| !c.label.is_empty()) {
@@ -84,22 +87,22 @@ impl Polar {
         };
         let base = half.centre.1;
         let height = size.height.unwrap_or(0.0).max(base + below);
-        let mut svg = Svg::new(size.width, height, &self.caption);
+        let mut drawing = Drawing::new(size.width, height, &self.caption);
         let ruler = self.ruler(&half);
-        half.draw_grid(&mut svg, ruler.as_ref());
+        half.draw_grid(&mut drawing, ruler.as_ref());
         let title = match self.axis().scale {
             Scale::Root => format!("{} (root scale)", self.radius.title),
             _ => self.radius.title.clone(),
         };
         let title = shortened(&title, TEXT, size.width - 40.0);
-        svg.label((half.centre.0, base + 36.0), Anchor::Middle, &title);
+        drawing.label((half.centre.0, base + 36.0), Anchor::Middle, &title);
         match ruler {
-            Some(ruler) => self.draw_curves(&mut svg, &half, &ruler),
-            None => svg.no_data(&half.area()),
+            Some(ruler) => self.draw_curves(&mut drawing, &half, &ruler),
+            None => drawing.no_data(&half.area()),
         }
-        self.draw_directions(&mut svg, &half);
-        legend.draw(&mut svg, base + BELOW);
-        svg.finish()
+        self.draw_directions(&mut drawing, &half);
+        legend.draw(&mut drawing, base + BELOW);
+        drawing
     }
 
     fn axis(&self) -> Axis {
@@ -135,49 +138,45 @@ impl Polar {
         })
     }
 
-    fn draw_curves(&self, svg: &mut Svg, half: &HalfCircle, ruler: &Ruler) {
-        svg.open_window(&half.area());
+    fn draw_curves(&self, drawing: &mut Drawing, half: &HalfCircle, ruler: &Ruler) {
+        drawing.open_window(&half.area());
         for curve in &self.curves {
             let place = |&(angle, radius): &(f64, f64)| {
                 let distance = ruler.pixel_of(radius)? - half.centre.0;
                 (angle.abs() <= 90.0 && distance >= 0.0).then(|| half.around(angle, distance))
             };
             for run in runs(curve.points.iter().map(place)) {
-                svg.path(&run, false, &Style(curve.style).stroke());
+                drawing.path(&run, false, Style(curve.style).stroke());
             }
         }
-        svg.close_window();
+        drawing.close_window();
     }
 
     /// Lines towards `wo` and its mirror direction, and which is which.
-    fn draw_directions(&self, svg: &mut Svg, half: &HalfCircle) {
+    fn draw_directions(&self, drawing: &mut Drawing, half: &HalfCircle) {
         let thetas = self.wo.iter().filter(|t| (0.0..=90.0).contains(*t));
-        let mut ends = Vec::new();
+        let mut ends: Vec<(f64, String, &'static [f64])> = Vec::new();
         for &theta in thetas {
             let angle = if self.wo.len() == 1 {
                 String::new()
             } else {
                 format!(" {theta}°")
             };
-            ends.push((-theta, format!("wo{angle}"), "stroke-dasharray=\"6 3\""));
+            ends.push((-theta, format!("wo{angle}"), &[6.0, 3.0]));
             // At the normal both are one.
             if theta != 0.0 {
-                ends.push((
-                    theta,
-                    format!("mirror{angle}"),
-                    "stroke-dasharray=\"1.5 3\"",
-                ));
+                ends.push((theta, format!("mirror{angle}"), &[1.5, 3.0]));
             }
         }
-        for (angle, _, dash) in &ends {
-            let style = format!("stroke=\"{INK}\" {dash}");
-            svg.line(half.centre, half.around(*angle, half.radius), &style);
+        for (angle, _, dashes) in &ends {
+            let paint = Paint::line(Stroke::new(INK).with_dashes(dashes));
+            drawing.line(half.centre, half.around(*angle, half.radius), paint);
         }
         // Above all lines, and apart from each other. Those near the normal, where room is short, give way.
         ends.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
         let mut taken = Vec::new();
         for (angle, label, _) in &ends {
-            half.draw_direction_name(svg, *angle, label, &mut taken);
+            half.draw_direction_name(drawing, *angle, label, &mut taken);
         }
     }
 }
@@ -185,7 +184,13 @@ impl Polar {
 impl HalfCircle {
     /// The name of a direction beside its line, on the normal's side or the other, as far out as no other name is in its way; what
     /// it covers joins `taken`.
-    fn draw_direction_name(&self, svg: &mut Svg, angle: f64, label: &str, taken: &mut Vec<Area>) {
+    fn draw_direction_name(
+        &self,
+        drawing: &mut Drawing,
+        angle: f64,
+        label: &str,
+        taken: &mut Vec<Area>,
+    ) {
         let width = width_of(label, TEXT);
         for step in 0..NAME_RINGS {
             let distance = self.radius - 14.0 - NAME_RING * f64::from(step);
@@ -203,7 +208,7 @@ impl HalfCircle {
                 let room = label_room(left, y + 4.0, width);
                 let free = taken.iter().all(|t| !overlap(t, &room));
                 if free && (angle == 0.0 || self.holds_on_one_side(&room)) {
-                    svg.label_above((x, y + 4.0), anchor, label);
+                    drawing.label_above((x, y + 4.0), anchor, label);
                     taken.push(room);
                     return;
                 }
@@ -239,37 +244,35 @@ impl HalfCircle {
     }
 
     /// The half of a circle about the centre that lies above the surface.
-    fn draw_ring(&self, svg: &mut Svg, radius: f64, ink: &str) {
-        let [left, right] = [self.centre.0 - radius, self.centre.0 + radius].map(px);
-        let [y, r] = [self.centre.1, radius].map(px);
-        svg.push(&format!(
-            "<path d=\"M{left} {y}A{r} {r} 0 0 1 {right} {y}\" fill=\"none\" stroke=\"{ink}\"/>"
-        ));
+    fn draw_ring(&self, drawing: &mut Drawing, radius: f64, ink: Colour) {
+        let centre = self.centre;
+        let half = Outline::UpperHalf { centre, radius };
+        drawing.outlines(vec![half], Paint::outline(Stroke::new(ink)));
     }
 
     /// Rings with their radii, spokes with their angles, and the surface.
-    fn draw_grid(&self, svg: &mut Svg, ruler: Option<&Ruler>) {
+    fn draw_grid(&self, drawing: &mut Drawing, ruler: Option<&Ruler>) {
         for tick in ruler.map(Ruler::ticks).unwrap_or_default() {
             let radius = tick.at - self.centre.0;
             if radius > 1.0 && radius < self.radius - 1.0 {
-                self.draw_ring(svg, radius, GRID);
+                self.draw_ring(drawing, radius, GRID);
             }
             if let Some(label) = tick.label {
-                svg.label((tick.at, self.centre.1 + 18.0), Anchor::Middle, &label);
-                svg.line(
+                drawing.label((tick.at, self.centre.1 + 18.0), Anchor::Middle, &label);
+                drawing.line(
                     (tick.at, self.centre.1),
                     (tick.at, self.centre.1 + 5.0),
-                    &format!("stroke=\"{INK}\""),
+                    Paint::line(Stroke::new(INK)),
                 );
             }
         }
-        self.draw_ring(svg, self.radius, INK);
+        self.draw_ring(drawing, self.radius, INK);
         for step in -6..=6 {
             let angle = f64::from(step) * 15.0;
-            svg.line(
+            drawing.line(
                 self.centre,
                 self.around(angle, self.radius),
-                &format!("stroke=\"{GRID}\""),
+                Paint::line(Stroke::new(GRID)),
             );
             if step % 2 == 0 {
                 let (x, y) = self.around(angle, self.radius + 12.0);
@@ -278,13 +281,13 @@ impl HalfCircle {
                     s if s < 0 => Anchor::End,
                     _ => Anchor::Start,
                 };
-                svg.label((x, y + 4.0), anchor, &format!("{}°", angle.abs()));
+                drawing.label((x, y + 4.0), anchor, &format!("{}°", angle.abs()));
             }
         }
-        svg.line(
+        drawing.line(
             self.around(-90.0, self.radius),
             self.around(90.0, self.radius),
-            &format!("stroke=\"{INK}\""),
+            Paint::line(Stroke::new(INK)),
         );
     }
 }

@@ -3,9 +3,10 @@
 use super::Caption;
 use super::axis::Axis;
 use super::cartesian::{Frame, MARGIN};
+use super::drawing::{Area, ChartSize, Drawing, Element, INK, Paint, Stroke};
 use super::legend::Entry;
 use super::style::Style;
-use super::svg::{Anchor, Area, ChartSize, INK, Svg, TEXT, escape, label_room, overlap, width_of};
+use super::text::{Anchor, TEXT, label_room, overlap, width_of};
 
 /// A point and what it is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,7 +64,7 @@ impl Scatter {
             self.legend_entries(),
             ChartSize::default(),
         );
-        let mut svg = frame.begin(&self.caption, axes, true);
+        let mut drawing = frame.begin(&self.caption, axes, true);
         let placed = self.lay_out(&frame);
         if self.front {
             let front: Vec<_> = placed
@@ -72,19 +73,18 @@ impl Scatter {
                 .filter(|p| p.on_front)
                 .map(|p| p.at)
                 .collect();
-            draw_front(&mut svg, &frame.area, front);
+            draw_front(&mut drawing, &frame.area, front);
         }
         for (group, points) in self.groups.iter().zip(&placed) {
-            svg.push(&format!("<g {}>", Style(group.style).marks()));
-            for p in points.iter().filter(|p| frame.area.holds(p.at)) {
-                let mark = Style(group.style).mark(p.at);
-                let label = escape(p.label);
-                svg.push(&format!("<path d=\"{mark}\"><title>{label}</title></path>"));
-            }
-            svg.push("</g>");
+            let style = Style(group.style);
+            let shown = points.iter().filter(|p| frame.area.holds(p.at));
+            drawing.elements.push(Element::NamedMarks {
+                paint: style.marks(),
+                marks: shown.map(|p| (style.mark(p.at), p.label.into())).collect(),
+            });
         }
-        draw_labels(&mut svg, &frame.area, &placed, self.front);
-        svg.finish()
+        draw_labels(&mut drawing, &frame.area, &placed, self.front);
+        drawing.svg()
     }
 
     /// The points of all groups.
@@ -145,7 +145,7 @@ fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// Steps from the upper edge along the front to the right edge.
-fn draw_front(svg: &mut Svg, area: &Area, mut front: Vec<(f64, f64)>) {
+fn draw_front(drawing: &mut Drawing, area: &Area, mut front: Vec<(f64, f64)>) {
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
     let Some((&first, &last)) = front.first().zip(front.last()) else {
         return;
@@ -155,17 +155,17 @@ fn draw_front(svg: &mut Svg, area: &Area, mut front: Vec<(f64, f64)>) {
         steps.extend([(pair[1].0, pair[0].1), pair[1]]);
     }
     steps.push((area.right(), last.1));
-    svg.open_window(area);
-    svg.path(
+    drawing.open_window(area);
+    drawing.path(
         &steps,
         false,
-        &format!("fill=\"none\" stroke=\"{INK}\" stroke-dasharray=\"5 3\""),
+        Paint::outline(Stroke::new(INK).with_dashes(&[5.0, 3.0])),
     );
-    svg.close_window();
+    drawing.close_window();
 }
 
 /// Labels where they cover neither points nor each other, and nowhere else.
-fn draw_labels(svg: &mut Svg, area: &Area, placed: &[Vec<Placed<'_>>], front_only: bool) {
+fn draw_labels(drawing: &mut Drawing, area: &Area, placed: &[Vec<Placed<'_>>], front_only: bool) {
     let points: Vec<&Placed<'_>> = placed
         .iter()
         .flatten()
@@ -178,7 +178,7 @@ fn draw_labels(svg: &mut Svg, area: &Area, placed: &[Vec<Placed<'_>>], front_onl
         }
         for (at, anchor, room) in places(p) {
             if is_free(&room, area, &taken, own) {
-                svg.label_above(at, anchor, p.label);
+                drawing.label_above(at, anchor, p.label);
                 taken.push(room);
                 break;
             }

@@ -1,17 +1,29 @@
 //! How the curves of a chart are told apart.
 
-use super::svg::px;
+use super::drawing::{Colour, Fill, Outline, Paint, Stroke, WHITE};
 
 /// Dashes that styles have: a style's number modulo this is its dash.
 pub const DASHES: usize = 5;
 /// Colours that styles have.
 pub const COLOURS: usize = 7;
 /// Okabe and Ito's colours but yellow, which is too pale for lines on white.
-const PALETTE: [&str; COLOURS] = [
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000",
+const PALETTE: [Colour; COLOURS] = [
+    Colour(0x0072b2),
+    Colour(0xd55e00),
+    Colour(0x009e73),
+    Colour(0xcc79a7),
+    Colour(0xe69f00),
+    Colour(0x56b4e9),
+    Colour(0x000000),
 ];
 /// Lengths of dashes and gaps, pixels; the first is a whole line.
-const DASH_PATTERNS: [&str; DASHES] = ["", "8 4", "2 3", "10 3 2 3", "14 5"];
+const DASH_PATTERNS: [&[f64]; DASHES] = [
+    &[],
+    &[8.0, 4.0],
+    &[2.0, 3.0],
+    &[10.0, 3.0, 2.0, 3.0],
+    &[14.0, 5.0],
+];
 const MARKS: usize = 6;
 /// Half the width of a mark.
 const MARK: f64 = 3.6;
@@ -29,58 +41,49 @@ pub fn style_number(colour: usize, dash: usize, mark: usize) -> usize {
 pub(super) struct Style(pub usize);
 
 impl Style {
-    pub fn colour(self) -> &'static str {
+    pub fn colour(self) -> Colour {
         PALETTE[self.0 % COLOURS]
     }
 
-    /// Attributes of a line.
-    pub fn stroke(self) -> String {
-        let dash = match DASH_PATTERNS[self.0 % DASHES] {
-            "" => String::new(),
-            dash => format!(" stroke-dasharray=\"{dash}\""),
+    /// Of a line.
+    pub fn stroke(self) -> Paint {
+        let stroke = Stroke {
+            round_joins: true,
+            ..Stroke::new(self.colour()).with_width(1.8)
         };
-        let colour = self.colour();
-        format!(
-            "fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.8\" stroke-linejoin=\"round\"{dash}"
-        )
+        Paint::outline(stroke.with_dashes(DASH_PATTERNS[self.0 % DASHES]))
     }
 
-    /// Attributes of a surface that lets others show through.
-    pub fn translucent(self) -> String {
-        format!("fill=\"{}\" fill-opacity=\"0.18\"", self.colour())
-    }
-
-    /// Attributes of a group of marks.
-    pub fn marks(self) -> String {
-        format!(
-            "fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"0.8\"",
-            self.colour()
-        )
-    }
-
-    /// Path of the mark at a place: disc, square, triangle, diamond, triangle on its head, cross.
-    pub fn mark(self, (x, y): (f64, f64)) -> String {
-        let r = MARK;
-        let polygon = |corners: &[(f64, f64)]| {
-            let at: Vec<_> = corners.iter().map(|c| (x + r * c.0, y + r * c.1)).collect();
-            super::svg::path_data(&at, true)
-        };
-        match self.0 % MARKS {
-            0 => {
-                let left = px(x - r);
-                let d = px(2.0 * r);
-                let r = px(r);
-                format!(
-                    "M{left} {}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0Z",
-                    px(y)
-                )
-            }
-            1 => polygon(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
-            2 => polygon(&[(0.0, -1.2), (1.1, 0.8), (-1.1, 0.8)]),
-            3 => polygon(&[(0.0, -1.3), (1.1, 0.0), (0.0, 1.3), (-1.1, 0.0)]),
-            4 => polygon(&[(0.0, 1.2), (1.1, -0.8), (-1.1, -0.8)]),
-            _ => polygon(&CROSS),
+    /// Of a surface that lets others show through.
+    pub fn translucent(self) -> Paint {
+        Paint {
+            fill: Fill::Full(self.colour(), 0.18),
+            stroke: None,
         }
+    }
+
+    /// Of marks.
+    pub fn marks(self) -> Paint {
+        Paint::both(self.colour(), Stroke::new(WHITE).with_width(0.8))
+    }
+
+    /// The mark at a place: disc, square, triangle, diamond, triangle on its head, cross.
+    pub fn mark(self, (x, y): (f64, f64)) -> Outline {
+        let corners: &[(f64, f64)] = match self.0 % MARKS {
+            0 => {
+                return Outline::Disc {
+                    centre: (x, y),
+                    radius: MARK,
+                };
+            }
+            1 => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
+            2 => &[(0.0, -1.2), (1.1, 0.8), (-1.1, 0.8)],
+            3 => &[(0.0, -1.3), (1.1, 0.0), (0.0, 1.3), (-1.1, 0.0)],
+            4 => &[(0.0, 1.2), (1.1, -0.8), (-1.1, -0.8)],
+            _ => &CROSS,
+        };
+        let corners = corners.iter().map(|c| (x + MARK * c.0, y + MARK * c.1));
+        Outline::Closed(corners.collect())
     }
 }
 

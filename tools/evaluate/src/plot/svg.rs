@@ -1,230 +1,202 @@
-//! Writing SVG: elements, numbers and text that can't break the markup.
+//! Drawings as SVG: elements, numbers and text that can't break the markup.
 
-use super::Caption;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 
-/// How large a picture is, in its pixels. Text has the same size in each.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ChartSize {
-    /// Pixels across; from 320 to 10,000, and the nearer of these otherwise.
-    pub width: f64,
-    /// Pixels down, from 240 to 10,000 as well; `None` is as many as suit the width and the legend.
-    pub height: Option<f64>,
-}
+use super::drawing::{
+    Area, Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, SEAM, TextLine, bounded,
+};
+use super::text::{Anchor, TEXT};
 
-impl Default for ChartSize {
-    /// 640 pixels across.
-    fn default() -> Self {
-        Self {
-            width: 640.0,
-            height: None,
+impl Drawing {
+    /// The picture as SVG: the same text for the same shapes.
+    pub fn svg(&self) -> String {
+        let (width, height) = (px(self.width), px(self.height));
+        let ink = hex(INK);
+        let mut lines = vec![
+            format!(
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{width}\" height=\"{height}\" \
+                 viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"{TEXT}\" fill=\"{ink}\">"
+            ),
+            format!("<title>{}</title>", escape(&self.caption.title)),
+            format!("<desc>{}</desc>", escape(&self.caption.description)),
+            format!("<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>"),
+        ];
+        for element in &self.elements {
+            lines.push(markup(element));
         }
+        lines.push("</svg>\n".into());
+        lines.join("\n")
     }
 }
 
-impl ChartSize {
-    /// Within the limits.
-    pub(super) fn limited(self) -> Self {
-        Self {
-            width: self.width.clamp(320.0, LARGEST_SIDE),
-            height: self.height.map(|h| h.clamp(240.0, LARGEST_SIDE)),
+fn markup(element: &Element) -> String {
+    match element {
+        Element::Line { from, to, paint } => {
+            let [x1, y1, x2, y2] = [from.0, from.1, to.0, to.1].map(px);
+            let style = attributes(paint);
+            format!("<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"{style}/>")
         }
-    }
-
-    /// Radius of a circle in the picture: `usual` times the width, or, where a height is given, as much of it as `other` pixels
-    /// leave to `circle` radii. `beside` pixels of the width are left free in any case.
-    pub(super) fn radius(self, usual: f64, circle: f64, beside: f64, other: f64) -> f64 {
-        let widest = 0.5 * (self.width - beside);
-        let radius = match self.height {
-            Some(height) => (height - other) / circle,
-            None => usual * self.width,
-        };
-        radius.min(widest).max(40.0)
-    }
-}
-
-const LARGEST_SIDE: f64 = 10_000.0;
-/// Pixels from the top to the first of what is drawn.
-pub(super) const TOP: f64 = 36.0;
-/// Size of ordinary text, pixels.
-pub(super) const TEXT: f64 = 12.0;
-const TITLE_TEXT: f64 = 15.0;
-/// Ink of axes and text.
-pub(super) const INK: &str = "#222222";
-/// Lines behind the data.
-pub(super) const GRID: &str = "#d9d9d9";
-/// Coordinates are held within this, far outside every picture, so that no reader's own numbers overflow.
-const FAR: f64 = 20_000.0;
-
-/// Where a text's position is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Anchor {
-    Start,
-    Middle,
-    End,
-}
-
-impl Anchor {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Start => "start",
-            Self::Middle => "middle",
-            Self::End => "end",
+        Element::Path { outlines, paint } => {
+            let data: String = outlines.iter().map(path_data).collect();
+            format!("<path d=\"{data}\"{}/>", attributes(paint))
         }
-    }
-}
-
-/// A rectangle of the picture, pixels, y downwards.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Area {
-    pub x: f64,
-    pub y: f64,
-    pub width: f64,
-    pub height: f64,
-}
-
-impl Area {
-    pub fn right(&self) -> f64 {
-        self.x + self.width
-    }
-
-    pub fn bottom(&self) -> f64 {
-        self.y + self.height
-    }
-
-    /// Whether a point lies in it, half a pixel beyond its edges included.
-    pub fn holds(&self, (x, y): (f64, f64)) -> bool {
-        let across = (self.x - 0.5..=self.right() + 0.5).contains(&x);
-        across && (self.y - 0.5..=self.bottom() + 0.5).contains(&y)
-    }
-}
-
-/// The text of a picture as it grows.
-pub(super) struct Svg {
-    text: String,
-}
-
-impl Svg {
-    /// A white sheet of that size with its title.
-    pub fn new(sheet_width: f64, height: f64, caption: &Caption) -> Self {
-        let (width, height) = (px(sheet_width), px(height));
-        let mut svg = Self {
-            text: String::new(),
-        };
-        svg.push(&format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"{TEXT}\" fill=\"{INK}\">"
-        ));
-        svg.push(&format!("<title>{}</title>", escape(&caption.title)));
-        svg.push(&format!("<desc>{}</desc>", escape(&caption.description)));
-        svg.push(&format!(
-            "<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>"
-        ));
-        let title = shortened(&caption.title, TITLE_TEXT, sheet_width - 40.0);
-        svg.push(&format!(
-            "<text x=\"{}\" y=\"22\" font-size=\"{TITLE_TEXT}\" text-anchor=\"middle\">{}</text>",
-            px(sheet_width / 2.0),
-            escape(&title)
-        ));
-        svg
-    }
-
-    /// Adds an element on a line of its own.
-    pub fn push(&mut self, element: &str) {
-        self.text.push_str(element);
-        self.text.push('\n');
-    }
-
-    /// A straight line; `style` are further attributes.
-    pub fn line(&mut self, from: (f64, f64), to: (f64, f64), style: &str) {
-        let (x1, y1, x2, y2) = (px(from.0), px(from.1), px(to.0), px(to.1));
-        self.push(&format!(
-            "<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\" {style}/>"
-        ));
-    }
-
-    /// A polyline, or with `close` a polygon; nothing for fewer than two points.
-    pub fn path(&mut self, points: &[(f64, f64)], close: bool, style: &str) {
-        if points.len() < 2 {
-            return;
+        Element::Circle {
+            centre,
+            radius,
+            paint,
+        } => {
+            let [x, y, r] = [centre.0, centre.1, *radius].map(px);
+            let style = attributes(paint);
+            format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"{style}/>")
         }
-        self.push(&format!(
-            "<path d=\"{}\" {style}/>",
-            path_data(points, close)
+        Element::Rectangle { area, paint } => {
+            format!("<rect {}{}/>", place(area), attributes(paint))
+        }
+        Element::Text(line) => text(line),
+        Element::Image { area, raster } => format!(
+            "<image {} preserveAspectRatio=\"none\" image-rendering=\"optimizeSpeed\" \
+             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>",
+            place(area),
+            STANDARD.encode(&raster.png)
+        ),
+        Element::NamedMarks { paint, marks } => named_marks(paint, marks),
+        Element::Faces(faces) => polygons(faces),
+        // Without an `id` to clip by, so that pictures can stand in one page.
+        Element::OpenWindow(area) => {
+            let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(px);
+            let place = place(area);
+            format!("<svg {place} viewBox=\"{x} {y} {width} {height}\" overflow=\"hidden\">")
+        }
+        Element::CloseWindow => "</svg>".into(),
+        Element::OpenLayer(opacity) => format!("<g opacity=\"{}\">", px(*opacity)),
+        Element::CloseLayer => "</g>".into(),
+    }
+}
+
+fn named_marks(paint: &Paint, marks: &[(Outline, String)]) -> String {
+    let mut lines = vec![format!("<g{}>", attributes(paint))];
+    for (mark, name) in marks {
+        let (data, name) = (path_data(mark), escape(name));
+        lines.push(format!("<path d=\"{data}\"><title>{name}</title></path>"));
+    }
+    lines.push("</g>".into());
+    lines.join("\n")
+}
+
+fn polygons(faces: &[Face]) -> String {
+    // A line of the face's own colour covers the seam to its neighbour.
+    let mut lines = vec![format!(
+        "<g stroke-width=\"{}\" stroke-linejoin=\"round\">",
+        px(SEAM)
+    )];
+    for face in faces {
+        let (data, colour) = (join(&face.corners), hex(face.colour));
+        lines.push(format!(
+            "<path d=\"{data}Z\" fill=\"{colour}\" stroke=\"{colour}\"/>"
         ));
     }
+    lines.push("</g>".into());
+    lines.join("\n")
+}
 
-    /// Text with its baseline at `at`.
-    pub fn label(&mut self, at: (f64, f64), anchor: Anchor, text: &str) {
-        self.styled_label(at, anchor, "", text);
-    }
+fn place(area: &Area) -> String {
+    let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(px);
+    format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"")
+}
 
-    /// Text on a white rim, to be read above lines.
-    pub fn label_above(&mut self, at: (f64, f64), anchor: Anchor, text: &str) {
-        let rim = " paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\"";
-        self.styled_label(at, anchor, rim, text);
-    }
-
-    /// Text that reads upwards, centred at `at`.
-    pub fn label_upwards(&mut self, at: (f64, f64), text: &str) {
-        let turn = format!(" transform=\"rotate(-90 {} {})\"", px(at.0), px(at.1));
-        self.styled_label(at, Anchor::Middle, &turn, text);
-    }
-
-    fn styled_label(&mut self, (x, y): (f64, f64), anchor: Anchor, style: &str, text: &str) {
-        let (x, y, anchor, text) = (px(x), px(y), anchor.name(), escape(text));
-        self.push(&format!(
-            "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\"{style}>{text}</text>"
-        ));
-    }
-
-    /// Begins a part of which nothing shows outside `area`; coordinates stay those of the picture. Without an `id` to clip
-    /// by, so that pictures can stand in one page.
-    pub fn open_window(&mut self, area: &Area) {
-        let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(px);
-        self.push(&format!(
-            "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"{x} {y} {width} {height}\" overflow=\"hidden\">"
-        ));
-    }
-
-    /// Ends what [`Self::open_window`] began.
-    pub fn close_window(&mut self) {
-        self.push("</svg>");
-    }
-
-    /// "no data" in the middle of `area`.
-    pub fn no_data(&mut self, area: &Area) {
-        self.label(
-            (area.x + area.width / 2.0, area.y + area.height / 2.0),
-            Anchor::Middle,
-            "no data",
+fn text(line: &TextLine) -> String {
+    let [x, y] = [line.at.0, line.at.1].map(px);
+    let anchor = match line.anchor {
+        Anchor::Start => "start",
+        Anchor::Middle => "middle",
+        Anchor::End => "end",
+    };
+    let mut style = String::new();
+    if line.rim {
+        style.push_str(
+            " paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\"",
         );
     }
+    if line.upwards {
+        style.push_str(&format!(" transform=\"rotate(-90 {x} {y})\""));
+    }
+    let size = if line.size == TEXT {
+        String::new()
+    } else {
+        format!(" font-size=\"{}\"", line.size)
+    };
+    let text = escape(&line.text);
+    format!("<text x=\"{x}\" y=\"{y}\"{size} text-anchor=\"{anchor}\"{style}>{text}</text>")
+}
 
-    /// The finished text.
-    pub fn finish(mut self) -> String {
-        self.push("</svg>");
-        self.text
+/// The attributes of a paint, each after a space.
+fn attributes(paint: &Paint) -> String {
+    let mut out = match paint.fill {
+        Fill::Unset => String::new(),
+        Fill::Empty => " fill=\"none\"".into(),
+        Fill::Full(colour, 1.0) => format!(" fill=\"{}\"", hex(colour)),
+        Fill::Full(colour, opacity) => {
+            let opacity = px(opacity);
+            format!(" fill=\"{}\" fill-opacity=\"{opacity}\"", hex(colour))
+        }
+    };
+    let Some(stroke) = &paint.stroke else {
+        return out;
+    };
+    out.push_str(&format!(" stroke=\"{}\"", hex(stroke.colour)));
+    if stroke.width != 1.0 {
+        out.push_str(&format!(" stroke-width=\"{}\"", px(stroke.width)));
+    }
+    if stroke.round_joins {
+        out.push_str(" stroke-linejoin=\"round\"");
+    }
+    if stroke.round_caps {
+        out.push_str(" stroke-linecap=\"round\"");
+    }
+    if !stroke.dashes.is_empty() {
+        let dashes: Vec<String> = stroke.dashes.iter().map(|d| px(*d)).collect();
+        out.push_str(&format!(" stroke-dasharray=\"{}\"", dashes.join(" ")));
+    }
+    out
+}
+
+fn hex(colour: Colour) -> String {
+    format!("#{:06x}", colour.0)
+}
+
+/// The commands of a path.
+fn path_data(outline: &Outline) -> String {
+    match outline {
+        Outline::Open(points) => join(points),
+        Outline::Closed(points) => join(points) + "Z",
+        Outline::Disc { centre, radius } => {
+            let [left, y, r, d] = [centre.0 - radius, centre.1, *radius, 2.0 * radius].map(px);
+            format!("M{left} {y}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0Z")
+        }
+        Outline::UpperHalf { centre, radius } => {
+            let [left, right] = [centre.0 - radius, centre.0 + radius].map(px);
+            let [y, r] = [centre.1, *radius].map(px);
+            format!("M{left} {y}A{r} {r} 0 0 1 {right} {y}")
+        }
+        Outline::Pixel(x, y) => format!("M{x} {y}h1v1h-1Z"),
+        Outline::Dot((x, y)) => format!("M{} {}h0", px(*x), px(*y)),
     }
 }
 
-/// The commands of a path through `points`.
-pub(super) fn path_data(points: &[(f64, f64)], close: bool) -> String {
+/// Straight lines through `points`.
+fn join(points: &[(f64, f64)]) -> String {
     let mut data = String::new();
     for (i, &(x, y)) in points.iter().enumerate() {
         data.push(if i == 0 { 'M' } else { 'L' });
         data.push_str(&format!("{} {}", px(x), px(y)));
     }
-    if close {
-        data.push('Z');
-    }
     data
 }
 
 /// A coordinate in hundredths of a pixel, without zeros at its end; 0 for NaN.
-pub(super) fn px(x: f64) -> String {
-    let x = if x.is_nan() { 0.0 } else { x.clamp(-FAR, FAR) };
-    let text = format!("{x:.2}");
+fn px(x: f64) -> String {
+    let text = format!("{:.2}", bounded(x));
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {
         "0".into()
@@ -248,44 +220,4 @@ pub(crate) fn escape(text: &str) -> String {
         }
     }
     out
-}
-
-/// About how many pixels a text is wide. Fonts differ; this is generous for the usual ones.
-pub(super) fn width_of(text: &str, size: f64) -> f64 {
-    size * text
-        .chars()
-        .map(|c| if c < '\u{2e80}' { 0.58 } else { 1.0 })
-        .sum::<f64>()
-}
-
-/// As much of a text as is at most `width` pixels wide.
-pub(super) fn shortened(text: &str, size: f64, width: f64) -> String {
-    if width_of(text, size) <= width {
-        return text.into();
-    }
-    let mut out = String::new();
-    for c in text.chars() {
-        out.push(c);
-        if width_of(&out, size) > width - size {
-            out.pop();
-            break;
-        }
-    }
-    out.push('…');
-    out
-}
-
-/// Whether two rectangles have a point in common.
-pub(super) fn overlap(a: &Area, b: &Area) -> bool {
-    a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
-}
-
-/// What a label of that width covers.
-pub(super) fn label_room(left: f64, baseline: f64, width: f64) -> Area {
-    Area {
-        x: left,
-        y: baseline - 10.0,
-        width,
-        height: 13.0,
-    }
 }

@@ -172,9 +172,7 @@ impl CurveCharts {
                 .push_str(" Densities are cut off at twice the greatest ideal density.");
         }
         // A narrow lobe on an even scale is a line, and nothing beside it.
-        let sum: f64 = curves.iter().map(|c| mean(&c.curve)).sum();
-        let mean = sum / curves.len().max(1) as f64;
-        let own = if greatest(&curves) > PEAKED * mean {
+        let own = if is_peaked(curves.iter().map(|c| &c.curve)) {
             Scale::Root
         } else {
             Scale::Linear
@@ -428,6 +426,17 @@ fn cut(curves: &mut [Named], kinds: usize) {
             .flat_map(|c| &mut c.curve)
             .for_each(|p| p.1 = p.1.min(2.0 * ideal));
     }
+}
+
+/// Whether curves have a peak that is many times their mean over angles.
+pub(super) fn is_peaked<'a>(curves: impl ExactSizeIterator<Item = &'a PlottedCurve>) -> bool {
+    let count = curves.len().max(1) as f64;
+    let (mut sum, mut greatest) = (0.0, 0f64);
+    for curve in curves {
+        sum += mean(curve);
+        greatest = curve.iter().map(|p| p.1).fold(greatest, f64::max);
+    }
+    greatest > PEAKED * (sum / count)
 }
 
 fn greatest(curves: &[Named]) -> f64 {

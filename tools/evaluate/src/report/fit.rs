@@ -41,6 +41,34 @@ pub fn fits_sheet(fit: &MaterialFit) -> Sheet {
     sheet
 }
 
+/// Every fit of every material as a row, for other programs: errors with all their digits, and the fit as a MATERIAL.
+pub fn fits_csv(fits: &[MaterialFit]) -> Sheet {
+    let heading = [
+        "material",
+        "model",
+        "error",
+        "relative error",
+        "sphere",
+        "holds",
+        "fit",
+    ];
+    let mut sheet = Sheet::new(&heading);
+    for fit in fits {
+        for model in ranked(fit) {
+            sheet.push(vec![
+                fit.material.clone(),
+                model.model.clone(),
+                model.error.to_string(),
+                model.relative_error.to_string(),
+                model.sphere_levels.to_string(),
+                model.holds.to_string(),
+                model.material.clone(),
+            ]);
+        }
+    }
+    sheet
+}
+
 /// The fits of a material, the least error first.
 fn ranked(fit: &MaterialFit) -> Vec<&ModelFit> {
     let mut ranked: Vec<&ModelFit> = fit.fits.iter().collect();

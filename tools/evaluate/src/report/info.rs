@@ -23,6 +23,21 @@ pub struct Info {
 }
 
 impl Info {
+    /// The albedos of materials, a row for each angle, with all their digits.
+    pub fn albedo_csv<'a>(infos: impl Iterator<Item = &'a Self>) -> Sheet {
+        let heading = ["material", "theta_o [°]", "red", "green", "blue", "error"];
+        let mut sheet = Sheet::new(&heading);
+        for info in infos {
+            for albedo in &info.facts.albedo {
+                let mut row = vec![info.material.clone(), albedo.theta_o_degrees.to_string()];
+                row.extend(albedo.rgb.map(|channel| channel.to_string()));
+                row.push(albedo.error.to_string());
+                sheet.push(row);
+            }
+        }
+        sheet
+    }
+
     /// One line a fact; facts of a table where there is one.
     pub fn sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&[&self.material, &self.source]);

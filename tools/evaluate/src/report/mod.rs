@@ -20,6 +20,7 @@ mod page;
 mod profile;
 mod sheet;
 mod summary;
+mod surface_charts;
 mod thesis;
 mod thesis_ranking;
 mod tune;
@@ -31,7 +32,8 @@ pub use compare::{ComparisonDocument, comparison_csv, targets};
 pub use curve_charts::{CurveCharts, CurveOptions};
 pub use export::{drawn_row, export_row, export_sheet, table_sheet};
 pub use fit::{
-    FitDocument, fit_matrix, fit_ranking, fit_summary, fit_text, fits_sheet, parameters_sheet,
+    FitDocument, fit_matrix, fit_ranking, fit_summary, fit_text, fits_csv, fits_sheet,
+    parameters_sheet,
 };
 pub use fitted::{FitFormat, best_held, fitted_text};
 pub use hard::HardSheets;
@@ -42,6 +44,7 @@ pub use page::{comparison_page, fit_page};
 pub use profile::{SamplerReport, thesis_legend};
 pub use sheet::Sheet;
 pub use summary::summary;
+pub use surface_charts::{SurfaceOptions, check_surfaces, surface_chart};
 pub use thesis::{ThesisFigures, thesis_figures, thesis_uniform_memory};
 pub use tune::{tuning_sheet, tuning_summary};
 

@@ -1,6 +1,8 @@
 //! `merlkit plot`
 
-use std::ffi::OsStr;
+mod format;
+mod kind;
+
 use std::process::ExitCode;
 
 use merlkit::Error;
@@ -8,78 +10,18 @@ use merlkit::image::write_exr;
 use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit_evaluate::measure::views::{PlottedChannel, PlottedValue};
-use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale};
-use merlkit_evaluate::report::{ChartSubject, CurveCharts, CurveOptions, SLICE};
+use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale, Viewpoint};
+use merlkit_evaluate::report::{
+    ChartSubject, CurveCharts, CurveOptions, SLICE, SurfaceOptions, check_surfaces, surface_chart,
+};
 
 use crate::args;
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, Destination, overwrite};
-use crate::raster;
 use crate::sampler_args;
 
-/// What to draw.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Kind {
-    /// f_r·cosθ in the plane of incidence against the angle of wi; with --sampler, the ideal density and the sampler's
-    Lobe,
-    /// The same as lobe, in polar coordinates
-    LobePolar,
-    /// The table at one φd over θh and θd, in false colours
-    Slice,
-    /// The same as slice in the material's own colours: gamma 2.2, one pixel per bin
-    SliceRgb,
-    /// The leaves of the adaptive disc, and directions drawn by --sampler, on the unit disc
-    Disc,
-    /// The CDF over θh of cascade-cdf before and after compression, with its knots
-    Cdf,
-    /// The CDF over φh of cascade-cdf at the median θh, before and after compression
-    CdfAzimuth,
-    /// Directional albedo against θ; for one table alone, with each of the three lookup rules
-    Albedo,
-}
-
-impl Kind {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Lobe => "lobe",
-            Self::LobePolar => "lobe-polar",
-            Self::Slice => "slice",
-            Self::SliceRgb => "slice-rgb",
-            Self::Disc => "disc",
-            Self::Cdf => "cdf",
-            Self::CdfAzimuth => "cdf-azimuth",
-            Self::Albedo => "albedo",
-        }
-    }
-
-    fn is_lobe(self) -> bool {
-        matches!(self, Self::Lobe | Self::LobePolar)
-    }
-
-    fn is_slice(self) -> bool {
-        matches!(self, Self::Slice | Self::SliceRgb)
-    }
-
-    /// Whether several materials share a picture.
-    fn takes_several(self) -> bool {
-        self.is_lobe() || self == Self::Albedo
-    }
-
-    /// Whether an option named so has an effect, on so many materials, with samplers or without.
-    fn takes(self, option: &str, materials: usize, samplers: bool) -> bool {
-        match option {
-            "--theta" | "--sampler" => !self.is_slice() && self != Self::Albedo,
-            // The albedo of a single table is drawn for all three rules.
-            "--lookup" => !self.is_slice() && (self != Self::Albedo || materials > 1),
-            "--value" => self.is_lobe() && !samplers,
-            "--channel" => self.takes_several() && !samplers,
-            "--scale" => self.takes_several() || self == Self::Slice,
-            "--phi-d" => self.is_slice(),
-            "--exposure" => self == Self::SliceRgb,
-            _ => self == Self::Disc,
-        }
-    }
-}
+use format::{Format, png_layout};
+use kind::Kind;
 
 const VALUES: &[(&str, bool)] = &[("f-cos", false), ("f", true)];
 
@@ -99,18 +41,19 @@ const CHANNELS: &[(&str, PlottedChannel)] = &[
 
 /// Plot materials and samplers: lobes, densities, slices, leaves, CDFs, albedo
 ///
-/// Writes one self-contained SVG file, 640 pixels wide, whose labels are text. -o FILE.csv writes the numbers of the picture
-/// instead. Slices are also written as pixels alone, FILE.png, and slice-rgb as linear values, FILE.exr. A build with the feature
-/// png-plots writes PNG of every kind; otherwise, convert the SVG with a viewer or rsvg-convert.
+/// Writes one self-contained SVG file, 640 pixels wide, whose labels are text. -o FILE.pdf and -o FILE.png write the same picture
+/// as PDF and PNG, -o FILE.csv the numbers of the picture. A PNG of a slice is its pixels alone, and slice-rgb is also written as
+/// linear values, FILE.exr.
 ///
 /// Angles are in degrees, f_r and densities in sr⁻¹. In the plane of incidence, wo is on the left and its mirror direction on the
-/// right. Lobes and albedos of up to seven materials share a picture, with up to four samplers.
+/// right. Lobes and albedos of up to seven materials share a picture, with up to four samplers; of lobe-3d up to six solids.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  merlkit plot nickel chrome --kind lobe --theta 30\n  merlkit plot nickel --kind lobe --sampler half-vector --sampler cosine --csv nickel.csv\n  merlkit plot nickel --kind slice-rgb --exposure=-2 -o nickel.png"
+    after_help = "Examples:\n  merlkit plot nickel chrome --kind lobe --theta 30\n  merlkit plot nickel --kind lobe --sampler half-vector --sampler cosine --csv nickel.csv\n  merlkit plot nickel red-plastic --kind lobe-3d --elevation 40 -o lobes.pdf\n  merlkit plot nickel --kind slice-rgb --exposure=-2 -o nickel.png"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, names of built-in materials, or formulas; several for lobes and albedo
+    /// MERL binaries and .bsdf files or folders of them, stored fits, names of built-in materials, or formulas; several for lobes and
+    /// albedo
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// What to plot
@@ -136,9 +79,29 @@ pub struct Args {
     #[arg(help_heading = "Plot", long, value_name = "mean|luminance|r|g|b", hide_possible_values = true, value_parser = args::named(CHANNELS))]
     channel: Option<PlottedChannel>,
     /// Scale of values in lobes, albedo and slice [default: log for lobe and slice, linear for albedo, linear or root for
-    /// lobe-polar]
+    /// lobe-polar, linear or log for lobe-3d]
     #[arg(help_heading = "Plot", long, value_name = "linear|log|root", hide_possible_values = true, value_parser = args::named(SCALES))]
     scale: Option<Scale>,
+    /// lobe-3d: angle above the surface from which it is seen, in degrees, 0 to 90 [default: 25]
+    #[arg(
+        help_heading = "Plot",
+        long,
+        value_name = "DEG",
+        allow_negative_numbers = true
+    )]
+    elevation: Option<f64>,
+    /// lobe-3d: turn of the viewpoint about the normal, in degrees; at 0 the plane of incidence is seen face on, at 90 wo points
+    /// to the viewer [default: 20]
+    #[arg(
+        help_heading = "Plot",
+        long,
+        value_name = "DEG",
+        allow_negative_numbers = true
+    )]
+    azimuth: Option<f64>,
+    /// lobe-3d: two or three materials in one hemisphere, translucent [default: one each]
+    #[arg(help_heading = "Plot", long)]
+    together: bool,
     /// Slices: azimuth of the difference angle in degrees, 0 to 179 [default: 90]
     #[arg(help_heading = "Plot", long, value_name = "DEG", value_parser = clap::value_parser!(u16).range(0..180))]
     phi_d: Option<u16>,
@@ -161,14 +124,13 @@ pub struct Args {
     /// disc: seed of the draws [default: 0]
     #[arg(help_heading = "Plot", long, value_name = "K")]
     seed: Option<u64>,
-    /// File to write, by its extension: .svg, .csv, .png, .exr; or - for SVG on standard output [default: MATERIAL-KIND.svg]
+    /// File to write, by its extension: .svg, .pdf, .png, .csv, .exr; or - for SVG on standard output [default: MATERIAL-KIND.svg]
     #[arg(help_heading = "Output", short, long, value_name = "FILE|-")]
     output: Option<Destination>,
     /// Also write the numbers of the picture as CSV; with -, to standard output [default: none]
     #[arg(help_heading = "Output", long, value_name = "FILE|-")]
     csv: Option<Destination>,
-    /// Pixels across, 320 to 10000; text keeps its size. A PNG has twice as many, but for slices [default: 640, for a PNG of a
-    /// slice 360]
+    /// Pixels across, 320 to 10000; text keeps its size [default: 640, for a PNG 1280, for a PNG of a slice 360]
     #[arg(help_heading = "Output", long, value_name = "N", value_parser = clap::value_parser!(u16).range(320..=10_000))]
     width: Option<u16>,
     /// Pixels down, 240 to 10000 [default: what suits the width, for a PNG of a slice 360]
@@ -185,7 +147,9 @@ pub fn run(args: &Args) -> Outcome {
     let materials = args::resolve(&args.materials, &args.tables)?;
     args::refuse_repeated(&materials)?;
     args.check_options(&materials)?;
-    if args.kind.takes_several() {
+    if args.kind == Kind::Lobe3d {
+        check_surfaces(materials.len(), thetas.len(), args.together)?;
+    } else if args.kind.takes_several() {
         CurveCharts::check_counts(materials.len(), thetas.len(), specs.len())?;
     }
     let destination = args.destination(&materials);
@@ -210,41 +174,6 @@ pub fn run(args: &Args) -> Outcome {
         args.write_bytes(chart.csv().as_bytes(), numbers)?;
     }
     args.print_written(&destination)
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Svg,
-    Csv,
-    /// A picture of the SVG.
-    Raster,
-    /// The pixels of a slice.
-    PixelsPng,
-    PixelsExr,
-}
-
-impl Format {
-    /// By the extension.
-    fn from_extension(destination: &Destination, kind: Kind) -> Result<Self, Error> {
-        let Destination::File(path) = destination else {
-            return Ok(Self::Svg);
-        };
-        match path.extension().and_then(OsStr::to_str) {
-            Some("svg") => Ok(Self::Svg),
-            Some("csv") => Ok(Self::Csv),
-            Some("png") if kind.is_slice() => Ok(Self::PixelsPng),
-            Some("png") => raster::check().map(|()| Self::Raster),
-            Some("exr") if kind == Kind::SliceRgb => Ok(Self::PixelsExr),
-            Some("exr") => Err(Error::argument(
-                format!("{}: OpenEXR is for slice-rgb alone", path.display()),
-                "name a file that ends in .svg or .csv, or choose --kind slice-rgb",
-            )),
-            _ => Err(Error::argument(
-                format!("{}: plots are SVG, CSV or PNG", path.display()),
-                "name a file that ends in .svg",
-            )),
-        }
-    }
 }
 
 /// Pixels of a PNG for each bin of a slice, across and down.
@@ -273,7 +202,7 @@ impl Args {
         if materials.len() > 1 && !kind.takes_several() {
             return Err(Error::argument(
                 format!("{} materials for --kind {}", materials.len(), kind.name()),
-                "choose one, or --kind lobe, lobe-polar or albedo",
+                "choose one, or --kind lobe, lobe-polar, lobe-3d or albedo",
             ));
         }
         if self.exposure.is_some_and(|stops| !stops.is_finite()) {
@@ -288,6 +217,7 @@ impl Args {
                 "choose --scale linear or root",
             ));
         }
+        self.viewpoint()?;
         let given = [
             ("--theta", !self.theta.is_empty()),
             ("--lookup", self.lookup.is_some()),
@@ -297,6 +227,9 @@ impl Args {
             ("--scale", self.scale.is_some()),
             ("--phi-d", self.phi_d.is_some()),
             ("--exposure", self.exposure.is_some()),
+            ("--elevation", self.elevation.is_some()),
+            ("--azimuth", self.azimuth.is_some()),
+            ("--together", self.together),
             ("--samples", self.samples.is_some()),
             ("--seed", self.seed.is_some()),
         ];
@@ -330,6 +263,22 @@ impl Args {
             )),
             None => Ok(()),
         }
+    }
+
+    /// From where solids are seen.
+    fn viewpoint(&self) -> Result<Viewpoint, Error> {
+        let usual = Viewpoint::default();
+        let elevation = self.elevation.unwrap_or(usual.elevation);
+        if !(0.0..=90.0).contains(&elevation) {
+            let what = format!("a lobe seen from an elevation of {elevation}°");
+            return Err(Error::argument(what, "choose --elevation from 0 to 90"));
+        }
+        let azimuth = self.azimuth.unwrap_or(usual.azimuth);
+        if !(-360.0..=360.0).contains(&azimuth) {
+            let what = format!("a lobe seen from an azimuth of {azimuth}°");
+            return Err(Error::argument(what, "choose --azimuth from -360 to 360"));
+        }
+        Ok(Viewpoint { elevation, azimuth })
     }
 
     fn thetas(&self) -> Result<Vec<f64>, Error> {
@@ -398,14 +347,24 @@ impl Args {
                 specs.iter().map(|s| s.build(material)).collect();
             samplers.push(built?);
         }
-        if self.kind.takes_several() {
-            let options = CurveOptions {
-                value: PlottedValue {
-                    channel: self.channel.unwrap_or_default(),
-                    without_cosine: self.value.unwrap_or_default(),
-                },
-                scale: self.scale,
+        let (value, scale) = (
+            PlottedValue {
+                channel: self.channel.unwrap_or_default(),
+                without_cosine: self.value.unwrap_or_default(),
+            },
+            self.scale,
+        );
+        if self.kind == Kind::Lobe3d {
+            let options = SurfaceOptions {
+                value,
+                scale,
+                together: self.together,
+                viewpoint: self.viewpoint()?,
             };
+            return surface_chart(materials, &thetas, options).map(Chart::Surfaces);
+        }
+        if self.kind.takes_several() {
+            let options = CurveOptions { value, scale };
             let charts = CurveCharts::new(materials, thetas, samplers, options)?;
             return Ok(match self.kind {
                 Kind::Lobe => Chart::Lines(charts.lobe()),
@@ -459,9 +418,11 @@ impl Args {
                 }
                 Ok(())
             }
-            (Format::Raster, ..) => {
-                self.write_bytes(&raster::png(&chart.svg(self.size())?)?, destination)
+            (Format::Png, ..) => {
+                let (size, density) = png_layout(self.width, self.height);
+                self.write_bytes(&chart.drawing(size)?.png(density)?, destination)
             }
+            (Format::Pdf, ..) => self.write_bytes(&chart.drawing(self.size())?.pdf(), destination),
             _ => self.write_bytes(chart.svg(self.size())?.as_bytes(), destination),
         }
     }
