@@ -32,4 +32,5 @@ mod sheet;
 mod shell;
 mod unlucky;
 mod usage;
+mod widths;
 mod writing;

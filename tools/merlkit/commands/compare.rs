@@ -135,7 +135,7 @@ pub fn run(args: &Args) -> Outcome {
             .iter()
             .filter_map(|m| m.verdict.as_ref())
         {
-            writeln!(out, "{}", verdict.sentence)?;
+            write!(out, "{}", table::wrap(&verdict.sentence))?;
         }
         writeln!(
             out,

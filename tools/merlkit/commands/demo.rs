@@ -14,16 +14,16 @@ use merlkit::points::PointSet;
 use merlkit::render::{Budget, PlanRequest, RenderSettings, SceneSpec, render};
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
-use merlkit_evaluate::report::{SamplerReport, thesis_legend};
+use merlkit_evaluate::report::SamplerReport;
 
 use super::render::GREY;
+use super::report::{describe, legend};
 use crate::failure::{Failure, Outcome};
 use crate::grid::{Cell, Grid};
 use crate::output;
 use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
 use crate::scene_args::Finish;
-use crate::table;
 
 /// Demonstrate files, samplers, report and rendering on three built-in materials, in about a minute on two idle cores
 ///
@@ -126,22 +126,17 @@ fn report(
         ..ProfileSettings::default()
     };
     let progress = Progress::new("measuring", materials.len() * specs.len());
+    let mut reports = Vec::new();
     for material in materials {
         let figures = profile(material, LOOKUP, &specs, &settings, &|| progress.advance())?;
         let report = SamplerReport::new(figures);
-        progress.aside(|| {
-            output::stdout(|out| {
-                writeln!(
-                    out,
-                    "\n{}\n{}",
-                    report.legend(),
-                    table::render(&report.sheet())
-                )
-            })
-        })?;
+        let shown = describe(&report);
+        progress.aside(|| output::stdout(|out| write!(out, "\n{shown}")))?;
+        reports.push(report);
     }
     drop(progress);
-    output::stdout(|out| writeln!(out, "{}\n", thesis_legend()))
+    let legend = legend(&reports);
+    output::stdout(|out| writeln!(out, "{legend}"))
 }
 
 fn pictures(

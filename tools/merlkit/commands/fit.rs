@@ -160,14 +160,14 @@ fn split(fitted: Vec<Fitted>) -> (Vec<MaterialFit>, Vec<FitPictures>) {
 /// Of one material all models and the best one's parameters, of several a table and a ranking.
 fn print_tables(fits: &[MaterialFit], plan: &FitPlan) -> Result<(), Failure> {
     output::stdout(|out| {
-        writeln!(out, "{}\n", fit_text(plan))?;
+        writeln!(out, "{}", table::wrap(&fit_text(plan)))?;
         match fits {
             [fit] => {
                 writeln!(out, "{}", table::render(&fits_sheet(fit)))?;
                 if let Some(best) = fit.best() {
                     writeln!(out, "{}", table::render(&parameters_sheet(best)))?;
                 }
-                write!(out, "{}", fit_summary(fit))
+                write!(out, "{}", table::wrap(&fit_summary(fit)))
             }
             _ => {
                 writeln!(out, "{}", table::render(&fit_matrix(fits)))?;

@@ -54,7 +54,7 @@ pub fn run(args: &Args) -> Outcome {
         (Some(_), [one]) => describe(one)?,
         _ => list(&chosen),
     };
-    output::stdout(|out| write!(out, "{text}"))?;
+    output::stdout(|out| write!(out, "{}", table::wrap(&text)))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Outcome {
         (Some(_), [one]) => one.text(),
         _ => list(&chosen),
     };
-    output::stdout(|out| write!(out, "{text}"))?;
+    output::stdout(|out| write!(out, "{}", table::wrap(&text)))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -104,7 +104,11 @@ pub fn run(args: &Args) -> Outcome {
                 "{}",
                 table::render(&tuning_sheet(material.name(), &tuning))
             )?;
-            writeln!(out, "{}", tuning_summary(material.name(), &tuning))
+            write!(
+                out,
+                "{}",
+                table::wrap(&tuning_summary(material.name(), &tuning))
+            )
         })?;
     }
     if let Some(destination) = &args.json {

@@ -9,6 +9,7 @@ mod check;
 mod compare;
 mod cost;
 mod curve_charts;
+mod digits;
 mod export;
 mod fit;
 mod fitted;
