@@ -20,6 +20,7 @@ mod memory;
 mod models;
 mod notes;
 mod plot;
+mod progress;
 mod python;
 mod render;
 mod reports;

@@ -104,9 +104,11 @@ fn samplers(folder: &Path) -> Result<Vec<(SamplerSpec, Files)>, Error> {
 /// Writes the binaries and resolves them as a user's files would be.
 fn materials(binaries: &[PathBuf; 3], overwrite: Overwrite) -> Result<Vec<Material>, Failure> {
     let mut materials = Vec::new();
+    let progress = Progress::new("decoding", binaries.len());
     for (name, path) in NAMES.iter().zip(binaries) {
         let loaded = Material::resolve(name)?.load(LOOKUP)?;
         write(loaded.require_table("the demo")?.table(), path, overwrite)?;
+        progress.advance();
         output::stdout(|out| writeln!(out, "wrote {}", path.display()))?;
         materials.push(Material::resolve(&path.to_string_lossy())?);
     }
@@ -131,7 +133,7 @@ fn report(
         let figures = profile(material, LOOKUP, &specs, &settings, &|| progress.advance())?;
         let report = SamplerReport::new(figures);
         let shown = describe(&report);
-        progress.aside(|| output::stdout(|out| write!(out, "\n{shown}")))?;
+        output::stdout(|out| write!(out, "\n{shown}"))?;
         reports.push(report);
     }
     drop(progress);

@@ -264,7 +264,7 @@ impl Args {
         plan: &FitPlan,
         progress: &Progress,
     ) -> Result<Fitted, Error> {
-        let loaded: Loaded = progress.aside(|| args::load(material, self.lookup))?;
+        let loaded: Loaded = args::load(material, self.lookup)?;
         let brdf = &**loaded.brdf();
         let fit = fit_models(material.name(), brdf, models, plan)?;
         let pictures = match self.page {

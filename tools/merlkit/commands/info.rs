@@ -60,9 +60,7 @@ pub fn run(args: &Args) -> Outcome {
     for subject in subjects {
         let info = subject.describe(args.lookup)?;
         if args.json != Some(Destination::Stdout) {
-            progress.aside(|| {
-                output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet())))
-            })?;
+            output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet())))?;
         }
         results.push(info);
         progress.advance();

@@ -14,6 +14,7 @@ use merlkit_evaluate::report::{ChartSubject, CurveCharts, CurveOptions, SLICE};
 use crate::args;
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, Destination, overwrite};
+use crate::progress::Progress;
 use crate::raster;
 use crate::sampler_args;
 
@@ -200,11 +201,15 @@ pub fn run(args: &Args) -> Outcome {
         numbers.check(overwrite(args.force))?;
     }
     args.check_facts(&materials, &specs)?;
+    // Loading, building each sampler and computing the chart.
+    let progress = Progress::new("plotting", materials.len() * (1 + specs.len()) + 1);
     let mut loaded = Vec::new();
     for material in &materials {
         loaded.push(args::load(material, args.lookup.unwrap_or_default())?);
+        progress.advance();
     }
-    let chart = args.chart(&loaded, thetas, &specs)?;
+    let chart = args.chart(&loaded, thetas, &specs, &progress)?;
+    drop(progress);
     args.write(&chart, format, &destination)?;
     if let Some(numbers) = &args.csv {
         args.write_bytes(chart.csv().as_bytes(), numbers)?;
@@ -391,12 +396,16 @@ impl Args {
         materials: &[Loaded],
         thetas: Vec<f64>,
         specs: &[SamplerSpec],
+        progress: &Progress,
     ) -> Result<Chart, Error> {
         let mut samplers = Vec::new();
         for material in materials {
-            let built: Result<Vec<Sampler>, Error> =
-                specs.iter().map(|s| s.build(material)).collect();
-            samplers.push(built?);
+            let mut built: Vec<Sampler> = Vec::new();
+            for spec in specs {
+                built.push(spec.build(material)?);
+                progress.advance();
+            }
+            samplers.push(built);
         }
         if self.kind.takes_several() {
             let options = CurveOptions {

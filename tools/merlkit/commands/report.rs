@@ -124,13 +124,13 @@ pub fn run(args: &Args) -> Outcome {
         let figures = profile(material, args.lookup, specs, &settings, &|| {
             progress.advance()
         })?;
-        progress.aside(|| output::print_notes(material.name(), &figures.notes));
+        output::print_notes(material.name(), &figures.notes);
         let report = SamplerReport::new(figures);
         let shown = describe(&report);
         // Kept before it is shown: who sees it and presses Ctrl-C finds it in the files.
         lock(&reports).push(report);
         if tables {
-            progress.aside(|| output::stdout(|out| write!(out, "{shown}")))?;
+            output::stdout(|out| write!(out, "{shown}"))?;
         }
     }
     drop(progress);
