@@ -56,7 +56,10 @@ fn quick_work_shows_no_bar() {
     let Some(text) = type_in(folder.path(), "info lambert") else {
         return;
     };
-    assert!(text.contains("lambert") && !text.contains("so far"), "{text}");
+    assert!(
+        text.contains("lambert") && !text.contains("so far"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -65,5 +68,8 @@ fn eval_says_what_it_waits_for() {
     let Some(text) = type_in(folder.path(), "eval lambert") else {
         return;
     };
-    assert!(text.contains("reading wo_x,wo_y,wo_z,wi_x,wi_y,wi_z lines from standard input"), "{text}");
+    assert!(
+        text.contains("reading wo_x,wo_y,wo_z,wi_x,wi_y,wi_z lines from standard input"),
+        "{text}"
+    );
 }

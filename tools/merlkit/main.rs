@@ -12,6 +12,7 @@ mod grid;
 mod interrupt;
 mod journal;
 mod labels;
+mod machine;
 mod output;
 mod picture;
 mod progress;

@@ -20,6 +20,7 @@ use super::render::GREY;
 use super::report::{describe, legend};
 use crate::failure::{Failure, Outcome};
 use crate::grid::{Cell, Grid};
+use crate::machine;
 use crate::output;
 use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
@@ -137,7 +138,7 @@ fn report(
         reports.push(report);
     }
     drop(progress);
-    let legend = legend(&reports);
+    let legend = legend(&reports, Some(&machine::detect()));
     output::stdout(|out| writeln!(out, "{legend}"))
 }
 

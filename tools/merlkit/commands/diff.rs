@@ -15,6 +15,7 @@ use crate::args;
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, Destination};
 use crate::progress::Progress;
+use crate::provenance::record_command;
 use crate::table;
 
 /// Measure how far a picture is from a reference
@@ -119,7 +120,9 @@ pub fn run(args: &Args) -> Outcome {
             tolerance: args.tolerance,
             pass,
         };
-        destination.write(overwrite, |out| write_json(out, "diff", &judged))?;
+        destination.write(overwrite, |out| {
+            write_json(out, "diff", &record_command(), &judged)
+        })?;
     }
     if let Some(path) = &args.output {
         write_map(path, &difference.map, overwrite)?;

@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, Destination};
 use crate::progress::Progress;
+use crate::provenance;
 use crate::{args, table};
 
 /// Fit analytic models to materials, and write the fits for renderers
@@ -132,10 +133,11 @@ pub fn run(args: &Args) -> Outcome {
         print_tables(&fits, &plan)?;
     }
     if let Some(destination) = &args.json {
-        args.write_document(destination, &fits, &plan)?;
+        args.write_document(destination, &materials, &fits, &plan)?;
     }
     if let Some(path) = &args.page {
-        let page = fit_page(&fits, &pictures, &plan);
+        let provenance = provenance::record(Some(args.seed), &materials)?;
+        let page = fit_page(&fits, &pictures, &plan, &provenance);
         let destination = Destination::File(path.clone());
         destination.write(overwrite, |out| out.write_all(page.as_bytes()))?;
     }
@@ -278,6 +280,7 @@ impl Args {
     fn write_document(
         &self,
         destination: &Destination,
+        materials: &[Material],
         fits: &[MaterialFit],
         plan: &FitPlan,
     ) -> Result<(), Failure> {
@@ -286,7 +289,10 @@ impl Args {
             materials: fits,
         };
         let overwrite = output::overwrite(self.force);
-        destination.write(overwrite, |out| write_json(out, "fit", &document))
+        let provenance = provenance::record(Some(self.seed), materials)?;
+        destination.write(overwrite, |out| {
+            write_json(out, "fit", &provenance, &document)
+        })
     }
 
     /// Writes the best fit that the format can hold.
@@ -301,7 +307,12 @@ impl Args {
         let destination = Destination::File(path.to_owned());
         match self.format() {
             Format::Json => {
-                self.write_document(&destination, std::slice::from_ref(fit), plan)?;
+                self.write_document(
+                    &destination,
+                    std::slice::from_ref(material),
+                    std::slice::from_ref(fit),
+                    plan,
+                )?;
             }
             Format::Sampler => self.write_sampler(material, fit, path)?,
             Format::Renderer(format) => {

@@ -16,6 +16,7 @@ use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
+use crate::provenance;
 use crate::{args, table};
 
 /// Print facts about a material: directional albedo, symmetry, size in bytes and, for a table, gaps and range
@@ -56,8 +57,11 @@ pub fn run(args: &Args) -> Outcome {
         destination.check(overwrite)?;
     }
     let progress = Progress::new("measuring", subjects.len());
-    let mut results = Vec::new();
+    let (mut results, mut materials) = (Vec::new(), Vec::new());
     for subject in subjects {
+        if let Subject::Material(material) = &subject {
+            materials.push(material.clone());
+        }
         let info = subject.describe(args.lookup)?;
         if args.json != Some(Destination::Stdout) {
             output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet())))?;
@@ -66,7 +70,10 @@ pub fn run(args: &Args) -> Outcome {
         progress.advance();
     }
     if let Some(destination) = &args.json {
-        destination.write(overwrite, |out| write_json(out, "info", &results))?;
+        let provenance = provenance::record(None, &materials)?;
+        destination.write(overwrite, |out| {
+            write_json(out, "info", &provenance, &results)
+        })?;
     }
     unreadable.end(results.len(), ExitCode::SUCCESS)
 }

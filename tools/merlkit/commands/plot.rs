@@ -8,13 +8,14 @@ use merlkit::image::write_exr;
 use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit_evaluate::measure::views::{PlottedChannel, PlottedValue};
-use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale};
+use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale, with_metadata};
 use merlkit_evaluate::report::{ChartSubject, CurveCharts, CurveOptions, SLICE};
 
 use crate::args;
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, Destination, overwrite};
 use crate::progress::Progress;
+use crate::provenance;
 use crate::raster;
 use crate::sampler_args;
 
@@ -210,7 +211,8 @@ pub fn run(args: &Args) -> Outcome {
     }
     let chart = args.chart(&loaded, thetas, &specs, &progress)?;
     drop(progress);
-    args.write(&chart, format, &destination)?;
+    let provenance = provenance::record(args.seed, &materials)?;
+    args.write(&chart, format, &destination, &provenance.lines())?;
     if let Some(numbers) = &args.csv {
         args.write_bytes(chart.csv().as_bytes(), numbers)?;
     }
@@ -453,6 +455,7 @@ impl Args {
         chart: &Chart,
         format: Format,
         destination: &Destination,
+        origin: &[String],
     ) -> Result<(), Failure> {
         match (format, chart, destination) {
             (Format::Csv, ..) => self.write_bytes(chart.csv().as_bytes(), destination),
@@ -460,18 +463,24 @@ impl Args {
                 let usual = BINS * PIXELS_PER_BIN;
                 let width = self.width.map_or(usual, usize::from);
                 let height = self.height.map_or(usual, usize::from);
-                self.write_bytes(&heat.pixels_png(width, height)?, destination)
+                let png = heat.pixels_png(width, height)?;
+                self.write_bytes(&raster::with_comment(&png, origin)?, destination)
             }
             (Format::PixelsExr, Chart::Heat(heat), Destination::File(path)) => {
                 if let Pixels::Picture { image, .. } = &heat.pixels {
-                    write_exr(path, image, overwrite(self.force))?;
+                    let image = image.clone().with_comment(origin.join("\n"));
+                    write_exr(path, &image, overwrite(self.force))?;
                 }
                 Ok(())
             }
             (Format::Raster, ..) => {
-                self.write_bytes(&raster::png(&chart.svg(self.size())?)?, destination)
+                let png = raster::png(&chart.svg(self.size())?)?;
+                self.write_bytes(&raster::with_comment(&png, origin)?, destination)
             }
-            _ => self.write_bytes(chart.svg(self.size())?.as_bytes(), destination),
+            _ => {
+                let svg = with_metadata(&chart.svg(self.size())?, origin);
+                self.write_bytes(svg.as_bytes(), destination)
+            }
         }
     }
 

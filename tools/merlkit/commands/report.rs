@@ -8,13 +8,16 @@ use merlkit::files::Overwrite;
 use merlkit::material::merl::LookupRule;
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
-use merlkit_evaluate::report::{SamplerReport, summary, thesis_legend, write_json};
+use merlkit_evaluate::report::{
+    Machine, Provenance, SamplerReport, summary, thesis_legend, write_json,
+};
 
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
+use crate::provenance;
 use crate::sampler_args;
 use crate::{args, table};
 
@@ -119,7 +122,9 @@ pub fn run(args: &Args) -> Outcome {
     let reports = Arc::new(Mutex::new(Vec::new()));
     let files = (args.json.clone(), args.csv.clone());
     let finished = reports.clone();
-    interrupt::at_end(move || write_files(&finished, &files, overwrite));
+    let provenance = provenance::record_timed(args.seed, &materials)?;
+    let machine = provenance.machine.clone();
+    interrupt::at_end(move || write_files(&finished, &provenance, &files, overwrite));
     for (material, specs) in materials.iter().zip(&specs) {
         let figures = profile(material, args.lookup, specs, &settings, &|| {
             progress.advance()
@@ -139,7 +144,7 @@ pub fn run(args: &Args) -> Outcome {
         output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
     }
     if tables {
-        let legend = legend(&lock(&reports));
+        let legend = legend(&lock(&reports), machine.as_ref());
         output::stdout(|out| write!(out, "{legend}"))?;
     }
     interrupt::finish()?;
@@ -161,7 +166,7 @@ pub fn describe(report: &SamplerReport) -> String {
 }
 
 /// What the words in the tables mean, once for all materials.
-pub fn legend(reports: &[SamplerReport]) -> String {
+pub fn legend(reports: &[SamplerReport], machine: Option<&Machine>) -> String {
     let mut paragraphs = Vec::from_iter(SamplerReport::legend(reports));
     if reports.len() > 1 {
         paragraphs.push(SUMMARY_LEGEND.into());
@@ -172,6 +177,7 @@ pub fn legend(reports: &[SamplerReport]) -> String {
     if reports.iter().any(|r| !r.thesis.is_empty()) {
         paragraphs.push(thesis_legend());
     }
+    paragraphs.extend(machine.map(|m| format!("Measured on {}.", m.sentence())));
     table::wrap(&paragraphs.join("\n"))
 }
 
@@ -182,6 +188,7 @@ fn lock(reports: &Mutex<Vec<SamplerReport>>) -> MutexGuard<'_, Vec<SamplerReport
 /// JSON and CSV of the materials that are finished; none if none is.
 fn write_files(
     reports: &Mutex<Vec<SamplerReport>>,
+    provenance: &Provenance,
     (json, csv): &(Option<Destination>, Option<Destination>),
     overwrite: Overwrite,
 ) -> Result<(), Failure> {
@@ -190,7 +197,9 @@ fn write_files(
         return Ok(());
     }
     if let Some(destination) = json {
-        destination.write(overwrite, |out| write_json(out, "report", reports))?;
+        destination.write(overwrite, |out| {
+            write_json(out, "report", provenance, reports)
+        })?;
     }
     if let Some(destination) = csv {
         destination.write(overwrite, |out| SamplerReport::csv(reports).write_csv(out))?;

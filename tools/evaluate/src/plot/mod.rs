@@ -35,8 +35,8 @@ pub use lines::{Lines, Marks, Series};
 pub use polar::{Polar, PolarCurve};
 pub use scatter::{Group, Scatter, ScatterPoint};
 pub use style::{COLOURS, DASHES, style_number};
-pub use svg::ChartSize;
 pub(crate) use svg::escape;
+pub use svg::{ChartSize, with_metadata};
 
 /// What a chart is called, and what it shows in a sentence or two, for those who don't see it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -48,6 +48,8 @@ pub(super) const TOP: f64 = 36.0;
 /// Size of ordinary text, pixels.
 pub(super) const TEXT: f64 = 12.0;
 const TITLE_TEXT: f64 = 15.0;
+/// Pixels that a title leaves free on either side.
+const TITLE_MARGIN: f64 = 12.0;
 /// Ink of axes and text.
 pub(super) const INK: &str = "#222222";
 /// Lines behind the data.
@@ -119,10 +121,15 @@ impl Svg {
         svg.push(&format!(
             "<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>"
         ));
-        let title = shortened(&caption.title, TITLE_TEXT, sheet_width - 40.0);
+        // A long title is smaller before it is cut.
+        let room = sheet_width - 2.0 * TITLE_MARGIN;
+        let fitting = TITLE_TEXT * room / width_of(&caption.title, TITLE_TEXT).max(1.0);
+        let size = fitting.clamp(TEXT, TITLE_TEXT);
+        let title = shortened(&caption.title, size, room);
         svg.push(&format!(
-            "<text x=\"{}\" y=\"22\" font-size=\"{TITLE_TEXT}\" text-anchor=\"middle\">{}</text>",
+            "<text x=\"{}\" y=\"22\" font-size=\"{}\" text-anchor=\"middle\">{}</text>",
             px(sheet_width / 2.0),
+            px(size),
             escape(&title)
         ));
         svg
@@ -256,6 +263,17 @@ pub(super) fn width_of(text: &str, size: f64) -> f64 {
         .chars()
         .map(|c| if c < '\u{2e80}' { 0.58 } else { 1.0 })
         .sum::<f64>()
+}
+
+/// A picture that says in `<metadata>` where it comes from, a line each.
+pub fn with_metadata(svg: &str, lines: &[String]) -> String {
+    match svg.split_once("<title>") {
+        Some((head, rest)) => {
+            let text = escape(&lines.join("; "));
+            format!("{head}<metadata>{text}</metadata>\n<title>{rest}")
+        }
+        None => svg.to_owned(),
+    }
 }
 
 /// As much of a text as is at most `width` pixels wide.

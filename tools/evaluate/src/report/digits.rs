@@ -32,6 +32,22 @@ pub(super) fn significant(value: f64, digits: u8) -> String {
     to_step(value, first + 1.0 - f64::from(digits))
 }
 
+/// Digits of a number in groups of three from 10,000 on, with narrow spaces that don't break.
+pub(super) fn grouped(number: &str) -> String {
+    let whole = number.split('.').next().unwrap_or_default().len();
+    if whole < 5 {
+        return number.to_owned();
+    }
+    let mut text = String::new();
+    for (i, c) in number.chars().enumerate() {
+        if i > 0 && i < whole && (whole - i).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(c);
+    }
+    text
+}
+
 /// A value to a multiple of a power of ten.
 fn to_step(value: f64, exponent: f64) -> String {
     if exponent >= 0.0 {
@@ -54,6 +70,13 @@ mod tests {
         assert_eq!(rounded(0.5, 0.0), "0.500");
         assert_eq!(with_sign(13.15, 4.749), "+13.2");
         assert_eq!(with_sign(-0.7, 0.6), "-0.70");
+    }
+
+    #[test]
+    fn long_numbers_are_grouped() {
+        assert_eq!(grouped("9876"), "9876");
+        assert_eq!(grouped("120000"), "120\u{202f}000");
+        assert_eq!(grouped("1200000.5"), "1\u{202f}200\u{202f}000.5");
     }
 
     #[test]

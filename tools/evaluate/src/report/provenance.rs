@@ -62,7 +62,10 @@ impl Provenance {
             format!("command: {}", self.command),
         ];
         for one in &self.materials {
-            lines.push(format!("material: {}, SHA-256 {}", one.material, one.sha256));
+            lines.push(format!(
+                "material: {}, SHA-256 {}",
+                one.material, one.sha256
+            ));
         }
         lines.extend(self.date.iter().map(|date| format!("date: {date}")));
         let machine = self.machine.as_ref().map(Machine::sentence);

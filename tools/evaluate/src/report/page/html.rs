@@ -35,15 +35,29 @@ pub(super) fn table(caption: &str, sheet: &Sheet) -> String {
     let words: Vec<&str> = (0..sheet.heading.len())
         .map(|i| if is_text(sheet, i) { WORDS } else { "" })
         .collect();
+    classed_table(caption, sheet, &words)
+}
+
+/// A table of words of which one column is marked as the best.
+pub(super) fn marked_table(caption: &str, sheet: &Sheet, marked: usize) -> String {
+    let mut classes = vec![WORDS; sheet.heading.len()];
+    if let Some(class) = classes.get_mut(marked) {
+        *class = " class=\"words best\"";
+    }
+    classed_table(caption, sheet, &classes)
+}
+
+/// A table whose cells have the classes of their columns.
+fn classed_table(caption: &str, sheet: &Sheet, words: &[&str]) -> String {
     let heading: String = sheet
         .heading
         .iter()
-        .zip(&words)
-        .map(|(h, class)| column_head(h, class))
+        .zip(words)
+        .map(|(h, class)| column_head(h, if class.is_empty() { "" } else { WORDS }))
         .collect();
     let mut body = String::new();
     for row in &sheet.rows {
-        body += &table_row(row, &words);
+        body += &table_row(row, words);
     }
     framed(caption, &format!("<tr>{heading}</tr>\n"), &body)
 }
@@ -84,6 +98,14 @@ pub(super) fn framed(caption: &str, head: &str, body: &str) -> String {
     format!(
         "<div class=\"wide\" role=\"region\" aria-label=\"{caption}\" tabindex=\"0\"><table>\n\
          <caption>{caption}</caption>\n<thead>\n{head}</thead>\n<tbody>\n{body}</tbody>\n</table></div>\n",
+    )
+}
+
+/// A part that is folded away until a reader opens it.
+pub(super) fn folded(title: &str, body: &str) -> String {
+    format!(
+        "<details>\n<summary>{}</summary>\n{body}</details>\n",
+        escape(title)
     )
 }
 

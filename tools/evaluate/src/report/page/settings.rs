@@ -4,6 +4,7 @@ use super::Section;
 use super::html::{charts, paragraph, subheading};
 use crate::measure::compare::{Comparison, RMSE_SAMPLES, Setting, SettingsComparison};
 use crate::plot::{Axis, Caption, Group, Scale, Scatter, ScatterPoint};
+use crate::report::material_charts::PAGE_CHART;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let filled = comparison
@@ -64,7 +65,7 @@ fn chart(of: &SettingsComparison, x: Measure, y: Measure) -> String {
         }
     }
     let caption = Caption::new(
-        format!("{}: {}", of.material, x.0),
+        format!("by {}", x.0),
         format!(
             "{} against {}, one mark per setting; each style is one parameter.",
             y.0, x.0
@@ -77,5 +78,5 @@ fn chart(of: &SettingsComparison, x: Measure, y: Measure) -> String {
         groups,
         front: true,
     }
-    .svg()
+    .svg_sized(PAGE_CHART)
 }

@@ -23,9 +23,9 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
 
 /// The lobe of a material, then each density with the directions drawn from it.
 fn material(of: &MaterialCharts) -> String {
-    let mut pairs = Vec::new();
+    let mut pairs = vec![&of.lobe];
     for (density, disc) in of.densities.iter().zip(&of.discs) {
         pairs.extend([density, disc]);
     }
-    subheading(&of.material) + &charts([&of.lobe]) + &charts(pairs)
+    subheading(&of.material) + &charts(pairs)
 }
