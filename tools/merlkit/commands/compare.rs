@@ -131,7 +131,9 @@ pub fn run(args: &Args) -> Outcome {
     }
     output::stdout(|out| {
         for material in &comparison.materials {
-            writeln!(out, "{}", table::render(&targets(material)))?;
+            for sheet in targets(material) {
+                writeln!(out, "{}", table::render(&sheet))?;
+            }
         }
         for picture in &comparison.pictures {
             writeln!(out, "{}", table::render(&picture_sheet(picture)))?;

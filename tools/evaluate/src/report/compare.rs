@@ -28,35 +28,28 @@ impl<'a> ComparisonDocument<'a> {
     }
 }
 
-/// What each competitor needs to reach each of [`TARGETS`] at the lit point: counted seconds of one estimate, precomputation
-/// shared by 10⁶ samples, and samples in brackets. The quickest first, by the time to 1 %.
-pub fn targets(material: &MaterialComparison) -> Sheet {
-    let mut heading = vec![
-        material.material.clone(),
-        "KB".into(),
-        "build s".into(),
-        "ns counted".into(),
-        "ns measured".into(),
-    ];
-    heading.extend(TARGETS.map(|t| format!("to {} %", t * 100.0)));
-    heading.push("slope".into());
-    let mut sheet = Sheet {
-        heading,
-        rows: Vec::new(),
-    };
+/// What each competitor costs, and what it needs to reach each of [`TARGETS`] at the lit point: counted seconds of one estimate,
+/// precomputation shared by 10⁶ samples, and samples in brackets. The quickest first, by the time to 1 %.
+pub fn targets(material: &MaterialComparison) -> [Sheet; 2] {
+    let name = &material.material;
+    let mut costs = Sheet::new(&[name, "KB", "build s", "ns counted", "ns measured", "slope"]);
+    let mut needs = Sheet::new(&[name]);
+    let errors = TARGETS.map(|t| format!("to {} %", t * 100.0));
+    needs.heading.extend(errors);
     for curve in by_time(&material.curves) {
-        let mut row = vec![
+        costs.push(vec![
             curve.label.clone(),
             kilobytes(curve.table_bytes),
             format!("{:.3}", curve.build_seconds),
             format!("{:.0}", curve.counted.sample_ns),
             nanoseconds(&curve.ns_per_sample),
-        ];
+            format!("{:.2}", curve.sobol_slope),
+        ]);
+        let mut row = vec![curve.label.clone()];
         row.extend(TARGETS.map(|target| reach(curve, target).map_or("never".into(), |r| cost(&r))));
-        row.push(format!("{:.2}", curve.sobol_slope));
-        sheet.push(row);
+        needs.push(row);
     }
-    sheet
+    [costs, needs]
 }
 
 /// The curves, the quickest to 1 % by counted time first.
@@ -73,12 +66,10 @@ fn seconds_to_one_percent(curve: &Curve) -> f64 {
 
 /// "12 µs (340)", with "~" where the samples are extrapolated.
 fn cost(reach: &Reach) -> String {
-    let about = if reach.extrapolated { "~" } else { "" };
-    format!(
-        "{about}{} ({})",
-        duration(reach.counted_seconds[1]),
-        count(reach.samples)
-    )
+    let seconds = reach.counted_seconds[1];
+    let is_rough = reach.extrapolated && seconds <= HOUR;
+    let about = if is_rough { "~" } else { "" };
+    format!("{about}{} ({})", duration(seconds), count(reach.samples))
 }
 
 /// Samples, as a whole number while it can be read.

@@ -32,7 +32,10 @@ pub fn material_charts(material: &Loaded) -> Result<MaterialCharts> {
     let mut charts = MaterialCharts {
         material: material.name().into(),
         theta_o_deg: SHOWN_DEG,
-        lobe: titled(lobes.lobe_polar(), "lobe at several angles"),
+        lobe: titled(
+            lobes.lobe_polar(),
+            &format!("{}: lobe at several angles", material.name()),
+        ),
         densities: Vec::new(),
         discs: Vec::new(),
     };
@@ -51,6 +54,10 @@ pub fn material_charts(material: &Loaded) -> Result<MaterialCharts> {
         let subject = ChartSubject::new(material, vec![SHOWN_DEG], Some(sampler));
         let mut disc = subject.disc(CLOUD.0, CLOUD.1);
         disc.caption.title = format!("directions of {}", spec.name());
+        // The page says what small cells look like; there is no room for it in the legend.
+        if let Some((cells, _)) = disc.labels[0].split_once(" (") {
+            disc.labels[0] = cells.to_owned();
+        }
         charts.discs.push(disc.svg_sized(PAGE_CHART));
     }
     Ok(charts)

@@ -111,9 +111,18 @@ pub(super) fn folded(title: &str, body: &str) -> String {
 
 /// Charts side by side, as many as the screen holds.
 pub(super) fn charts<'a>(pictures: impl IntoIterator<Item = &'a String>) -> String {
+    grid_of_charts("charts", pictures)
+}
+
+/// Charts side by side, two in a row at most.
+pub(super) fn chart_pairs<'a>(pictures: impl IntoIterator<Item = &'a String>) -> String {
+    grid_of_charts("charts pairs", pictures)
+}
+
+fn grid_of_charts<'a>(class: &str, pictures: impl IntoIterator<Item = &'a String>) -> String {
     let figures: String = pictures
         .into_iter()
         .map(|svg| format!("<figure class=\"chart\">\n{svg}</figure>\n"))
         .collect();
-    format!("<div class=\"charts\">\n{figures}</div>\n")
+    format!("<div class=\"{class}\">\n{figures}</div>\n")
 }

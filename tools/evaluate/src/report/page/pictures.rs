@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::Section;
-use super::families::{chosen, family};
+use super::families::{chosen, family, short_label};
 use super::html::{charts, escape, paragraph, subheading};
 use crate::measure::compare::{Comparison, PICTURE_SAMPLES, PictureComparison, PictureResult};
 use crate::plot::{Axis, Caption, Lines, Marks, Scale, Series};
@@ -108,7 +108,7 @@ fn chart(name: &str, title: &str, picture: &PictureComparison, shown: &[&Picture
             .iter()
             .filter(|r| r.competitor == of.competitor);
         Series {
-            label: of.label.clone(),
+            label: short_label(&of.label),
             points: same
                 .map(|r| (r.samples as f64, r.errors.mean_relative))
                 .collect(),

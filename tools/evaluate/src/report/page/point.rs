@@ -1,7 +1,7 @@
 //! Charts of the lit point's errors.
 
 use super::Section;
-use super::families::{chosen, family};
+use super::families::{chosen, family, short_label};
 use super::html::{charts, paragraph, subheading};
 use crate::measure::compare::{Comparison, Curve, ErrorPoint, MaterialComparison};
 use crate::plot::{Axis, Caption, Lines, Scale, Series};
@@ -110,7 +110,7 @@ fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> Strin
             Across::Seconds => Vec::new(),
         };
         Series {
-            label: format!("{} ({})", curve.label, signed(slope)),
+            label: format!("{} ({})", short_label(&curve.label), signed(slope)),
             points: errors.iter().map(|e| (place(e), e.rmse)).collect(),
             band,
             style: family(&curve.competitor),

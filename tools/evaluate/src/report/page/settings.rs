@@ -20,7 +20,7 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let note = format!(
         "Charts for different settings of each sampler. Table size and build time are plotted against the relative RMSE of \
          {RMSE_SAMPLES} Sobol samples at the lit point, viewed at 45°. Nanoseconds per draw with its density are plotted \
-         against the relative standard deviation of the sample weight. Lower left is better; dashed steps join the \
+         against the relative standard deviation (relstd) of the sample weight. Lower left is better; dashed steps join the \
          Pareto-optimal settings, which no other setting beats in both."
     );
     Section::new("settings", "Settings", paragraph(&note) + &all)
@@ -33,9 +33,7 @@ const BYTES: Measure = ("table size in bytes", |s| s.table_bytes as f64);
 const BUILD: Measure = ("seconds to build", |s| s.build_seconds);
 const DRAW: Measure = ("ns per draw with its density", |s| s.sample_ns.ns);
 const RMSE: Measure = ("relative RMSE", |s| s.rmse);
-const SPREAD: Measure = ("relative standard deviation of the sample weight", |s| {
-    s.relstd
-});
+const SPREAD: Measure = ("relstd of the weight", |s| s.relstd);
 
 fn pictures(of: &SettingsComparison) -> Vec<String> {
     [(BYTES, RMSE), (BUILD, RMSE), (DRAW, SPREAD)]
