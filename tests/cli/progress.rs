@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use assert_cmd::cargo::cargo_bin;
 
@@ -22,11 +23,11 @@ fn type_in(folder: &Path, words: &str) -> Option<String> {
     Some(text)
 }
 
-/// A sampler that takes longer than a second to build, and the verb of each command that builds it.
+/// A sampler that takes longer than a second to build on one thread, and the verb of each command that builds it.
 #[test]
 fn work_of_one_part_shows_a_bar_before_it_is_done() {
     let folder = tempfile::tempdir().unwrap();
-    let sampler = "--sampler adaptive-disc:tables=200,azimuths=2";
+    let sampler = "--threads 1 --sampler adaptive-disc:tables=80";
     for (words, verb) in [
         (
             format!("build nickel {sampler} -o a.safetensors"),
@@ -53,13 +54,15 @@ fn work_of_one_part_shows_a_bar_before_it_is_done() {
 #[test]
 fn quick_work_shows_no_bar() {
     let folder = tempfile::tempdir().unwrap();
+    let started = Instant::now();
     let Some(text) = type_in(folder.path(), "info lambert") else {
         return;
     };
-    assert!(
-        text.contains("lambert") && !text.contains("so far"),
-        "{text}"
-    );
+    assert!(text.contains("lambert"), "{text}");
+    // A busy machine may take longer.
+    if started.elapsed() < Duration::from_millis(900) {
+        assert!(!text.contains("so far"), "{text}");
+    }
 }
 
 #[test]

@@ -19,7 +19,6 @@ fn a_report_is_narrow_and_explains_its_words_once() {
         arguments.extend(materials);
         arguments.extend(["--draws", "1000", "--sampler", "cosine"]);
         arguments.extend(["--sampler", "half-vector:2KB"]);
-        arguments.extend(["--sampler", "adaptive-disc:depth=4,tables=4"]);
         let text = succeeds(run(&arguments, ""));
         assert_narrow(&text);
         for words in ["relstd: relative", "holes: fraction", "were not measured"] {
@@ -36,6 +35,14 @@ fn a_report_is_narrow_and_explains_its_words_once() {
 fn lists_and_other_tables_are_narrow() {
     for arguments in [
         &["samplers"][..],
+        &[
+            "report",
+            "teflon",
+            "--draws",
+            "1000",
+            "--sampler",
+            "adaptive-disc:depth=4,tables=4",
+        ],
         &["samplers", "adaptive-disc"],
         &["models"],
         &["models", "ggx"],
