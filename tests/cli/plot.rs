@@ -14,12 +14,42 @@ const KINDS: [&str; 9] = [
     "albedo",
 ];
 
-/// Standard output, parsed.
+/// Standard output, parsed, without what it says of the command.
 fn picture(arguments: &[&str]) -> String {
     let svg = succeeds(run(&[&["plot"], arguments, &["-o", "-"]].concat(), ""));
     let document = roxmltree::Document::parse(&svg).unwrap();
     assert_eq!(document.root_element().attribute("role"), Some("img"));
-    svg
+    let mut lines: Vec<&str> = svg.lines().collect();
+    let all = lines.len();
+    lines.retain(|line| !line.starts_with("<metadata>merlkit "));
+    assert_eq!(
+        lines.len(),
+        all - 1,
+        "one line says where the picture comes from"
+    );
+    lines.join("\n")
+}
+
+#[test]
+fn a_picture_says_where_it_comes_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let plot = ["plot", "lambert", "--kind", "lobe", "-o", "a.svg"];
+    succeeds(run_in(folder.path(), &plot, ""));
+    let svg = std::fs::read_to_string(folder.path().join("a.svg")).unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let metadata = document
+        .descendants()
+        .find(|n| n.has_tag_name(("http://www.w3.org/2000/svg", "metadata")));
+    let said = metadata.unwrap().text().unwrap();
+    assert!(
+        said.contains("command: merlkit plot lambert --kind lobe;"),
+        "{said}"
+    );
+    assert!(said.contains("SHA-256 "), "{said}");
+    let plot = ["plot", "nickel", "--kind", "slice", "-o", "a.png"];
+    succeeds(run_in(folder.path(), &plot, ""));
+    let said = succeeds(run_in(folder.path(), &["info", "a.png"], ""));
+    assert!(said.contains("merlkit plot nickel --kind slice"), "{said}");
 }
 
 #[test]

@@ -37,13 +37,15 @@ fn check(document: &Value, kind: &str) -> Result<(), String> {
 /// Removes or adds a field, or changes its type.
 #[test]
 fn other_shapes_are_refused() {
-    let good = json!({"schema": 3, "kind": "list", "results": ["nickel"]});
+    let origin = json!({"version": "0.1.0", "command": "merlkit list"});
+    let good = json!({"schema": 3, "kind": "list", "provenance": origin, "results": ["nickel"]});
     assert_eq!(check(&good, "list"), Ok(()));
     for bad in [
-        json!({"schema": 3, "kind": "list"}),
-        json!({"schema": 3, "kind": "list", "results": ["nickel"], "more": 1}),
-        json!({"schema": 3, "kind": "list", "results": [1]}),
-        json!({"schema": 2, "kind": "list", "results": ["nickel"]}),
+        json!({"schema": 3, "kind": "list", "provenance": origin}),
+        json!({"schema": 3, "kind": "list", "results": ["nickel"]}),
+        json!({"schema": 3, "kind": "list", "provenance": origin, "results": ["nickel"], "more": 1}),
+        json!({"schema": 3, "kind": "list", "provenance": origin, "results": [1]}),
+        json!({"schema": 2, "kind": "list", "provenance": origin, "results": ["nickel"]}),
     ] {
         assert!(check(&bad, "list").is_err(), "{bad}");
     }

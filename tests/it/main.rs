@@ -7,6 +7,7 @@ mod anisotropic;
 mod architecture;
 mod baselines;
 mod batches;
+mod browser;
 mod bsdf;
 mod cell_formats;
 mod compare;

@@ -1,7 +1,4 @@
-//! The page of a comparison: well-formed whatever it holds, and in a browser not blank.
-
-use std::path::{Path, PathBuf};
-use std::process::Command;
+//! The page of a comparison: well-formed whatever it holds. [`crate::browser`] looks at it in a browser.
 
 use merlkit::distribution::Heuristic;
 use merlkit::image::encode_png;
@@ -19,7 +16,9 @@ use merlkit_evaluate::measure::convergence::Technique;
 use merlkit_evaluate::measure::cost::{CallCost, Seconds};
 use merlkit_evaluate::measure::difference::PictureErrors;
 use merlkit_evaluate::plot::{Disc, Polar};
-use merlkit_evaluate::report::{ComparisonDocument, beside_thesis, comparison_page, write_json};
+use merlkit_evaluate::report::{
+    ComparisonDocument, Machine, Provenance, beside_thesis, write_json,
+};
 
 const HALF_VECTOR: fn() -> SamplerSpec = || SamplerSpec::new(HalfVectorSettings::default());
 
@@ -121,6 +120,7 @@ fn picture(scene: SceneKind, material: &str) -> PictureComparison {
             mean_relative: error / (samples as f64).sqrt(),
             rel_mse: 0.01,
         },
+        flip: Some(0.0512),
         png: if samples == PICTURE_SAMPLES {
             png(100)
         } else {
@@ -204,7 +204,7 @@ fn empty() -> Comparison {
 }
 
 /// Everything a comparison can hold; the half-vector table is the quickest on nickel, cosine on teflon.
-fn full() -> Comparison {
+pub fn full() -> Comparison {
     let charts = |name: &str| MaterialCharts {
         material: name.into(),
         theta_o_deg: 45.0,
@@ -221,6 +221,26 @@ fn full() -> Comparison {
         charts: vec![charts("nickel"), charts("teflon")],
         ..empty()
     }
+}
+
+/// A command line, a day and a machine.
+fn provenance() -> Provenance {
+    Provenance {
+        version: "1.2.3".into(),
+        command: "merlkit compare nickel teflon --quick".into(),
+        seed: Some(1),
+        materials: Vec::new(),
+        date: Some("2026-11-30".into()),
+        machine: Some(Machine {
+            processor: "Some Processor 9".into(),
+            cores: 2,
+            system: "x86_64 linux".into(),
+        }),
+    }
+}
+
+pub fn comparison_page(comparison: &Comparison) -> String {
+    merlkit_evaluate::report::comparison_page(comparison, &provenance())
 }
 
 /// Parses the page and holds what every one must.
@@ -270,7 +290,9 @@ fn check(page: &str) {
                         .starts_with("data:image/png;base64,")
                 );
             }
-            "th" => assert!(["row", "col", "colgroup"].contains(&attribute("scope").unwrap())),
+            "th" => assert!(
+                ["row", "col", "rowgroup", "colgroup"].contains(&attribute("scope").unwrap())
+            ),
             "a" => assert!(ids.contains(&attribute("href").unwrap().trim_start_matches('#'))),
             "svg" => assert!(attribute("role") == Some("img") || attribute("viewBox").is_some()),
             _ => {}
@@ -300,6 +322,37 @@ fn a_page_holds_everything_and_every_verdict() {
     }
     // The reference, and by scene four pictures with their differences.
     assert_eq!(page.matches("<img ").count(), 2 * (1 + 4 * 2));
+}
+
+#[test]
+fn a_page_can_be_cited_and_repeated() {
+    let page = comparison_page(&full());
+    for words in [
+        "merlkit compare nickel teflon --quick",
+        "1.2.3",
+        "2026-11-30",
+        "Some Processor 9, 2 cores, x86_64 linux",
+        "FLIP 0.051",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+/// In each column of times one cell of each group is the best, and it is the choice of the verdict in that to 1 %.
+#[test]
+fn the_winners_cell_is_marked() {
+    let page = comparison_page(&full());
+    let table = page.split("nickel: samples and counted time").nth(2);
+    let table = table.unwrap().split("</table>").next().unwrap();
+    // Four errors, and two groups.
+    assert_eq!(table.matches("class=\"best\"").count(), 8, "{table}");
+    let row = table.split("half-vector 64KB").nth(1).unwrap();
+    let row = row.split("</tr>").next().unwrap();
+    assert_eq!(row.matches("class=\"best\"").count(), 4, "{row}");
+    assert!(
+        !table.contains(" min<") && !table.contains(" h<"),
+        "{table}"
+    );
 }
 
 #[test]
@@ -419,7 +472,13 @@ fn the_thesis_stands_beside_ours_as_ratios() {
 fn the_document_is_the_comparison_and_the_thesis() {
     let comparison = full();
     let mut json = Vec::new();
-    write_json(&mut json, "compare", &ComparisonDocument::new(&comparison)).unwrap();
+    write_json(
+        &mut json,
+        "compare",
+        &provenance(),
+        &ComparisonDocument::new(&comparison),
+    )
+    .unwrap();
     let document: serde_json::Value = serde_json::from_slice(&json).unwrap();
     let results = &document["results"];
     assert_eq!(
@@ -429,98 +488,4 @@ fn the_document_is_the_comparison_and_the_thesis() {
     let again: Comparison = serde_json::from_value(results.clone()).unwrap();
     // JSON may move the last digit of a number.
     assert!(comparison_page(&again) == comparison_page(&comparison));
-}
-
-/// A Chromium: `CHROMIUM`, or one in `PATH`.
-fn chromium() -> Option<PathBuf> {
-    if let Some(path) = std::env::var_os("CHROMIUM").filter(|p| !p.is_empty()) {
-        return Some(path.into());
-    }
-    let path = std::env::var_os("PATH")?;
-    let names = ["chromium", "chromium-browser", "google-chrome"];
-    let mut files = std::env::split_paths(&path).flat_map(|folder| names.map(|n| folder.join(n)));
-    files.find(|f| f.is_file())
-}
-
-fn browse(chromium: &Path, folder: &Path, arguments: &[String], page: &Path) {
-    let output = Command::new(chromium)
-        .args([
-            "--headless",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--disable-dev-shm-usage",
-            "--hide-scrollbars",
-        ])
-        .arg(format!(
-            "--user-data-dir={}",
-            folder.join("profile").display()
-        ))
-        .args(arguments)
-        .arg(format!("file://{}", page.display()))
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-}
-
-/// 8-bit RGB of a PNG and its width.
-fn pixels(path: &Path) -> (usize, Vec<[u8; 3]>) {
-    let mut decoder =
-        png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
-    decoder.set_transformations(png::Transformations::normalize_to_color8());
-    let mut reader = decoder.read_info().unwrap();
-    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut bytes).unwrap();
-    let channels = info.color_type.samples();
-    assert!(channels >= 3);
-    (
-        info.width as usize,
-        bytes
-            .chunks_exact(channels)
-            .map(|p| [p[0], p[1], p[2]])
-            .collect(),
-    )
-}
-
-#[test]
-fn a_browser_shows_and_prints_it() {
-    let Some(chromium) = chromium() else {
-        eprintln!("skipped: no Chromium in CHROMIUM or PATH");
-        return;
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let [page, shot, print] = ["page.html", "page.png", "page.pdf"].map(|n| folder.path().join(n));
-    std::fs::write(&page, comparison_page(&full())).unwrap();
-    let screen = [
-        "--window-size=1280,4000".to_owned(),
-        format!("--screenshot={}", shot.display()),
-    ];
-    browse(&chromium, folder.path(), &screen, &page);
-    let (width, pixels) = pixels(&shot);
-    assert_eq!(width, 1280);
-    let dark = pixels.iter().filter(|p| p.iter().all(|&c| c < 96)).count();
-    let coloured = pixels
-        .iter()
-        .filter(|p| p.iter().max().unwrap() - p.iter().min().unwrap() > 80)
-        .count();
-    // Text and curves, on a page that stays white for the most part.
-    assert!(
-        dark > 10_000 && coloured > 2_000,
-        "{dark} dark and {coloured} coloured pixels"
-    );
-    assert!(pixels.iter().filter(|p| **p == [255; 3]).count() > pixels.len() / 2);
-    let sheet = [
-        "--no-pdf-header-footer".to_owned(),
-        format!("--print-to-pdf={}", print.display()),
-    ];
-    browse(&chromium, folder.path(), &sheet, &page);
-    let pdf = std::fs::read(&print).unwrap();
-    assert!(
-        pdf.starts_with(b"%PDF-") && pdf.len() > 20_000,
-        "{} bytes",
-        pdf.len()
-    );
 }

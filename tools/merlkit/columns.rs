@@ -10,6 +10,7 @@ use merlkit_evaluate::plot::viridis;
 use merlkit_evaluate::report::Sheet;
 
 use crate::grid::Cell;
+use crate::progress::Progress;
 
 /// What is different from column to column.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -149,6 +150,7 @@ pub fn compare_rows(
         sheet: Sheet::new(&["material", "column", "relMSE", "FLIP"]),
     };
     let width = headings.len() + 1;
+    let progress = Progress::new("comparing", names.len() * headings.len());
     let mut images = images.into_iter();
     for name in names {
         let Some(reference) = images.next() else {
@@ -159,6 +161,7 @@ pub fn compare_rows(
         for heading in headings {
             let Some(image) = images.next() else { break };
             let difference = measure(&image, &reference)?;
+            progress.advance();
             let [error, flip] = match &difference {
                 Some(d) => [format_error(d.rel_mse), format_error(d.flip)],
                 None => ["black".to_owned(), "black".to_owned()],

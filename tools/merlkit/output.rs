@@ -1,7 +1,7 @@
 //! Where results go: standard output or a file; messages go to standard error.
 
 use std::convert::Infallible;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -11,6 +11,7 @@ use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit_evaluate::measure::LARGEST_ALBEDO_ERROR;
 
 use crate::failure::Failure;
+use crate::progress::print_above;
 
 /// `-` for standard output, or a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,15 +63,25 @@ impl Destination {
 
 /// Writes to standard output through a buffer; the only way a command prints.
 pub fn stdout(fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let printed = if io::stdout().is_terminal() {
+        print_above(|| write_stdout(fill))
+    } else {
+        write_stdout(fill)
+    };
+    printed.map_err(Failure::stdout)
+}
+
+fn write_stdout(fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut out = BufWriter::new(io::stdout().lock());
-    fill(&mut out)
-        .and_then(|()| out.flush())
-        .map_err(Failure::stdout)
+    fill(&mut out)?;
+    out.flush()
 }
 
 /// Writes a line to standard error; there is nobody to tell if that fails.
 pub fn message(line: &str) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    print_above(|| {
+        let _ = writeln!(io::stderr().lock(), "{line}");
+    });
 }
 
 /// Whether an albedo error, as a fraction, leaves `what` fit to be written; if not, says why it is not.

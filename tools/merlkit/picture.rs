@@ -42,7 +42,12 @@ impl Picture<'_> {
     /// Those of loading and building.
     pub fn load(&self) -> Result<Scene, Error> {
         let mut parts = LoadedParts::default();
-        let surface = |i, directions| parts.surface(self, i, directions);
+        let progress = Progress::new("loading and building", self.materials.len());
+        let surface = |i, directions| {
+            let surface = parts.surface(self, i, directions);
+            progress.advance();
+            surface
+        };
         let scene = Scene::build(&self.scene, self.effects, surface)?;
         print_notes(scene.light_notes());
         Ok(scene)

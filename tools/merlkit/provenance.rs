@@ -1,13 +1,16 @@
-//! What the header of a picture says of where it comes from.
+//! What files say of where they come from.
 
 use std::collections::HashMap;
 use std::env::consts::{ARCH, OS};
 
 use merlkit::Error;
 use merlkit::material::Material;
+use merlkit_evaluate::report::{MaterialChecksum, Provenance};
+
+use crate::machine;
 
 /// Options with a value that leave the pixels as they are.
-const WITH_VALUE: [&str; 4] = ["--threads", "-o", "--output", "--json"];
+const WITH_VALUE: [&str; 6] = ["--threads", "-o", "--output", "--json", "--csv", "--page"];
 /// Options without one that do.
 const ALONE: [&str; 3] = ["--force", "--resume", "--explain"];
 
@@ -32,6 +35,49 @@ impl Checksums {
         self.known.insert(origin, sum.clone());
         Ok(sum)
     }
+}
+
+/// Version and command line.
+pub fn record_command() -> Provenance {
+    Provenance {
+        version: env!("CARGO_PKG_VERSION").into(),
+        command: write_command(&select(arguments())),
+        ..Provenance::default()
+    }
+}
+
+/// Version, command line, seed, and checksum of each material, once.
+///
+/// # Errors
+/// Those of reading a material's file.
+pub fn record(seed: Option<u64>, materials: &[Material]) -> Result<Provenance, Error> {
+    let mut provenance = Provenance {
+        seed,
+        ..record_command()
+    };
+    let mut sums = Checksums::default();
+    for material in materials {
+        let one = MaterialChecksum {
+            material: material.name().to_owned(),
+            sha256: sums.find(material)?,
+        };
+        if !provenance.materials.contains(&one) {
+            provenance.materials.push(one);
+        }
+    }
+    Ok(provenance)
+}
+
+/// The same with the day and the machine, for times that were measured.
+///
+/// # Errors
+/// As [`record`].
+pub fn record_timed(seed: u64, materials: &[Material]) -> Result<Provenance, Error> {
+    Ok(Provenance {
+        date: Some(machine::today()),
+        machine: Some(machine::detect()),
+        ..record(Some(seed), materials)?
+    })
 }
 
 /// Version, command line, and checksum of each material, a line each. The same pixels have the same words: options that say where files

@@ -11,13 +11,14 @@ use merlkit::material::merl::LookupRule;
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::check::{CheckSettings, check_directions_of, check_sampler};
 use merlkit_evaluate::measure::hard::{HardModel, Thoroughness, check_hard, check_hard_models};
-use merlkit_evaluate::report::{CheckResult, HardSheets, Sheet, write_json};
+use merlkit_evaluate::report::{CheckResult, HardSheets, Provenance, Sheet, write_json};
 
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
+use crate::provenance;
 use crate::sampler_args;
 use crate::{args, table};
 
@@ -115,7 +116,14 @@ pub fn run(args: &Args) -> Outcome {
     let results = Arc::new(Mutex::new(Vec::new()));
     let finished = results.clone();
     let destination = args.json.clone();
-    interrupt::at_end(move || write_finished(&lock(&finished), destination.as_ref(), overwrite));
+    let provenance = match destination {
+        Some(_) => provenance::record(Some(args.seed), &materials)?,
+        None => provenance::record_command(),
+    };
+    interrupt::at_end(move || {
+        let destination = destination.as_ref();
+        write_finished(&lock(&finished), &provenance, destination, overwrite)
+    });
     for (material, specs) in materials.iter().zip(&specs) {
         let brdf = args::load(material, args.lookup)?;
         let directions = check_directions_of(brdf.brdf().symmetry());
@@ -155,13 +163,14 @@ fn lock(results: &Mutex<Vec<CheckResult>>) -> MutexGuard<'_, Vec<CheckResult>> {
 /// JSON of the checks that are finished; none if none is.
 fn write_finished(
     results: &[CheckResult],
+    provenance: &Provenance,
     destination: Option<&Destination>,
     overwrite: Overwrite,
 ) -> Result<(), Failure> {
     match destination {
-        Some(destination) if !results.is_empty() => {
-            destination.write(overwrite, |out| write_json(out, "check", &results))
-        }
+        Some(destination) if !results.is_empty() => destination.write(overwrite, |out| {
+            write_json(out, "check", provenance, &results)
+        }),
         _ => Ok(()),
     }
 }
@@ -205,7 +214,10 @@ fn hard(args: &Args) -> Outcome {
         })?;
     }
     if let Some(destination) = &args.json {
-        destination.write(overwrite, |out| write_json(out, "check-hard", &outcomes))?;
+        let provenance = provenance::record(Some(args.seed), &[])?;
+        destination.write(overwrite, |out| {
+            write_json(out, "check-hard", &provenance, &outcomes)
+        })?;
     }
     Ok(if outcomes.iter().all(|o| o.pass) {
         ExitCode::SUCCESS

@@ -17,13 +17,15 @@ use merlkit_evaluate::measure::compare::{
 };
 use merlkit_evaluate::measure::cost::{CallCost, time};
 use merlkit_evaluate::report::{
-    ComparisonDocument, comparison_csv, comparison_page, material_charts, targets, write_json,
+    ComparisonDocument, comparison_csv, comparison_page, material_charts, picture_sheet, targets,
+    write_json,
 };
 
 use crate::failure::Outcome;
 use crate::journal::Journal;
 use crate::output;
 use crate::progress::Progress;
+use crate::provenance;
 use crate::sampler_args;
 use crate::sky::{SkyArgs, UnderSky};
 use crate::{args, table};
@@ -103,6 +105,7 @@ pub fn run(args: &Args) -> Outcome {
     for path in [&json, &csv, &page] {
         check_writable(path, overwrite)?;
     }
+    let provenance = provenance::record_timed(args.seed, &materials.1)?;
     let mut run = Run::new(args, materials)?;
     let comparison = run.comparison()?;
     write(&json, overwrite, |out| {
@@ -110,13 +113,13 @@ pub fn run(args: &Args) -> Outcome {
             results: ComparisonDocument::new(&comparison),
             environment_file: run.sky.notes(),
         };
-        write_json(out, "compare", &results)
+        write_json(out, "compare", &provenance, &results)
     })?;
     write(&csv, overwrite, |out| {
         comparison_csv(&comparison).write_csv(out)
     })?;
     write(&page, overwrite, |out| {
-        out.write_all(comparison_page(&comparison).as_bytes())
+        out.write_all(comparison_page(&comparison, &provenance).as_bytes())
     })?;
     let Run {
         journal, progress, ..
@@ -128,14 +131,19 @@ pub fn run(args: &Args) -> Outcome {
     }
     output::stdout(|out| {
         for material in &comparison.materials {
-            writeln!(out, "{}", table::render(&targets(material)))?;
+            for sheet in targets(material) {
+                writeln!(out, "{}", table::render(&sheet))?;
+            }
+        }
+        for picture in &comparison.pictures {
+            writeln!(out, "{}", table::render(&picture_sheet(picture)))?;
         }
         for verdict in comparison
             .materials
             .iter()
             .filter_map(|m| m.verdict.as_ref())
         {
-            writeln!(out, "{}", verdict.sentence)?;
+            write!(out, "{}", table::wrap(&verdict.sentence))?;
         }
         writeln!(
             out,

@@ -63,6 +63,7 @@ pub fn run(args: &Args) -> Outcome {
 
 fn hard_cases(args: &Args) -> Outcome {
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
+    let progress = Progress::new("writing", args.hard_case.len());
     for case in args
         .hard_case
         .iter()
@@ -70,6 +71,7 @@ fn hard_cases(args: &Args) -> Outcome {
     {
         let path = args.output.join(format!("{}.binary", case.name));
         case.write(&path, output::overwrite(args.force))?;
+        progress.advance();
     }
     Ok(ExitCode::SUCCESS)
 }

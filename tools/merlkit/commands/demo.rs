@@ -14,16 +14,17 @@ use merlkit::points::PointSet;
 use merlkit::render::{Budget, PlanRequest, RenderSettings, SceneSpec, render};
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
-use merlkit_evaluate::report::{SamplerReport, thesis_legend};
+use merlkit_evaluate::report::SamplerReport;
 
 use super::render::GREY;
+use super::report::{describe, legend};
 use crate::failure::{Failure, Outcome};
 use crate::grid::{Cell, Grid};
+use crate::machine;
 use crate::output;
 use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
 use crate::scene_args::Finish;
-use crate::table;
 
 /// Demonstrate files, samplers, report and rendering on three built-in materials, in about a minute on two idle cores
 ///
@@ -104,9 +105,11 @@ fn samplers(folder: &Path) -> Result<Vec<(SamplerSpec, Files)>, Error> {
 /// Writes the binaries and resolves them as a user's files would be.
 fn materials(binaries: &[PathBuf; 3], overwrite: Overwrite) -> Result<Vec<Material>, Failure> {
     let mut materials = Vec::new();
+    let progress = Progress::new("decoding", binaries.len());
     for (name, path) in NAMES.iter().zip(binaries) {
         let loaded = Material::resolve(name)?.load(LOOKUP)?;
         write(loaded.require_table("the demo")?.table(), path, overwrite)?;
+        progress.advance();
         output::stdout(|out| writeln!(out, "wrote {}", path.display()))?;
         materials.push(Material::resolve(&path.to_string_lossy())?);
     }
@@ -126,22 +129,17 @@ fn report(
         ..ProfileSettings::default()
     };
     let progress = Progress::new("measuring", materials.len() * specs.len());
+    let mut reports = Vec::new();
     for material in materials {
         let figures = profile(material, LOOKUP, &specs, &settings, &|| progress.advance())?;
         let report = SamplerReport::new(figures);
-        progress.aside(|| {
-            output::stdout(|out| {
-                writeln!(
-                    out,
-                    "\n{}\n{}",
-                    report.legend(),
-                    table::render(&report.sheet())
-                )
-            })
-        })?;
+        let shown = describe(&report);
+        output::stdout(|out| write!(out, "\n{shown}"))?;
+        reports.push(report);
     }
     drop(progress);
-    output::stdout(|out| writeln!(out, "{}\n", thesis_legend()))
+    let legend = legend(&reports, Some(&machine::detect()));
+    output::stdout(|out| writeln!(out, "{legend}"))
 }
 
 fn pictures(

@@ -14,6 +14,8 @@ use serde::Serialize;
 use crate::args;
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, Destination};
+use crate::progress::Progress;
+use crate::provenance::record_command;
 use crate::table;
 
 /// Measure how far a picture is from a reference
@@ -80,8 +82,12 @@ struct Judged<'a> {
 }
 
 pub fn run(args: &Args) -> Outcome {
+    // Two pictures are read, and then compared.
+    let progress = Progress::new("comparing", 3);
     let picture = read_image(&args.picture)?;
+    progress.advance();
     let reference = read_image(&args.reference)?;
+    progress.advance();
     let overwrite = output::overwrite(args.force);
     if let Some(path) = &args.output {
         check_writable(path, overwrite)?;
@@ -94,6 +100,7 @@ pub fn run(args: &Args) -> Outcome {
         false => Viewing::Radiance,
     };
     let difference = PictureDifference::measure(&picture, &reference, viewing)?;
+    drop(progress);
     let value = match args.metric {
         Metric::Flip => difference.flip,
         Metric::Relmse => difference.rel_mse,
@@ -113,7 +120,9 @@ pub fn run(args: &Args) -> Outcome {
             tolerance: args.tolerance,
             pass,
         };
-        destination.write(overwrite, |out| write_json(out, "diff", &judged))?;
+        destination.write(overwrite, |out| {
+            write_json(out, "diff", &record_command(), &judged)
+        })?;
     }
     if let Some(path) = &args.output {
         write_map(path, &difference.map, overwrite)?;

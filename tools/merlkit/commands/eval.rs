@@ -1,6 +1,6 @@
 //! `merlkit eval`
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -42,6 +42,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let loaded = args::load(&args.tables.resolve(&args.material)?, args.lookup)?;
     let brdf = &**loaded.brdf();
+    if args.wo.is_none() && io::stdin().is_terminal() {
+        output::message("reading wo_x,wo_y,wo_z,wi_x,wi_y,wi_z lines from standard input…");
+    }
     let mut failure = None;
     output::stdout(|out| {
         writeln!(out, "f_r,f_g,f_b")?;

@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, Destination};
 use crate::progress::Progress;
+use crate::provenance;
 use crate::{args, table};
 
 /// Fit analytic models to materials, and write the fits for renderers
@@ -139,10 +140,11 @@ pub fn run(args: &Args) -> Outcome {
         destination.write(overwrite, |out| fits_csv(&fits).write_csv(out))?;
     }
     if let Some(destination) = &args.json {
-        args.write_document(destination, &fits, &plan)?;
+        args.write_document(destination, &materials, &fits, &plan)?;
     }
     if let Some(path) = &args.page {
-        let page = fit_page(&fits, &pictures, &plan);
+        let provenance = provenance::record(Some(args.seed), &materials)?;
+        let page = fit_page(&fits, &pictures, &plan, &provenance);
         let destination = Destination::File(path.clone());
         destination.write(overwrite, |out| out.write_all(page.as_bytes()))?;
     }
@@ -167,14 +169,14 @@ fn split(fitted: Vec<Fitted>) -> (Vec<MaterialFit>, Vec<FitPictures>) {
 /// Of one material all models and the best one's parameters, of several a table and a ranking.
 fn print_tables(fits: &[MaterialFit], plan: &FitPlan) -> Result<(), Failure> {
     output::stdout(|out| {
-        writeln!(out, "{}\n", fit_text(plan))?;
+        writeln!(out, "{}", table::wrap(&fit_text(plan)))?;
         match fits {
             [fit] => {
                 writeln!(out, "{}", table::render(&fits_sheet(fit)))?;
                 if let Some(best) = fit.best() {
                     writeln!(out, "{}", table::render(&parameters_sheet(best)))?;
                 }
-                write!(out, "{}", fit_summary(fit))
+                write!(out, "{}", table::wrap(&fit_summary(fit)))
             }
             _ => {
                 writeln!(out, "{}", table::render(&fit_matrix(fits)))?;
@@ -278,7 +280,7 @@ impl Args {
         plan: &FitPlan,
         progress: &Progress,
     ) -> Result<Fitted, Error> {
-        let loaded: Loaded = progress.aside(|| args::load(material, self.lookup))?;
+        let loaded: Loaded = args::load(material, self.lookup)?;
         let brdf = &**loaded.brdf();
         let fit = fit_models(material.name(), brdf, models, plan)?;
         let pictures = match self.page {
@@ -292,6 +294,7 @@ impl Args {
     fn write_document(
         &self,
         destination: &Destination,
+        materials: &[Material],
         fits: &[MaterialFit],
         plan: &FitPlan,
     ) -> Result<(), Failure> {
@@ -300,7 +303,10 @@ impl Args {
             materials: fits,
         };
         let overwrite = output::overwrite(self.force);
-        destination.write(overwrite, |out| write_json(out, "fit", &document))
+        let provenance = provenance::record(Some(self.seed), materials)?;
+        destination.write(overwrite, |out| {
+            write_json(out, "fit", &provenance, &document)
+        })
     }
 
     /// Writes the best fit that the format can hold.
@@ -315,7 +321,12 @@ impl Args {
         let destination = Destination::File(path.to_owned());
         match self.format() {
             Format::Json => {
-                self.write_document(&destination, std::slice::from_ref(fit), plan)?;
+                self.write_document(
+                    &destination,
+                    std::slice::from_ref(material),
+                    std::slice::from_ref(fit),
+                    plan,
+                )?;
             }
             Format::Sampler => self.write_sampler(material, fit, path)?,
             Format::Renderer(format) => {

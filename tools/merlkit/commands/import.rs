@@ -15,6 +15,7 @@ use merlkit_evaluate::measure::resampling_errors;
 use merlkit_evaluate::report::resampling_sheet;
 
 use crate::failure::{Failure, Outcome};
+use crate::progress::Progress;
 use crate::{args, output, table};
 
 /// Convert a .bsdf, .pbsdf or UTIA file, a list of measurements or a numpy array to a MERL binary (35 MB)
@@ -80,6 +81,7 @@ pub fn run(args: &Args) -> Outcome {
     if kind != Some(MeasurementKind::List) {
         refuse_unit(args)?;
     }
+    let progress = Progress::new("importing", 1);
     let made = match kind {
         Some(MeasurementKind::Array) => Arc::new(read_array(path, args.invalid.is_by_channel())?),
         Some(_) => measurements(path, args)?,
@@ -94,6 +96,7 @@ pub fn run(args: &Args) -> Outcome {
         made
     };
     write(&table, &args.output, overwrite)?;
+    drop(progress);
     // What every command will say of the table.
     let loaded = Loaded::from_table(Arc::new(MerlBrdf::new(table, args.lookup)));
     output::print_notes(&args.output.display().to_string(), loaded.notes());

@@ -16,6 +16,7 @@ use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
+use crate::provenance;
 use crate::{args, table};
 
 /// Print facts about a material: directional albedo, symmetry, size in bytes and, for a table, gaps and range
@@ -64,19 +65,23 @@ pub fn run(args: &Args) -> Outcome {
         destination.check(overwrite)?;
     }
     let progress = Progress::new("measuring", subjects.len());
-    let mut results = Vec::new();
+    let (mut results, mut materials) = (Vec::new(), Vec::new());
     for subject in subjects {
+        if let Subject::Material(material) = &subject {
+            materials.push(material.clone());
+        }
         let info = subject.describe(args.lookup)?;
         if ![&args.json, &args.csv].contains(&&Some(Destination::Stdout)) {
-            progress.aside(|| {
-                output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet())))
-            })?;
+            output::stdout(|out| writeln!(out, "{}", table::render(&info.sheet())))?;
         }
         results.push(info);
         progress.advance();
     }
     if let Some(destination) = &args.json {
-        destination.write(overwrite, |out| write_json(out, "info", &results))?;
+        let provenance = provenance::record(None, &materials)?;
+        destination.write(overwrite, |out| {
+            write_json(out, "info", &provenance, &results)
+        })?;
     }
     if let Some(destination) = &args.csv {
         let materials = results.iter().filter_map(Description::material);

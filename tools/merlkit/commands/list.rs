@@ -8,6 +8,7 @@ use merlkit_evaluate::report::write_json;
 use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
+use crate::provenance::record_command;
 
 /// Print the names of the built-in materials, one per line
 #[derive(clap::Args)]
@@ -26,7 +27,7 @@ pub fn run(args: &Args) -> Outcome {
     match &args.json {
         Some(destination) => {
             destination.write(output::overwrite(args.force), |out| {
-                write_json(out, "list", names)
+                write_json(out, "list", &record_command(), names)
             })?;
         }
         None => output::stdout(|out| names.iter().try_for_each(|n| writeln!(out, "{n}")))?,

@@ -13,6 +13,7 @@ use serde::Serialize;
 use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
+use crate::provenance::record_command;
 use crate::table;
 
 /// List the analytic models, or the parameters of one model with a drawing
@@ -46,7 +47,7 @@ pub fn run(args: &Args) -> Outcome {
             all.push(Measured::new(facts)?);
         }
         destination.write(output::overwrite(args.force), |out| {
-            write_json(out, "models", &all)
+            write_json(out, "models", &record_command(), &all)
         })?;
         return Ok(ExitCode::SUCCESS);
     }
@@ -54,7 +55,7 @@ pub fn run(args: &Args) -> Outcome {
         (Some(_), [one]) => describe(one)?,
         _ => list(&chosen),
     };
-    output::stdout(|out| write!(out, "{text}"))?;
+    output::stdout(|out| write!(out, "{}", table::wrap(&text)))?;
     Ok(ExitCode::SUCCESS)
 }
 

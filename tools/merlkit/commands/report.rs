@@ -8,13 +8,16 @@ use merlkit::files::Overwrite;
 use merlkit::material::merl::LookupRule;
 use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::profile::{ProfileSettings, profile};
-use merlkit_evaluate::report::{SamplerReport, summary, thesis_legend, write_json};
+use merlkit_evaluate::report::{
+    Machine, Provenance, SamplerReport, summary, thesis_legend, write_json,
+};
 
 use crate::failure::{Failure, Outcome};
 use crate::interrupt;
 use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
+use crate::provenance;
 use crate::sampler_args;
 use crate::{args, table};
 
@@ -86,8 +89,13 @@ fn refuse_meaningless(args: &Args) -> Result<(), Error> {
 }
 
 /// What the table of adaptive discs shows.
-const DISC_LEGEND: &str = "\nAdaptive discs. Trials: mean number of trials of a draw, over the trees. Above bounds: the part of \
-    f_r·cosθ that exceeds the bounds of leaves, at the worst tree; it is drawn as often as the bound says, with that density.\n";
+const DISC_LEGEND: &str = "Adaptive discs, trials: mean number of trials of a draw, over the trees. above bounds: the part of \
+    f_r·cosθ that exceeds the bounds of leaves, at the worst tree; it is drawn as often as the bound says, with that density.";
+
+/// What the table over several materials shows.
+const SUMMARY_LEGEND: &str = "Over several materials: the range of table sizes, the geometric mean of relstd with the material \
+    where it is largest, and of every other figure the worst. bias/±: bias in standard errors. ∫pdf − 1: how far a density's \
+    integral is from 1.";
 
 pub fn run(args: &Args) -> Outcome {
     let (materials, unreadable) = args.materials.resolve()?;
@@ -114,22 +122,20 @@ pub fn run(args: &Args) -> Outcome {
     let reports = Arc::new(Mutex::new(Vec::new()));
     let files = (args.json.clone(), args.csv.clone());
     let finished = reports.clone();
-    interrupt::at_end(move || write_files(&finished, &files, overwrite));
+    let provenance = provenance::record_timed(args.seed, &materials)?;
+    let machine = provenance.machine.clone();
+    interrupt::at_end(move || write_files(&finished, &provenance, &files, overwrite));
     for (material, specs) in materials.iter().zip(&specs) {
         let figures = profile(material, args.lookup, specs, &settings, &|| {
             progress.advance()
         })?;
-        progress.aside(|| output::print_notes(material.name(), &figures.notes));
+        output::print_notes(material.name(), &figures.notes);
         let report = SamplerReport::new(figures);
-        let mut shown = format!("{}\n{}", report.legend(), table::render(&report.sheet()));
-        if let Some(discs) = report.disc_sheet() {
-            shown.push_str(DISC_LEGEND);
-            shown.push_str(&table::render(&discs));
-        }
+        let shown = describe(&report);
         // Kept before it is shown: who sees it and presses Ctrl-C finds it in the files.
         lock(&reports).push(report);
         if tables {
-            progress.aside(|| output::stdout(|out| writeln!(out, "{shown}")))?;
+            output::stdout(|out| write!(out, "{shown}"))?;
         }
     }
     drop(progress);
@@ -137,11 +143,42 @@ pub fn run(args: &Args) -> Outcome {
         let sheet = summary(&lock(&reports));
         output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
     }
-    if tables && lock(&reports).iter().any(|r| !r.thesis.is_empty()) {
-        output::stdout(|out| writeln!(out, "{}", thesis_legend()))?;
+    if tables {
+        let legend = legend(&lock(&reports), machine.as_ref());
+        output::stdout(|out| write!(out, "{legend}"))?;
     }
     interrupt::finish()?;
     unreadable.end(materials.len(), ExitCode::SUCCESS)
+}
+
+/// The tables of a material.
+pub fn describe(report: &SamplerReport) -> String {
+    let [cost, accuracy] = report.sheets();
+    let mut text = table::wrap(&report.reading());
+    for sheet in [Some(cost), Some(accuracy), report.disc_sheet()]
+        .into_iter()
+        .flatten()
+    {
+        text.push_str(&table::render(&sheet));
+        text.push('\n');
+    }
+    text
+}
+
+/// What the words in the tables mean, once for all materials.
+pub fn legend(reports: &[SamplerReport], machine: Option<&Machine>) -> String {
+    let mut paragraphs = Vec::from_iter(SamplerReport::legend(reports));
+    if reports.len() > 1 {
+        paragraphs.push(SUMMARY_LEGEND.into());
+    }
+    if reports.iter().any(|r| r.disc_sheet().is_some()) {
+        paragraphs.push(DISC_LEGEND.into());
+    }
+    if reports.iter().any(|r| !r.thesis.is_empty()) {
+        paragraphs.push(thesis_legend());
+    }
+    paragraphs.extend(machine.map(|m| format!("Measured on {}.", m.sentence())));
+    table::wrap(&paragraphs.join("\n"))
 }
 
 fn lock(reports: &Mutex<Vec<SamplerReport>>) -> MutexGuard<'_, Vec<SamplerReport>> {
@@ -151,6 +188,7 @@ fn lock(reports: &Mutex<Vec<SamplerReport>>) -> MutexGuard<'_, Vec<SamplerReport
 /// JSON and CSV of the materials that are finished; none if none is.
 fn write_files(
     reports: &Mutex<Vec<SamplerReport>>,
+    provenance: &Provenance,
     (json, csv): &(Option<Destination>, Option<Destination>),
     overwrite: Overwrite,
 ) -> Result<(), Failure> {
@@ -159,7 +197,9 @@ fn write_files(
         return Ok(());
     }
     if let Some(destination) = json {
-        destination.write(overwrite, |out| write_json(out, "report", reports))?;
+        destination.write(overwrite, |out| {
+            write_json(out, "report", provenance, reports)
+        })?;
     }
     if let Some(destination) = csv {
         destination.write(overwrite, |out| SamplerReport::csv(reports).write_csv(out))?;

@@ -1,6 +1,6 @@
 //! `merlkit sample`
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -17,6 +17,7 @@ use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
 use merlkit::sampler::{Sampler, SamplerSpec};
 
 use crate::failure::Outcome;
+use crate::progress::Progress;
 use crate::sampler_args;
 use crate::{args, output};
 
@@ -85,8 +86,13 @@ pub fn run(args: &Args) -> Outcome {
             Error::argument(what, "choose --theta from 0 to below 90 and a finite --phi").into(),
         );
     }
+    let building = Progress::new("building", 1);
     let (name, sampler, brdf) = load(args)?;
+    drop(building);
+    // On a terminal the draws themselves show how far they are.
+    let is_shown = !io::stdout().is_terminal();
     let draws = Draws {
+        progress: is_shown.then(|| Progress::new("drawing", args.count as usize)),
         wo: args::direction(args.theta, args.phi).as_vec3(),
         points: if args.points == "sobol" {
             PointSet::Sobol
@@ -174,12 +180,16 @@ struct Draws {
     points: PointSet,
     seed: u64,
     count: u64,
+    progress: Option<Progress>,
 }
 
 impl Draws {
     /// Points and what they are mapped to.
     fn iter(&self, sampler: &Sampler) -> impl Iterator<Item = (Vec2, Option<DirectionSample>)> {
         (0..self.count).map(move |i| {
+            if let Some(progress) = &self.progress {
+                progress.advance();
+            }
             let u: Vec2 = self.points.point(self.seed, i, 0);
             (u, sampler.sample(self.wo, u))
         })

@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
+use crate::provenance::record_command;
 use crate::table;
 
 /// List the samplers, or the settings of one sampler
@@ -44,7 +45,7 @@ pub fn run(args: &Args) -> Outcome {
     };
     if let Some(destination) = &args.json {
         destination.write(output::overwrite(args.force), |out| {
-            write_json(out, "samplers", &chosen)
+            write_json(out, "samplers", &record_command(), &chosen)
         })?;
         return Ok(ExitCode::SUCCESS);
     }
@@ -52,7 +53,7 @@ pub fn run(args: &Args) -> Outcome {
         (Some(_), [one]) => one.text(),
         _ => list(&chosen),
     };
-    output::stdout(|out| write!(out, "{text}"))?;
+    output::stdout(|out| write!(out, "{}", table::wrap(&text)))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use merlkit::Error;
 use merlkit::files::{Overwrite, RegularFile, check_writable, write_new};
 use merlkit::image::{Image, write_exr, write_png};
-use merlkit_evaluate::report::write_json;
+use merlkit_evaluate::report::write_shared_json;
 use merlkit_evaluate::study::{
     PlannedTask, Shard, StudyBench, StudyFolder, StudyPlan, StudySpec, StudyTable, StudyTask,
     TileTask, merge_study,
@@ -184,7 +184,7 @@ fn run_tasks(args: &RunArgs) -> Outcome {
         // A damaged file keeps no other material from being done.
         let outcome = bench.run(&planned.task);
         if let Err(error) = outcome.and_then(|result| results.keep(planned, &result)) {
-            progress.aside(|| output::message(&format!("merlkit: {}: {error}", planned.key)));
+            output::message(&format!("merlkit: {}: {error}", planned.key));
             failed += 1;
         }
         progress.advance();
@@ -329,7 +329,7 @@ fn write_table(
         sheet.write_csv(out).map_err(|e| Error::io(csv, "write", e))
     })?;
     write_new(json, overwrite, |out| {
-        write_json(out, "study", table).map_err(|e| Error::io(json, "write", e))
+        write_shared_json(out, "study", table).map_err(|e| Error::io(json, "write", e))
     })?;
     Ok(())
 }

@@ -13,6 +13,7 @@ use crate::failure::Outcome;
 use crate::output;
 use crate::output::Destination;
 use crate::progress::Progress;
+use crate::provenance;
 use crate::sampler_args;
 use crate::sky::{SkyArgs, UnderSky};
 use crate::{args, table};
@@ -104,15 +105,22 @@ pub fn run(args: &Args) -> Outcome {
                 "{}",
                 table::render(&tuning_sheet(material.name(), &tuning))
             )?;
-            writeln!(out, "{}", tuning_summary(material.name(), &tuning))
+            write!(
+                out,
+                "{}",
+                table::wrap(&tuning_summary(material.name(), &tuning))
+            )
         })?;
     }
     if let Some(destination) = &args.json {
+        let provenance = provenance::record_timed(args.seed, std::slice::from_ref(&material))?;
         let results = UnderSky {
             results: &tuning,
             environment_file: sky.notes(),
         };
-        destination.write(overwrite, |out| write_json(out, "tune", &results))?;
+        destination.write(overwrite, |out| {
+            write_json(out, "tune", &provenance, &results)
+        })?;
     }
     let Some(spec) = chosen(&tuning) else {
         return Ok(ExitCode::from(1));

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use merlkit::Error;
-use merlkit_evaluate::report::write_json;
+use merlkit_evaluate::report::write_shared_json;
 use merlkit_evaluate::study::{
     StudyBench, StudyFolder, StudyPlan, StudySpec, StudyTask, merge_study,
 };
@@ -75,7 +75,7 @@ pub fn _merge_study(py: Python<'_>, plan: PathBuf, folder: PathBuf) -> PyResult<
         })
     });
     let mut text = Vec::new();
-    write_json(&mut text, "study", &merged.map_err(raise)?)?;
+    write_shared_json(&mut text, "study", &merged.map_err(raise)?)?;
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 

@@ -1,7 +1,7 @@
 //! A picture as a list of shapes: what every writer of files starts from.
 
 use super::Caption;
-use super::text::{Anchor, TEXT, TITLE_TEXT, shortened};
+use super::text::{Anchor, TEXT, TITLE_TEXT, shortened, width_of};
 
 /// How large a picture is, in its pixels. Text has the same size in each.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -367,6 +367,9 @@ pub(super) enum Element {
     CloseLayer,
 }
 
+/// Pixels that a title leaves free on either side.
+const TITLE_MARGIN: f64 = 12.0;
+
 /// A picture: a white sheet with a title, and what lies on it.
 ///
 /// [`Drawing::svg`], [`Drawing::png`] and [`Drawing::pdf`] write the same shapes.
@@ -381,13 +384,17 @@ pub struct Drawing {
 impl Drawing {
     /// A white sheet of that size with its title.
     pub(super) fn new(width: f64, height: f64, caption: &Caption) -> Self {
+        // A long title is smaller before it is cut.
+        let room = width - 2.0 * TITLE_MARGIN;
+        let fitting = TITLE_TEXT * room / width_of(&caption.title, TITLE_TEXT).max(1.0);
+        let size = fitting.clamp(TEXT, TITLE_TEXT);
         let title = TextLine {
             at: (width / 2.0, 22.0),
             anchor: Anchor::Middle,
-            size: TITLE_TEXT,
+            size,
             rim: false,
             upwards: false,
-            text: shortened(&caption.title, TITLE_TEXT, width - 40.0),
+            text: shortened(&caption.title, size, room),
         };
         Self {
             width,

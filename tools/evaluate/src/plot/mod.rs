@@ -46,6 +46,7 @@ pub use scatter::{Group, Scatter, ScatterPoint};
 pub use style::{COLOURS, DASHES, style_number};
 pub use surfaces::{SurfaceLobe, SurfacePanel, Surfaces};
 pub(crate) use svg::escape;
+pub use svg::with_metadata;
 pub use viewpoint::Viewpoint;
 
 /// What a chart is called, and what it shows in a sentence or two, for those who don't see it.

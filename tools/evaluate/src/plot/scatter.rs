@@ -55,6 +55,11 @@ struct Placed<'a> {
 impl Scatter {
     /// The picture: 640 pixels wide, 440 or so high, more with a long legend.
     pub fn svg(&self) -> String {
+        self.svg_sized(ChartSize::default())
+    }
+
+    /// The picture in another size.
+    pub fn svg_sized(&self, size: ChartSize) -> String {
         let axes = (&self.x, &self.y);
         let frame = Frame::new(
             axes,
@@ -62,7 +67,7 @@ impl Scatter {
             self.points().map(|p| p.y),
             MARGIN,
             self.legend_entries(),
-            ChartSize::default(),
+            size,
         );
         let mut drawing = frame.begin(&self.caption, axes, true);
         let placed = self.lay_out(&frame);

@@ -124,7 +124,7 @@ fn text(line: &TextLine) -> String {
     let size = if line.size == TEXT {
         String::new()
     } else {
-        format!(" font-size=\"{}\"", line.size)
+        format!(" font-size=\"{}\"", px(line.size))
     };
     let text = escape(&line.text);
     format!("<text x=\"{x}\" y=\"{y}\"{size} text-anchor=\"{anchor}\"{style}>{text}</text>")
@@ -220,4 +220,15 @@ pub(crate) fn escape(text: &str) -> String {
         }
     }
     out
+}
+
+/// A picture that says in `<metadata>` where it comes from, a line each.
+pub fn with_metadata(svg: &str, lines: &[String]) -> String {
+    match svg.split_once("<title>") {
+        Some((head, rest)) => {
+            let text = escape(&lines.join("; "));
+            format!("{head}<metadata>{text}</metadata>\n<title>{rest}")
+        }
+        None => svg.to_owned(),
+    }
 }

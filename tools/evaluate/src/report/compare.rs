@@ -3,9 +3,11 @@
 use serde::Serialize;
 
 use super::cost::{kilobytes, nanoseconds};
+use super::digits::significant;
 use super::{Sheet, ThesisTable, beside_thesis};
 use crate::measure::compare::{
-    Comparison, Curve, ErrorPoint, MaterialComparison, Reach, SHARED_BY, TARGETS, reach,
+    Comparison, Curve, ErrorPoint, MaterialComparison, PICTURE_SAMPLES, PictureComparison,
+    PictureResult, Reach, SHARED_BY, TARGETS, reach,
 };
 
 /// What compare.json holds: the comparison's own fields, and the thesis's tables beside it.
@@ -26,35 +28,28 @@ impl<'a> ComparisonDocument<'a> {
     }
 }
 
-/// What each competitor needs to reach each of [`TARGETS`] at the lit point: counted seconds of one estimate, precomputation
-/// shared by 10⁶ samples, and samples in brackets. The quickest first, by the time to 1 %.
-pub fn targets(material: &MaterialComparison) -> Sheet {
-    let mut heading = vec![
-        material.material.clone(),
-        "KB".into(),
-        "build s".into(),
-        "ns counted".into(),
-        "ns measured".into(),
-    ];
-    heading.extend(TARGETS.map(|t| format!("to {} %", t * 100.0)));
-    heading.push("slope".into());
-    let mut sheet = Sheet {
-        heading,
-        rows: Vec::new(),
-    };
+/// What each competitor costs, and what it needs to reach each of [`TARGETS`] at the lit point: counted seconds of one estimate,
+/// precomputation shared by 10⁶ samples, and samples in brackets. The quickest first, by the time to 1 %.
+pub fn targets(material: &MaterialComparison) -> [Sheet; 2] {
+    let name = &material.material;
+    let mut costs = Sheet::new(&[name, "KB", "build s", "ns counted", "ns measured", "slope"]);
+    let mut needs = Sheet::new(&[name]);
+    let errors = TARGETS.map(|t| format!("to {} %", t * 100.0));
+    needs.heading.extend(errors);
     for curve in by_time(&material.curves) {
-        let mut row = vec![
+        costs.push(vec![
             curve.label.clone(),
             kilobytes(curve.table_bytes),
             format!("{:.3}", curve.build_seconds),
             format!("{:.0}", curve.counted.sample_ns),
             nanoseconds(&curve.ns_per_sample),
-        ];
+            format!("{:.2}", curve.sobol_slope),
+        ]);
+        let mut row = vec![curve.label.clone()];
         row.extend(TARGETS.map(|target| reach(curve, target).map_or("never".into(), |r| cost(&r))));
-        row.push(format!("{:.2}", curve.sobol_slope));
-        sheet.push(row);
+        needs.push(row);
     }
-    sheet
+    [costs, needs]
 }
 
 /// The curves, the quickest to 1 % by counted time first.
@@ -71,12 +66,10 @@ fn seconds_to_one_percent(curve: &Curve) -> f64 {
 
 /// "12 µs (340)", with "~" where the samples are extrapolated.
 fn cost(reach: &Reach) -> String {
-    let about = if reach.extrapolated { "~" } else { "" };
-    format!(
-        "{about}{} ({})",
-        duration(reach.counted_seconds[1]),
-        count(reach.samples)
-    )
+    let seconds = reach.counted_seconds[1];
+    let is_rough = reach.extrapolated && seconds <= HOUR;
+    let about = if is_rough { "~" } else { "" };
+    format!("{about}{} ({})", duration(seconds), count(reach.samples))
 }
 
 /// Samples, as a whole number while it can be read.
@@ -88,8 +81,14 @@ pub(super) fn count(samples: f64) -> String {
     }
 }
 
-/// Seconds in the unit that suits them.
+/// Estimates that take longer than an hour are not worth a figure.
+pub(super) const HOUR: f64 = 3600.0;
+
+/// Two digits of seconds in the unit that suits them; beyond an hour "> 1 h".
 pub(super) fn duration(seconds: f64) -> String {
+    if seconds > HOUR {
+        return "> 1 h".into();
+    }
     for (unit, name) in [
         (1e-9, "ns"),
         (1e-6, "µs"),
@@ -98,26 +97,50 @@ pub(super) fn duration(seconds: f64) -> String {
         (60.0, "min"),
     ] {
         if seconds < 1000.0 * unit || name == "min" {
-            return format!("{} {name}", Rounded(seconds / unit));
+            return format!("{} {name}", significant(seconds / unit, 2));
         }
     }
     String::new()
 }
 
-/// Three significant digits.
-struct Rounded(f64);
+/// A percentage with two digits, or whole ones from 100 % on.
+pub(super) fn percent(fraction: f64) -> String {
+    format!("{} %", significant(100.0 * fraction, 2))
+}
 
-impl std::fmt::Display for Rounded {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let decimals = if self.0 >= 100.0 {
-            0
-        } else if self.0 >= 10.0 {
-            1
-        } else {
-            2
-        };
-        write!(f, "{:.decimals$}", self.0)
+/// The pictures of a scene with the most samples of which the page shows some, the least error first: each one's mean relative
+/// error, mean FLIP and render time, after the reference's own error.
+pub fn picture_sheet(picture: &PictureComparison) -> Sheet {
+    let title = format!("{}: {}", picture.scene.name(), picture.material);
+    let mut sheet = Sheet::new(&[&title, "error", "FLIP", "render"]);
+    sheet.push(vec![
+        format!("reference, {} samples", picture.reference.samples),
+        percent(picture.reference.relative_error),
+        String::new(),
+        String::new(),
+    ]);
+    for result in by_error(picture) {
+        sheet.push(vec![
+            result.label.clone(),
+            percent(result.errors.mean_relative),
+            flip(result),
+            duration(result.seconds.wall),
+        ]);
     }
+    sheet
+}
+
+/// The pictures that are shown, the least error first.
+pub(super) fn by_error(picture: &PictureComparison) -> Vec<&PictureResult> {
+    let results = picture.results.iter();
+    let mut shown: Vec<_> = results.filter(|r| r.samples == PICTURE_SAMPLES).collect();
+    shown.sort_by(|a, b| a.errors.mean_relative.total_cmp(&b.errors.mean_relative));
+    shown
+}
+
+/// Mean FLIP with two digits, or "–".
+pub(super) fn flip(result: &PictureResult) -> String {
+    result.flip.map_or("–".into(), |flip| significant(flip, 2))
 }
 
 /// One line a figure: experiment, material, scene, who, points, samples, what, value, unit.
@@ -214,6 +237,7 @@ fn push_pictures(sheet: &mut Sheet, comparison: &Comparison) {
             let figures = [
                 ("mean relative error", result.errors.mean_relative, ""),
                 ("relMSE", result.errors.rel_mse, ""),
+                ("FLIP", result.flip.unwrap_or(f64::NAN), ""),
                 ("render", result.seconds.wall, "s"),
                 ("render, CPU", result.seconds.cpu, "s"),
                 ("build", result.build_seconds, "s"),

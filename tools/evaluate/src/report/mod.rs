@@ -9,6 +9,7 @@ mod check;
 mod compare;
 mod cost;
 mod curve_charts;
+mod digits;
 mod export;
 mod fit;
 mod fitted;
@@ -18,6 +19,7 @@ mod info;
 mod material_charts;
 mod page;
 mod profile;
+mod provenance;
 mod sheet;
 mod summary;
 mod surface_charts;
@@ -28,7 +30,7 @@ mod tune;
 pub use beside_thesis::{ThesisTable, beside_thesis};
 pub use charts::{ChartSubject, SLICE};
 pub use check::CheckResult;
-pub use compare::{ComparisonDocument, comparison_csv, targets};
+pub use compare::{ComparisonDocument, comparison_csv, picture_sheet, targets};
 pub use curve_charts::{CurveCharts, CurveOptions};
 pub use export::{drawn_row, export_row, export_sheet, table_sheet};
 pub use fit::{
@@ -42,6 +44,7 @@ pub use info::Info;
 pub use material_charts::material_charts;
 pub use page::{comparison_page, fit_page};
 pub use profile::{SamplerReport, thesis_legend};
+pub use provenance::{Machine, MaterialChecksum, Provenance};
 pub use sheet::Sheet;
 pub use summary::summary;
 pub use surface_charts::{SurfaceOptions, check_surfaces, surface_chart};
@@ -54,19 +57,44 @@ use std::io::{self, Write};
 /// Version of the JSON documents' shape; it grows when a field changes its name, place or meaning.
 pub const JSON_SCHEMA: u32 = 3;
 
-/// Writes `{"schema": …, "kind": kind, "results": results}` and a line feed. Numbers that are not finite become `null`.
+/// Writes `{"schema": …, "kind": kind, "provenance": …, "results": results}` and a line feed. Numbers that are not finite
+/// become `null`.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_json<T: Serialize + ?Sized>(
     out: &mut dyn Write,
     kind: &str,
+    provenance: &Provenance,
+    results: &T,
+) -> io::Result<()> {
+    write_document(out, kind, Some(provenance), results)
+}
+
+/// [`write_json`] of results that are the same bytes whoever writes them, and therefore have no `provenance`.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_shared_json<T: Serialize + ?Sized>(
+    out: &mut dyn Write,
+    kind: &str,
+    results: &T,
+) -> io::Result<()> {
+    write_document(out, kind, None, results)
+}
+
+fn write_document<T: Serialize + ?Sized>(
+    out: &mut dyn Write,
+    kind: &str,
+    provenance: Option<&Provenance>,
     results: &T,
 ) -> io::Result<()> {
     #[derive(Serialize)]
     struct Document<'a, T: ?Sized> {
         schema: u32,
         kind: &'a str,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        provenance: Option<&'a Provenance>,
         results: &'a T,
     }
     serde_json::to_writer_pretty(
@@ -74,6 +102,7 @@ pub fn write_json<T: Serialize + ?Sized>(
         &Document {
             schema: JSON_SCHEMA,
             kind,
+            provenance,
             results,
         },
     )?;

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::Sheet;
 use super::cost::{kilobytes, nanoseconds};
+use super::digits::{rounded, with_sign};
 use super::thesis::{THESIS_KB, ThesisFigures, thesis_figures, thesis_uniform_memory};
 use crate::measure::cost::ROUNDS;
 use crate::measure::profile::{MaterialFigures, SamplerFigures};
@@ -28,9 +29,9 @@ impl SamplerReport {
         Self { measured, thesis }
     }
 
-    /// One line a sampler, then one a method of the thesis.
-    pub fn sheet(&self) -> Sheet {
-        let mut sheet = Sheet::new(&[
+    /// One line a sampler, in two tables: what it costs, with a line for each method of the thesis, and how accurate it is.
+    pub fn sheets(&self) -> [Sheet; 2] {
+        let mut cost = Sheet::new(&[
             &self.measured.material,
             "table KB",
             "file KB",
@@ -38,6 +39,9 @@ impl SamplerReport {
             "CPU s",
             "sample ns",
             "pdf ns",
+        ]);
+        let mut accuracy = Sheet::new(&[
+            &self.measured.material,
             "relstd",
             "worst",
             "holes %",
@@ -46,12 +50,13 @@ impl SamplerReport {
             "failed %",
         ]);
         for s in &self.measured.samplers {
-            sheet.push(measured_line(s));
+            cost.push(cost_line(s));
+            accuracy.push(accuracy_line(s));
         }
         for t in &self.thesis {
-            sheet.push(thesis_line(t));
+            cost.push(thesis_line(t));
         }
-        sheet
+        [cost, accuracy]
     }
 
     /// One line an adaptive disc: its size, trials and time to build against n_max (the thesis's question of table 6.5). `None`
@@ -84,30 +89,39 @@ impl SamplerReport {
         (!sheet.rows.is_empty()).then_some(sheet)
     }
 
-    /// What the figures of the sheet are, and how they were come by.
-    pub fn legend(&self) -> String {
+    /// How the material was read.
+    pub fn reading(&self) -> String {
         let m = &self.measured;
-        let azimuths = if m.symmetry == Symmetry::Isotropic {
-            ""
-        } else {
-            " of 7, each at four azimuths"
-        };
-        let threads = m.samplers.first().map_or(0, |s| s.threads);
         format!(
-            "{}: {}{}; loaded (or decoded) in {:.1} ms, {:.1} MB. Samplers are built on {threads} threads. Draws and densities are \
-             timed on one thread by CPU time, with samplers alternating: the lower quartile of {ROUNDS} rounds over 7 angles, \
-             with its 95 % confidence interval in brackets. 1 KB = 1000 bytes. relstd: relative standard deviation of the sample \
-             weight (mean RGB), by quadrature, mean and worst angle{azimuths}; holes: fraction of the albedo where the \
-             density is 0, worst angle; bias: bias of the albedo from {} draws, seed {}, at the angle where it is the most \
-             standard errors (±) from 0; failed: fraction of draws that give no direction.",
+            "{}: {}{}; loaded (or decoded) in {:.0} ms, {:.1} MB.",
             m.material,
             m.reading,
             m.rounding_errors.map(rounding_text).unwrap_or_default(),
             1e3 * m.load.wall,
             m.material_bytes as f64 / 1e6,
-            m.settings.draws,
-            m.settings.seed,
         )
+    }
+
+    /// What the figures of the sheets are, and how they were come by: once for all materials of a report, which have the same
+    /// settings. `None` without any.
+    pub fn legend(reports: &[Self]) -> Option<String> {
+        let first = &reports.first()?.measured;
+        let is_turned = |r: &Self| r.measured.symmetry != Symmetry::Isotropic;
+        let azimuths = if reports.iter().any(is_turned) {
+            " of 7, each at four azimuths where the material is anisotropic"
+        } else {
+            " of 7"
+        };
+        let threads = first.samplers.first().map_or(0, |s| s.threads);
+        Some(format!(
+            "Samplers are built on {threads} threads. Draws and densities are timed on one thread by CPU time, with samplers \
+             alternating: the lower quartile of {ROUNDS} rounds over 7 angles, with its 95 % confidence interval in brackets. \
+             1 KB = 1000 bytes.\n\
+             relstd: relative standard deviation of the sample weight (mean RGB), by quadrature, mean and worst angle{azimuths}. \
+             holes: fraction of the albedo where the density is 0, worst angle. bias: bias of the albedo from {} draws, seed {}, \
+             at the angle where it is the most standard errors (±) from 0. failed: fraction of draws that give no direction.",
+            first.settings.draws, first.settings.seed,
+        ))
     }
 
     /// The same figures as one wide table for machines: full precision, SI units, one row a sampler and angle, then the
@@ -224,8 +238,7 @@ pub fn thesis_legend() -> String {
     )
 }
 
-fn measured_line(s: &SamplerFigures) -> Vec<String> {
-    let bias = s.worst_bias();
+fn cost_line(s: &SamplerFigures) -> Vec<String> {
     vec![
         s.spec.to_string(),
         kilobytes(s.table_bytes),
@@ -234,11 +247,19 @@ fn measured_line(s: &SamplerFigures) -> Vec<String> {
         format!("{:.3}", s.build.cpu),
         nanoseconds(&s.calls.sample_ns),
         nanoseconds(&s.calls.pdf_ns),
+    ]
+}
+
+fn accuracy_line(s: &SamplerFigures) -> Vec<String> {
+    let bias = s.worst_bias();
+    let error = 100.0 * bias.standard_error;
+    vec![
+        s.spec.to_string(),
         figure(s.relstd()),
         figure(s.worst_relstd()),
         format!("{:.3}", 100.0 * s.worst_holes()),
-        format!("{:+.3}", 100.0 * bias.relative),
-        format!("{:.3}", 100.0 * bias.standard_error),
+        with_sign(100.0 * bias.relative, error),
+        rounded(error, error),
         format!("{:.2}", 100.0 * s.calls.failed),
     ]
 }
@@ -246,7 +267,7 @@ fn measured_line(s: &SamplerFigures) -> Vec<String> {
 fn thesis_line(t: &ThesisFigures) -> Vec<String> {
     let number =
         |x: Option<f64>, unit: &str| x.map_or_else(|| "–".into(), |x| format!("{x}{unit}"));
-    let mut line = vec!["–".to_owned(); 13];
+    let mut line = vec!["–".to_owned(); 7];
     line[0] = t.method.clone();
     if let Some(kb) = t.memory_kb {
         line[1] = kilobytes((kb * THESIS_KB).round() as usize);

@@ -12,15 +12,15 @@ pub fn summary(reports: &[SamplerReport]) -> Sheet {
     let mut sheet = Sheet::new(&[
         &heading,
         "table KB",
-        "build s, worst",
-        "sample ns, worst",
-        "relstd, geo-mean",
-        "worst material",
+        "build s",
+        "sample ns",
+        "relstd",
+        "largest relstd",
         "worst angle",
-        "holes %, worst",
-        "bias/±, worst",
-        "∫pdf − 1, worst %",
-        "failed %, worst",
+        "holes %",
+        "bias/±",
+        "∫pdf − 1 %",
+        "failed %",
     ]);
     let mut labels: Vec<String> = Vec::new();
     for s in reports.iter().flat_map(|r| &r.measured.samplers) {
@@ -73,7 +73,7 @@ fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
         .max_by(|a, b| a.1.calls.sample_ns.ns.total_cmp(&b.1.calls.sample_ns.ns));
     vec![
         label,
-        format!("{least:.1}–{:.1}", most(&kilobytes)),
+        write_range(least, most(&kilobytes)),
         format!("{:.3}", most(&|s| s.build.wall)),
         slowest.map_or_else(String::new, |(_, s)| nanoseconds(&s.calls.sample_ns)),
         format!("{:.3}", geometric_mean(all.iter().map(|(_, s)| s.relstd()))),
@@ -86,6 +86,16 @@ fn line(label: String, all: &[(&str, &SamplerFigures)]) -> Vec<String> {
         format!("{:.3}", 100.0 * most(&worst_integral)),
         format!("{:.2}", 100.0 * most(&|s| s.calls.failed)),
     ]
+}
+
+/// "44.7–123.7", or one number where both are the same.
+fn write_range(least: f64, most: f64) -> String {
+    let (least, most) = (format!("{least:.1}"), format!("{most:.1}"));
+    if least == most {
+        most
+    } else {
+        format!("{least}–{most}")
+    }
 }
 
 /// 0 if a value is 0, or there are none.

@@ -13,7 +13,7 @@ use super::plan::{PlannedTask, StudyPlan};
 use super::table::StudyRecord;
 use super::task::StudyTask;
 use super::tiles::decode_pixels;
-use crate::report::{JSON_SCHEMA, write_json};
+use crate::report::{JSON_SCHEMA, write_shared_json};
 
 /// What the document of a result is called.
 const KIND: &str = "study-result";
@@ -97,7 +97,7 @@ impl StudyFolder {
     /// None for what a task found.
     pub fn describe(task: &StudyTask, result: &StudyResult) -> Result<String> {
         let mut text = Vec::new();
-        write_json(&mut text, KIND, &ResultEntry { task, result })
+        write_shared_json(&mut text, KIND, &ResultEntry { task, result })
             .map_err(|e| Error::argument(format!("a result without a JSON: {e}"), "report this"))?;
         Ok(String::from_utf8_lossy(&text).into_owned())
     }

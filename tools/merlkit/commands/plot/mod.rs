@@ -10,7 +10,7 @@ use merlkit::image::write_exr;
 use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit_evaluate::measure::views::{PlottedChannel, PlottedValue};
-use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale, Viewpoint};
+use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale, Viewpoint, with_metadata};
 use merlkit_evaluate::report::{
     ChartSubject, CurveCharts, CurveOptions, SLICE, SurfaceOptions, check_surfaces, surface_chart,
 };
@@ -18,6 +18,9 @@ use merlkit_evaluate::report::{
 use crate::args;
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, Destination, overwrite};
+use crate::png_comment::with_comment;
+use crate::progress::Progress;
+use crate::provenance;
 use crate::sampler_args;
 
 use format::{Format, png_layout};
@@ -164,12 +167,17 @@ pub fn run(args: &Args) -> Outcome {
         numbers.check(overwrite(args.force))?;
     }
     args.check_facts(&materials, &specs)?;
+    // Loading, building each sampler and computing the chart.
+    let progress = Progress::new("plotting", materials.len() * (1 + specs.len()) + 1);
     let mut loaded = Vec::new();
     for material in &materials {
         loaded.push(args::load(material, args.lookup.unwrap_or_default())?);
+        progress.advance();
     }
-    let chart = args.chart(&loaded, thetas, &specs)?;
-    args.write(&chart, format, &destination)?;
+    let chart = args.chart(&loaded, thetas, &specs, &progress)?;
+    drop(progress);
+    let provenance = provenance::record(args.seed, &materials)?;
+    args.write(&chart, format, &destination, &provenance.lines())?;
     if let Some(numbers) = &args.csv {
         args.write_bytes(chart.csv().as_bytes(), numbers)?;
     }
@@ -340,12 +348,16 @@ impl Args {
         materials: &[Loaded],
         thetas: Vec<f64>,
         specs: &[SamplerSpec],
+        progress: &Progress,
     ) -> Result<Chart, Error> {
         let mut samplers = Vec::new();
         for material in materials {
-            let built: Result<Vec<Sampler>, Error> =
-                specs.iter().map(|s| s.build(material)).collect();
-            samplers.push(built?);
+            let mut built: Vec<Sampler> = Vec::new();
+            for spec in specs {
+                built.push(spec.build(material)?);
+                progress.advance();
+            }
+            samplers.push(built);
         }
         let (value, scale) = (
             PlottedValue {
@@ -403,6 +415,7 @@ impl Args {
         chart: &Chart,
         format: Format,
         destination: &Destination,
+        origin: &[String],
     ) -> Result<(), Failure> {
         match (format, chart, destination) {
             (Format::Csv, ..) => self.write_bytes(chart.csv().as_bytes(), destination),
@@ -410,20 +423,26 @@ impl Args {
                 let usual = BINS * PIXELS_PER_BIN;
                 let width = self.width.map_or(usual, usize::from);
                 let height = self.height.map_or(usual, usize::from);
-                self.write_bytes(&heat.pixels_png(width, height)?, destination)
+                let png = heat.pixels_png(width, height)?;
+                self.write_bytes(&with_comment(&png, origin)?, destination)
             }
             (Format::PixelsExr, Chart::Heat(heat), Destination::File(path)) => {
                 if let Pixels::Picture { image, .. } = &heat.pixels {
-                    write_exr(path, image, overwrite(self.force))?;
+                    let image = image.clone().with_comment(origin.join("\n"));
+                    write_exr(path, &image, overwrite(self.force))?;
                 }
                 Ok(())
             }
             (Format::Png, ..) => {
                 let (size, density) = png_layout(self.width, self.height);
-                self.write_bytes(&chart.drawing(size)?.png(density)?, destination)
+                let png = chart.drawing(size)?.png(density)?;
+                self.write_bytes(&with_comment(&png, origin)?, destination)
             }
             (Format::Pdf, ..) => self.write_bytes(&chart.drawing(self.size())?.pdf(), destination),
-            _ => self.write_bytes(chart.svg(self.size())?.as_bytes(), destination),
+            _ => {
+                let svg = with_metadata(&chart.svg(self.size())?, origin);
+                self.write_bytes(svg.as_bytes(), destination)
+            }
         }
     }
 

@@ -36,6 +36,7 @@ pub use setting::{Knob, RMSE_SAMPLES, Setting, knobs, setting};
 pub use target::{Reach, SHARED_BY, TARGETS, reach, samples_to_reach};
 pub use tie::{Contender, TIE, Winner, best};
 pub use tune::{MOST_SAMPLES, Tried, Tuning, Wish, tunable, tune};
+pub(crate) use verdict::write_factor;
 pub use verdict::{Verdict, verdict};
 
 use serde::{Deserialize, Serialize};
@@ -44,7 +45,7 @@ use merlkit::material::merl::LookupRule;
 use merlkit::sampler::SamplerSpec;
 
 /// Version of [`Comparison`]'s shape.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 
 /// What a run compares, and how: two runs of equal plans may share their measurements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Competitor;
 use crate::measure::convergence::Technique;
 use crate::measure::cost::{Seconds, time};
-use crate::measure::difference::{LIT_FROM, PictureErrors, luminance_errors, mean};
+use crate::measure::difference::{LIT_FROM, PictureErrors, flip_radiance, luminance_errors, mean};
 use merlkit::color::luminance;
 use merlkit::distribution::Heuristic;
 use merlkit::image::{Image, encode_png, encode_srgb};
@@ -79,10 +79,10 @@ pub struct PicturePlan {
 }
 
 impl PicturePlan {
-    /// 64² pixels at 25 samples.
+    /// 96² pixels at 25 samples.
     pub fn quick(seed: u64) -> Self {
         Self {
-            side: 64,
+            side: 96,
             samples: vec![PICTURE_SAMPLES],
             reference_samples: 1024,
             seed,
@@ -139,6 +139,9 @@ pub struct PictureResult {
     pub build_seconds: f64,
     /// Its errors.
     pub errors: PictureErrors,
+    /// Mean FLIP against the reference, over exposures, as `merlkit diff` measures it: 0 where no difference is seen, 1 at
+    /// most. `None` against a black reference, which has no exposure.
+    pub flip: Option<f64>,
     /// PNG of the picture, tone-mapped; empty but at [`PICTURE_SAMPLES`].
     #[serde(with = "bytes")]
     pub png: Vec<u8>,
@@ -222,6 +225,7 @@ pub fn pictures(
             seconds,
             build_seconds: building.wall,
             errors: picture_errors(&film, reference),
+            flip: mean_flip(&film, reference)?,
             png: picture,
             difference: its_difference,
         });
@@ -288,6 +292,19 @@ fn luminance_f64(radiance: glam::DVec3) -> f64 {
 /// Errors of `film` against `reference` of the same size; 0 for a black reference.
 pub fn picture_errors(film: &Film, reference: &Film) -> PictureErrors {
     luminance_errors(&luminances(film), &luminances(reference))
+}
+
+/// Mean FLIP; `None` if the reference is black.
+fn mean_flip(film: &Film, reference: &Film) -> Result<Option<f64>> {
+    let reference = reference.to_image()?;
+    if reference
+        .pixels()
+        .iter()
+        .all(|&pixel| luminance(pixel) <= 0.0)
+    {
+        return Ok(None);
+    }
+    Ok(Some(flip_radiance(&film.to_image()?, &reference)?.mean()))
 }
 
 /// Mean over lit pixels of the standard error over the mean, by luminance.

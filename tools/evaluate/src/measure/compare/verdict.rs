@@ -102,6 +102,15 @@ fn seconds(reach: &Reach) -> f64 {
     reach.counted_seconds[SHARE]
 }
 
+/// A ratio of times with as many digits as counted times deserve: "1.4×", "26×".
+pub(crate) fn write_factor(ratio: f64) -> String {
+    if ratio < 10.0 {
+        format!("{ratio:.1}×")
+    } else {
+        format!("{ratio:.0}×")
+    }
+}
+
 fn sentence(material: &str, v: &Verdict) -> String {
     let percent = v.error * 100.0;
     let tie = match &v.ties[..] {
@@ -118,7 +127,7 @@ fn sentence(material: &str, v: &Verdict) -> String {
         let margin = if v.sampler == "cosine" {
             "nothing is faster".to_owned()
         } else {
-            format!("{ratio:.1}× the counted time of {}", v.best)
+            format!("{} the counted time of {}", write_factor(ratio), v.best)
         };
         return format!(
             "{material}: of the samplers that draw from the BRDF alone, cosine is enough to reach {percent} % ({margin}{tie})"
@@ -127,13 +136,15 @@ fn sentence(material: &str, v: &Verdict) -> String {
     let about = if v.cosine_extrapolated { "about " } else { "" };
     let against = match v.cosine_ratio {
         Some(ratio) if ratio >= MANY => format!("more than {MANY}× faster than cosine"),
-        Some(ratio) if ratio >= 10.0 => format!("{about}{ratio:.0}× faster than cosine"),
-        Some(ratio) => format!("{about}{ratio:.1}× faster than cosine"),
+        Some(ratio) => format!("{about}{} faster than cosine", write_factor(ratio)),
         None => "which cosine never does".into(),
     };
     let kilobytes = v.table_bytes as f64 / 1000.0;
     let next = v.next.as_ref().map_or(String::new(), |(who, ratio)| {
-        format!("; {who} comes next and takes {ratio:.1}× as long")
+        format!(
+            "; {who} comes next and takes {} as long",
+            write_factor(*ratio)
+        )
     });
     format!(
         "{material}: of the samplers that draw from the BRDF alone, {} ({kilobytes:.1} KB) reaches {percent} % in the least \

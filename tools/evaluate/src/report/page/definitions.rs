@@ -6,6 +6,7 @@ use crate::measure::compare::{Comparison, TIE};
 use crate::measure::cost::ROUNDS;
 use crate::measure::difference::LIT_FROM;
 use crate::report::Sheet;
+use crate::report::digits::rounded;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let mut body = definition_list(&terms(comparison));
@@ -44,7 +45,7 @@ fn terms(comparison: &Comparison) -> Vec<(&'static str, String)> {
              threads. For a picture: the wall-clock time on all threads, without loading and building. Charts of error \
              against seconds use N times the measured time of a sample."
         )),
-        ("Build time spread over 10⁶ samples", "A sampler is built once and reused for every later sample. If its build time is spread over 10⁶ samples, an \
+        ("Build time shared by 10⁶ samples", "A sampler is built once and reused for every later sample. If its build time is shared by 10⁶ samples, an \
                        estimate with N samples is charged N/10⁶ of it, and never more than all of it."
             .into()),
         ("Bytes", "The size of the tables used to draw directions from the sampler or the light; 1 KB is 1000 bytes. The material's \
@@ -84,6 +85,10 @@ fn on_errors(angles: usize) -> Vec<(&'static str, String)> {
             "For a picture: the mean of |picture − reference|/reference, in luminance, over lit pixels. A pixel is lit if its \
              reference is above {LIT_FROM} times the reference's mean."
         )),
+        ("FLIP", "For a picture: the mean of HDR-FLIP (Andersson et al. 2021), an estimate of the difference that a person sees who \
+                  alternates between the picture and the reference, from 0 to 1, at 67 pixels per degree, the largest over \
+                  several exposures. merlkit diff measures the same."
+            .into()),
     ]
 }
 
@@ -99,7 +104,7 @@ fn references(comparison: &Comparison) -> Sheet {
             sheet.push(vec![
                 material.material.clone(),
                 format!("{}°", reference.theta_o_deg),
-                format!("{:.5}", reference.radiance),
+                rounded(reference.radiance, reference.radiance * reference.error),
                 format!("{:.1e}", reference.error),
             ]);
         }

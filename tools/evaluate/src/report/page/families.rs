@@ -24,6 +24,11 @@ pub(super) fn family(competitor: &Competitor) -> usize {
     }
 }
 
+/// A competitor's name where there is little room: "MIS (power) + half-vector:64KB".
+pub(super) fn short_label(label: &str) -> String {
+    label.replacen(" of light and ", " + ", 1)
+}
+
 /// Whether draws are rejected on the whole disc.
 fn is_rejection(spec: &SamplerSpec) -> bool {
     spec.settings::<AdaptiveDiscSettings>()

@@ -5,12 +5,18 @@ use super::pictures::image;
 use super::{Section, whole_page};
 use crate::measure::fit::{FitPictures, FitPlan, MaterialFit};
 use crate::plot::escape;
+use crate::report::Provenance;
 use crate::report::fit::{fit_matrix, fit_ranking, fit_text};
 
 const TITLE: &str = "Models fitted to materials";
 
 /// One self-contained HTML page, which is well-formed XML as well, without scripts or addresses of other files.
-pub fn fit_page(fits: &[MaterialFit], pictures: &[FitPictures], plan: &FitPlan) -> String {
+pub fn fit_page(
+    fits: &[MaterialFit],
+    pictures: &[FitPictures],
+    plan: &FitPlan,
+    provenance: &Provenance,
+) -> String {
     let mut gallery = paragraph(
         "Each sphere is lit by two directional lights and drawn to the same exposure. Below each fit is its absolute difference \
          from the material, four times as bright. Captions give the error and the root mean square difference of the spheres \
@@ -28,7 +34,11 @@ pub fn fit_page(fits: &[MaterialFit], pictures: &[FitPictures], plan: &FitPlan) 
     .into_iter()
     .flatten()
     .collect();
-    whole_page(TITLE, &paragraph(&fit_text(plan)), &sections)
+    let mut head = paragraph(&fit_text(plan));
+    for line in provenance.lines() {
+        head += &paragraph(&line);
+    }
+    whole_page(TITLE, &head, &sections)
 }
 
 fn material(fit: &MaterialFit, pictures: &FitPictures) -> String {

@@ -35,15 +35,29 @@ pub(super) fn table(caption: &str, sheet: &Sheet) -> String {
     let words: Vec<&str> = (0..sheet.heading.len())
         .map(|i| if is_text(sheet, i) { WORDS } else { "" })
         .collect();
+    classed_table(caption, sheet, &words)
+}
+
+/// A table of words of which one column is marked as the best.
+pub(super) fn marked_table(caption: &str, sheet: &Sheet, marked: usize) -> String {
+    let mut classes = vec![WORDS; sheet.heading.len()];
+    if let Some(class) = classes.get_mut(marked) {
+        *class = " class=\"words best\"";
+    }
+    classed_table(caption, sheet, &classes)
+}
+
+/// A table whose cells have the classes of their columns.
+fn classed_table(caption: &str, sheet: &Sheet, words: &[&str]) -> String {
     let heading: String = sheet
         .heading
         .iter()
-        .zip(&words)
-        .map(|(h, class)| column_head(h, class))
+        .zip(words)
+        .map(|(h, class)| column_head(h, if class.is_empty() { "" } else { WORDS }))
         .collect();
     let mut body = String::new();
     for row in &sheet.rows {
-        body += &table_row(row, &words);
+        body += &table_row(row, words);
     }
     framed(caption, &format!("<tr>{heading}</tr>\n"), &body)
 }
@@ -87,11 +101,28 @@ pub(super) fn framed(caption: &str, head: &str, body: &str) -> String {
     )
 }
 
+/// A part that is folded away until a reader opens it.
+pub(super) fn folded(title: &str, body: &str) -> String {
+    format!(
+        "<details>\n<summary>{}</summary>\n{body}</details>\n",
+        escape(title)
+    )
+}
+
 /// Charts side by side, as many as the screen holds.
 pub(super) fn charts<'a>(pictures: impl IntoIterator<Item = &'a String>) -> String {
+    grid_of_charts("charts", pictures)
+}
+
+/// Charts side by side, two in a row at most.
+pub(super) fn chart_pairs<'a>(pictures: impl IntoIterator<Item = &'a String>) -> String {
+    grid_of_charts("charts pairs", pictures)
+}
+
+fn grid_of_charts<'a>(class: &str, pictures: impl IntoIterator<Item = &'a String>) -> String {
     let figures: String = pictures
         .into_iter()
         .map(|svg| format!("<figure class=\"chart\">\n{svg}</figure>\n"))
         .collect();
-    format!("<div class=\"charts\">\n{figures}</div>\n")
+    format!("<div class=\"{class}\">\n{figures}</div>\n")
 }

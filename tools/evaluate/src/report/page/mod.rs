@@ -7,6 +7,7 @@ mod html;
 mod needs;
 mod pictures;
 mod point;
+mod run;
 mod settings;
 mod shapes;
 mod thesis;
@@ -15,10 +16,11 @@ mod top;
 pub use fits::fit_page;
 
 use crate::measure::compare::Comparison;
+use crate::report::Provenance;
 
 /// One self-contained HTML page, which is well-formed XML as well: text, tables, SVG charts and PNG pictures, without
 /// scripts or addresses of other files. Parts of which nothing was measured are left out.
-pub fn comparison_page(comparison: &Comparison) -> String {
+pub fn comparison_page(comparison: &Comparison, provenance: &Provenance) -> String {
     let sections: Vec<Section> = [
         top::verdicts(comparison),
         needs::section(comparison),
@@ -27,12 +29,13 @@ pub fn comparison_page(comparison: &Comparison) -> String {
         pictures::section(comparison),
         shapes::section(comparison),
         thesis::section(comparison),
+        run::section(comparison),
         definitions::section(comparison),
     ]
     .into_iter()
     .flatten()
     .collect();
-    whole_page(TITLE, &top::measured(comparison), &sections)
+    whole_page(TITLE, &run::head(comparison, provenance), &sections)
 }
 
 /// A page with a head and sections; its own contents come first.
@@ -52,6 +55,7 @@ fn whole_page(title: &str, head: &str, sections: &[Section]) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\" />\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n\
+         <meta name=\"color-scheme\" content=\"light dark\" />\n\
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n{head}</header>\n\
          <nav aria-label=\"Contents\">\n<ul>\n{contents}</ul>\n</nav>\n<main>\n{body}</main>\n</body>\n</html>\n"
     )

@@ -4,11 +4,12 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::Section;
-use super::families::{chosen, family};
+use super::families::{chosen, family, short_label};
 use super::html::{charts, escape, paragraph, subheading};
 use crate::measure::compare::{Comparison, PICTURE_SAMPLES, PictureComparison, PictureResult};
 use crate::plot::{Axis, Caption, Lines, Marks, Scale, Series};
-use crate::report::compare::duration;
+use crate::report::compare::{by_error, duration, flip, percent};
+use crate::report::material_charts::PAGE_CHART;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let all: String = comparison.pictures.iter().map(scene).collect();
@@ -16,20 +17,17 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
         return None;
     }
     let note = format!(
-        "Pictures with {PICTURE_SAMPLES} Sobol samples per pixel, after the reference. Below each picture is its relative \
-         difference from the reference, from black (none) to white (100 % or more). The caption gives the mean relative \
-         error over the lit pixels, and the render time on all threads. Click a picture, or press the space bar, to enlarge \
-         it or to make it small again."
+        "Pictures with {PICTURE_SAMPLES} Sobol samples per pixel, after the reference, the least error first. Below each picture \
+         is its relative difference from the reference, from black (none) to white (100 % or more). The caption gives the \
+         mean relative error over the lit pixels, the mean of FLIP, which is 0 where a person sees no difference, and the \
+         render time on all threads. Click a picture, or press the space bar, to enlarge it or to make it small again."
     );
     Section::new("pictures", "Pictures", paragraph(&note) + &all)
 }
 
 fn scene(picture: &PictureComparison) -> String {
-    let shown: Vec<&PictureResult> = picture
-        .results
-        .iter()
-        .filter(|r| r.samples == PICTURE_SAMPLES && !r.png.is_empty())
-        .collect();
+    let mut shown = by_error(picture);
+    shown.retain(|result| !result.png.is_empty());
     let title = format!("{}: {}", picture.scene.name(), picture.material);
     let figures: String = shown.iter().map(|r| result(&title, r)).collect();
     let row = format!(
@@ -61,7 +59,8 @@ fn result(title: &str, result: &PictureResult) -> String {
         &format!("{title}, {}: difference from the reference", result.label),
     );
     format!(
-        "<figure>{picture}{difference}<figcaption><b>{error}</b> {}, {}</figcaption></figure>\n",
+        "<figure>{picture}{difference}<figcaption><b>{error}</b> FLIP {}<br />{}, {}</figcaption></figure>\n",
+        flip(result),
         escape(&result.label),
         duration(result.seconds.wall)
     )
@@ -80,15 +79,6 @@ pub(super) fn image(png: &[u8], alt: &str) -> String {
     )
 }
 
-fn percent(fraction: f64) -> String {
-    let percent = fraction * 100.0;
-    if percent < 10.0 {
-        format!("{percent:.2} %")
-    } else {
-        format!("{percent:.1} %")
-    }
-}
-
 /// Charts of errors against samples, if there are several numbers of them.
 fn errors(title: &str, picture: &PictureComparison) -> String {
     let most = picture.results.iter().map(|r| r.samples).max().unwrap_or(0);
@@ -102,22 +92,23 @@ fn errors(title: &str, picture: &PictureComparison) -> String {
         .collect();
     best.sort_by(|a, b| a.errors.mean_relative.total_cmp(&b.errors.mean_relative));
     let groups = chosen(&best, |r| &r.competitor);
-    let pictures: Vec<String> = groups
-        .iter()
-        .filter(|g| !g.is_empty())
-        .map(|g| chart(title, picture, g))
-        .collect();
+    let mut pictures = Vec::new();
+    for (name, group) in ["BRDF alone", "light sampling"].iter().zip(&groups) {
+        if !group.is_empty() {
+            pictures.push(chart(name, title, picture, group));
+        }
+    }
     charts(&pictures)
 }
 
-fn chart(title: &str, picture: &PictureComparison, shown: &[&PictureResult]) -> String {
+fn chart(name: &str, title: &str, picture: &PictureComparison, shown: &[&PictureResult]) -> String {
     let series = |of: &&PictureResult| {
         let same = picture
             .results
             .iter()
             .filter(|r| r.competitor == of.competitor);
         Series {
-            label: of.label.clone(),
+            label: short_label(&of.label),
             points: same
                 .map(|r| (r.samples as f64, r.errors.mean_relative))
                 .collect(),
@@ -127,8 +118,11 @@ fn chart(title: &str, picture: &PictureComparison, shown: &[&PictureResult]) -> 
         }
     };
     let caption = Caption::new(
-        title,
-        "Mean relative error over lit pixels against samples per pixel, for the sampler of each kind that is best at the highest sample count.",
+        format!("{name}: error by samples per pixel"),
+        format!(
+            "{title}: mean relative error over lit pixels against samples per pixel, for the sampler of each kind that is best at \
+             the highest sample count."
+        ),
     );
     let x = Axis::new("samples per pixel", Scale::Log);
     let y = Axis::new("mean relative error", Scale::Log);
@@ -138,5 +132,5 @@ fn chart(title: &str, picture: &PictureComparison, shown: &[&PictureResult]) -> 
         y,
         series: shown.iter().map(series).collect(),
     }
-    .svg()
+    .svg_sized(PAGE_CHART)
 }

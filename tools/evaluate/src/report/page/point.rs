@@ -1,11 +1,12 @@
 //! Charts of the lit point's errors.
 
 use super::Section;
-use super::families::{chosen, family};
+use super::families::{chosen, family, short_label};
 use super::html::{charts, paragraph, subheading};
 use crate::measure::compare::{Comparison, Curve, ErrorPoint, MaterialComparison};
 use crate::plot::{Axis, Caption, Lines, Scale, Series};
 use crate::report::compare::by_time;
+use crate::report::material_charts::PAGE_CHART;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let all: String = comparison.materials.iter().map(material).collect();
@@ -28,15 +29,13 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
 enum Across {
     Samples,
     Seconds,
-    SecondsWithBuild,
 }
 
 impl Across {
     fn title(self) -> &'static str {
         match self {
             Self::Samples => "samples N",
-            Self::Seconds => "measured seconds per estimate, one thread",
-            Self::SecondsWithBuild => "measured seconds per estimate, with building the sampler",
+            Self::Seconds => "measured seconds per estimate",
         }
     }
 
@@ -44,16 +43,13 @@ impl Across {
         match self {
             Self::Samples => "samples",
             Self::Seconds => "seconds",
-            Self::SecondsWithBuild => "seconds with building",
         }
     }
 
     fn abscissa(self, curve: &Curve, samples: usize) -> f64 {
-        let seconds = samples as f64 * curve.ns_per_sample.ns * 1e-9;
         match self {
             Self::Samples => samples as f64,
-            Self::Seconds => seconds,
-            Self::SecondsWithBuild => seconds + curve.build_seconds,
+            Self::Seconds => samples as f64 * curve.ns_per_sample.ns * 1e-9,
         }
     }
 }
@@ -87,23 +83,19 @@ fn material(material: &MaterialComparison) -> String {
     }
     let name = &material.material;
     let [brdf, light] = chosen(&by_time(&material.curves), |c| &c.competitor);
+    let heading = subheading(name);
+    let name = "BRDF alone";
     let mut pictures = vec![
         chart(name, &brdf, Across::Samples, Points::Sobol),
         chart(name, &brdf, Across::Samples, Points::Random),
         chart(name, &brdf, Across::Seconds, Points::Sobol),
-        chart(name, &brdf, Across::SecondsWithBuild, Points::Sobol),
     ];
     if !light.is_empty() {
-        let name = format!("{name}, with light sampling");
-        pictures.push(chart(&name, &light, Across::Samples, Points::Sobol));
-        pictures.push(chart(
-            &name,
-            &light,
-            Across::SecondsWithBuild,
-            Points::Sobol,
-        ));
+        let name = "light sampling";
+        pictures.push(chart(name, &light, Across::Samples, Points::Sobol));
+        pictures.push(chart(name, &light, Across::Seconds, Points::Sobol));
     }
-    subheading(name) + &charts(&pictures)
+    heading + &charts(&pictures)
 }
 
 fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> String {
@@ -115,10 +107,10 @@ fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> Strin
                 .iter()
                 .map(|e| (place(e), e.low.max(e.rmse / 3.0), e.high))
                 .collect(),
-            Across::Seconds | Across::SecondsWithBuild => Vec::new(),
+            Across::Seconds => Vec::new(),
         };
         Series {
-            label: format!("{} ({})", curve.label, signed(slope)),
+            label: format!("{} ({})", short_label(&curve.label), signed(slope)),
             points: errors.iter().map(|e| (place(e), e.rmse)).collect(),
             band,
             style: family(&curve.competitor),
@@ -126,7 +118,7 @@ fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> Strin
         }
     };
     let caption = Caption::new(
-        format!("{name}: error against {}, {}", across.name(), points.name()),
+        format!("{name}, {}: error by {}", points.name(), across.name()),
         format!(
             "Relative RMSE at the lit point against {}, {}, one curve per sampler.",
             across.title(),
@@ -141,7 +133,7 @@ fn chart(name: &str, curves: &[&Curve], across: Across, points: Points) -> Strin
         y,
         series: curves.iter().map(series).collect(),
     }
-    .svg()
+    .svg_sized(PAGE_CHART)
 }
 
 /// Two decimals with a true minus.

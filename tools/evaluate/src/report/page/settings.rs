@@ -4,6 +4,7 @@ use super::Section;
 use super::html::{charts, paragraph, subheading};
 use crate::measure::compare::{Comparison, RMSE_SAMPLES, Setting, SettingsComparison};
 use crate::plot::{Axis, Caption, Group, Scale, Scatter, ScatterPoint};
+use crate::report::material_charts::PAGE_CHART;
 
 pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let filled = comparison
@@ -19,7 +20,7 @@ pub(super) fn section(comparison: &Comparison) -> Option<Section> {
     let note = format!(
         "Charts for different settings of each sampler. Table size and build time are plotted against the relative RMSE of \
          {RMSE_SAMPLES} Sobol samples at the lit point, viewed at 45°. Nanoseconds per draw with its density are plotted \
-         against the relative standard deviation of the sample weight. Lower left is better; dashed steps join the \
+         against the relative standard deviation (relstd) of the sample weight. Lower left is better; dashed steps join the \
          Pareto-optimal settings, which no other setting beats in both."
     );
     Section::new("settings", "Settings", paragraph(&note) + &all)
@@ -32,9 +33,7 @@ const BYTES: Measure = ("table size in bytes", |s| s.table_bytes as f64);
 const BUILD: Measure = ("seconds to build", |s| s.build_seconds);
 const DRAW: Measure = ("ns per draw with its density", |s| s.sample_ns.ns);
 const RMSE: Measure = ("relative RMSE", |s| s.rmse);
-const SPREAD: Measure = ("relative standard deviation of the sample weight", |s| {
-    s.relstd
-});
+const SPREAD: Measure = ("relstd of the weight", |s| s.relstd);
 
 fn pictures(of: &SettingsComparison) -> Vec<String> {
     [(BYTES, RMSE), (BUILD, RMSE), (DRAW, SPREAD)]
@@ -64,7 +63,7 @@ fn chart(of: &SettingsComparison, x: Measure, y: Measure) -> String {
         }
     }
     let caption = Caption::new(
-        format!("{}: {}", of.material, x.0),
+        format!("by {}", x.0),
         format!(
             "{} against {}, one mark per setting; each style is one parameter.",
             y.0, x.0
@@ -77,5 +76,5 @@ fn chart(of: &SettingsComparison, x: Measure, y: Measure) -> String {
         groups,
         front: true,
     }
-    .svg()
+    .svg_sized(PAGE_CHART)
 }

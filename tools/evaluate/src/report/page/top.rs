@@ -1,72 +1,13 @@
 //! What was measured, and what it comes to.
 
 use super::Section;
-use super::html::{definition_list, escape, paragraph, table};
-use crate::measure::compare::{Comparison, Curve, MaterialComparison, Verdict, reach};
+use super::html::{escape, marked_table, paragraph};
+use crate::measure::compare::{
+    Comparison, Curve, MaterialComparison, Verdict, reach, write_factor,
+};
 use crate::measure::convergence::Technique;
 use crate::report::Sheet;
 use crate::report::compare::duration;
-
-/// The plan in words.
-pub(super) fn measured(comparison: &Comparison) -> String {
-    let plan = &comparison.plan;
-    let materials: Vec<&str> = comparison
-        .materials
-        .iter()
-        .map(|m| m.material.as_str())
-        .collect();
-    let (point, picture) = (&plan.point, &plan.picture);
-    let angles: Vec<String> = point.theta_o_deg.iter().map(|t| format!("{t}°")).collect();
-    let last = (point.first_seed + point.seeds).saturating_sub(1);
-    let extent = match plan.quick {
-        true => {
-            "quick: fewer samplers, angles, seeds and settings than in a full run, so the results are less precise"
-        }
-        false => "full",
-    };
-    let lines = [
-        (
-            "Materials",
-            if materials.is_empty() {
-                "none".into()
-            } else {
-                materials.join(", ")
-            },
-        ),
-        ("Run", extent.to_owned()),
-        (
-            "Lookup",
-            format!(
-                "{}: how values between the samples of a table are interpolated",
-                plan.lookup.name()
-            ),
-        ),
-        ("Light on the point", plan.sky.clone()),
-        ("Viewer", format!("{} from the normal", angles.join(", "))),
-        (
-            "Seeds",
-            format!(
-                "{} to {last}: {} estimates per angle",
-                point.first_seed, point.seeds
-            ),
-        ),
-        (
-            "Pictures",
-            format!("{}² pixels, seed {}", picture.side, picture.seed),
-        ),
-        (
-            "Threads",
-            format!(
-                "{} for building and rendering; one for timing a sample",
-                comparison.threads
-            ),
-        ),
-    ];
-    let intro = "A comparison of samplers for measured materials: the error of an estimate against the number of samples, the time \
-                 and the memory that it takes. All results are from one run of merlkit compare; compare.json and \
-                 compare.csv contain them in full.";
-    format!("{}{}", paragraph(intro), definition_list(&lines))
-}
 
 /// A material's verdict as an item of the list.
 fn verdict_item(material: &MaterialComparison) -> String {
@@ -95,9 +36,9 @@ pub(super) fn verdicts(comparison: &Comparison) -> Option<Section> {
                 each sampler, so that the same run gives the same verdict; the tables below also have measured times. \
                 Counted times within 25 % of the smallest are a tie; the sampler with the fewest samples wins, then the \
                 one with the fewest bytes. A ~ in the tables marks extrapolated sample counts.";
-    let table = table("Time to reach 1 %", &summary(comparison));
+    let table = marked_table("Time to reach 1 %", &summary(comparison), FASTEST);
     let body = format!(
-        "<ul class=\"verdicts\">\n{items}</ul>\n{}{table}",
+        "{table}<ul class=\"verdicts\">\n{items}</ul>\n{}",
         paragraph(note)
     );
     Section::new("verdicts", "Verdicts", body)
@@ -134,7 +75,7 @@ fn loses(material: &MaterialComparison) -> Option<String> {
 const HALF_VECTOR: &str = "half-vector";
 
 fn times(seconds: f64, verdict: &Verdict) -> String {
-    format!("{:.2}× the time", seconds / seconds_of(verdict))
+    format!("{} the time", write_factor(seconds / seconds_of(verdict)))
 }
 
 /// Counted seconds to the verdict's error.
@@ -149,6 +90,18 @@ fn quickest(curves: &[Curve], of: impl Fn(&Curve) -> bool) -> Option<(&str, f64)
         .filter(|c| of(c))
         .filter_map(|c| Some((c.label.as_str(), reach(c, 0.01)?.counted_seconds[1])));
     times.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Column of [`summary`] with the winner.
+const FASTEST: usize = 1;
+
+/// What a competitor takes beside the winner, which says nothing of itself.
+fn beside((label, seconds): (&str, f64), verdict: &Verdict) -> String {
+    if label == verdict.best {
+        "the fastest".into()
+    } else {
+        format!("{label}: {}", times(seconds, verdict))
+    }
 }
 
 fn summary(comparison: &Comparison) -> Sheet {
@@ -169,8 +122,6 @@ fn summary(comparison: &Comparison) -> Sheet {
             draws_from_brdf(c) && c.competitor.spec.name() == HALF_VECTOR
         });
         let light = quickest(&material.curves, |c| !draws_from_brdf(c));
-        let named =
-            |(label, s): (&str, f64)| format!("{label}: {} ({})", duration(s), times(s, verdict));
         sheet.push(vec![
             material.material.clone(),
             verdict.best.clone(),
@@ -179,11 +130,11 @@ fn summary(comparison: &Comparison) -> Sheet {
             verdict
                 .cosine_ratio
                 .map_or("never".into(), |r| match r < 1000.0 {
-                    true => format!("{r:.2}× the time"),
+                    true => format!("{} the time", write_factor(r)),
                     false => "over 1000× the time".into(),
                 }),
-            table.map_or("never".into(), named),
-            light.map_or("not measured".into(), named),
+            table.map_or("never".into(), |t| beside(t, verdict)),
+            light.map_or("not measured".into(), |t| beside(t, verdict)),
         ]);
     }
     sheet
