@@ -250,12 +250,12 @@ fn vertices_of_a_solid_are_the_library_s_values_and_the_greatest_is_the_highligh
         ));
         assert!(shown.len() > 10_000, "{}", shown.len());
         let greatest = shown.iter().map(|v| v.value).fold(0.0, f64::max);
-        for name in ["nickel", metal] {
+        for (name, own) in [("nickel", "nickel"), (metal, "ggx")] {
             let brdf = Material::resolve(name)
                 .unwrap()
                 .load(LookupRule::Floor)
                 .unwrap();
-            let own: Vec<&Vertex> = shown.iter().filter(|v| v.label.contains(name)).collect();
+            let own: Vec<&Vertex> = shown.iter().filter(|v| v.label.contains(own)).collect();
             for v in &own {
                 assert!((v.wi.length() - 1.0).abs() < 1e-6 && v.wi.z > 0.0);
                 let value = merlkit::color::mean(brdf.brdf().eval_cos(wo, v.wi.as_vec3()));

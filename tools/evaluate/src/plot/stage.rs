@@ -9,6 +9,10 @@ use super::viewpoint::Projection;
 /// Length of arrows, in radii of the hemisphere, and where their names are.
 pub(super) const ARROW: f64 = 1.2;
 const NAME: f64 = 1.27;
+/// Pixels left and right of a name.
+const GAP: f64 = 3.0;
+/// Hemispheres of a smaller radius have no room for the angles of the arc.
+const LEAST_NAMED: f64 = 75.0;
 /// Corners of the base.
 const BASE_CORNERS: usize = 90;
 const BASE: Colour = Colour(0xf4f4f4);
@@ -95,6 +99,9 @@ pub(super) fn draw_names(
         });
         draw_name(drawing, stage, *direction, (name, NAME), &mut taken, panel);
     }
+    if stage.radius < LEAST_NAMED {
+        return;
+    }
     for angle in [-60.0, -30.0, 0.0, 30.0, 60.0] {
         let direction = in_plane(angle);
         // A name on an arrow would seem to be the arrow's.
@@ -147,7 +154,8 @@ fn draw_name(
         (side * (0.5 * width + 10.0), 16.0),
     ];
     for (dx, dy) in shifts {
-        let room = label_room(x + dx - 0.5 * width, y + dy, width);
+        let left = x + dx - 0.5 * width - GAP;
+        let room = label_room(left, y + dy, width + 2.0 * GAP);
         let inside = room.x >= panel.x && room.right() <= panel.right();
         if inside && taken.iter().all(|t| !overlap(t, &room)) {
             drawing.label_above((x + dx, y + dy), Anchor::Middle, name);

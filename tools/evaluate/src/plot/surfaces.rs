@@ -55,7 +55,7 @@ pub struct Surfaces {
 const ABOVE: f64 = 34.0;
 const BELOW: f64 = 66.0;
 /// Pixels left and right of the arrows.
-const SIDE: f64 = 40.0;
+const SIDE: f64 = 48.0;
 /// Opacity of lobes that share a hemisphere.
 const TRANSLUCENT: f64 = 0.6;
 /// Pieces of an arrow that are hidden or shown one by one.
