@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use boon::{Compiler, Schemas};
-use serde_json::{Value, json};
+use serde_json::{Value, json as object};
+
+use crate::run::{json, run, succeeds};
 
 /// Asserts that a document of the command line has the fields that the schema of its kind names, and no others. Other JSON passes.
 pub fn assert_documented(document: &Value) {
@@ -37,16 +39,38 @@ fn check(document: &Value, kind: &str) -> Result<(), String> {
 /// Removes or adds a field, or changes its type.
 #[test]
 fn other_shapes_are_refused() {
-    let origin = json!({"version": "0.1.0", "command": "merlkit list"});
-    let good = json!({"schema": 3, "kind": "list", "provenance": origin, "results": ["nickel"]});
+    let origin = object!({"version": "0.1.0", "command": "merlkit list"});
+    let good = object!({"schema": 3, "kind": "list", "provenance": origin, "results": ["nickel"]});
     assert_eq!(check(&good, "list"), Ok(()));
     for bad in [
-        json!({"schema": 3, "kind": "list", "provenance": origin}),
-        json!({"schema": 3, "kind": "list", "results": ["nickel"]}),
-        json!({"schema": 3, "kind": "list", "provenance": origin, "results": ["nickel"], "more": 1}),
-        json!({"schema": 3, "kind": "list", "provenance": origin, "results": [1]}),
-        json!({"schema": 2, "kind": "list", "provenance": origin, "results": ["nickel"]}),
+        object!({"schema": 3, "kind": "list", "provenance": origin}),
+        object!({"schema": 3, "kind": "list", "results": ["nickel"]}),
+        object!({"schema": 3, "kind": "list", "provenance": origin, "results": ["nickel"], "more": 1}),
+        object!({"schema": 3, "kind": "list", "provenance": origin, "results": [1]}),
+        object!({"schema": 2, "kind": "list", "provenance": origin, "results": ["nickel"]}),
     ] {
         assert!(check(&bad, "list").is_err(), "{bad}");
+    }
+}
+
+/// Only documents with measured times name the day and the machine: the others are the same in every run.
+#[test]
+fn documents_say_where_they_come_from() {
+    let list = json(&succeeds(run(&["list", "--json"], "")));
+    let origin = &list["provenance"];
+    assert_eq!(origin["command"], "merlkit list");
+    assert_eq!(origin["version"], env!("CARGO_PKG_VERSION"));
+    let quick = ["lambert", "--sampler", "cosine", "--draws", "1000"];
+    for (command, is_timed) in [("check", false), ("report", true)] {
+        let arguments = [&[command][..], &quick, &["--json", "-"]].concat();
+        let document = json(&succeeds(run(&arguments, "")));
+        let origin = &document["provenance"];
+        let expected = format!("merlkit {command} {}", quick.join(" "));
+        assert_eq!(origin["command"], *expected);
+        assert_eq!(origin["seed"], 1);
+        let sum = origin["materials"][0]["sha256"].as_str().unwrap();
+        assert_eq!(sum.len(), 64, "{sum}");
+        assert_eq!(origin.get("date").is_some(), is_timed, "{origin}");
+        assert_eq!(origin.get("machine").is_some(), is_timed, "{origin}");
     }
 }
