@@ -49,7 +49,7 @@ fn names(folder: &Path) -> Vec<String> {
 #[test]
 fn options_of_other_formats_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    for format in ["header", "npz"] {
+    for format in ["header", "runtime", "npz"] {
         for option in [
             ["--variant", "rgb"],
             ["--size", "6MB"],
@@ -203,6 +203,43 @@ fn files_are_named_described_and_replaced_only_by_force() {
         )
         .contains("nickel.npz exists")
     );
+}
+
+/// One folder takes files of many materials and has the code once.
+#[test]
+fn run_time_code_is_written_once_and_replaced_only_by_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = |material| {
+        let more = ["--format", "runtime", "--sampler", "half-vector:2KB"];
+        [&[material][..], &more, &["-o", "."]].concat()
+    };
+    let said = succeeds(folder.path(), &arguments("nickel"));
+    assert!(
+        said.contains("nickel.merlkit") && said.contains("merlkit.wgsl"),
+        "{said}"
+    );
+    let said = succeeds(folder.path(), &arguments("teflon"));
+    assert!(
+        said.contains("teflon.merlkit") && !said.contains("merlkit.h"),
+        "{said}"
+    );
+    let code = ["merlkit.glsl", "merlkit.h", "merlkit.hlsl", "merlkit.wgsl"];
+    let all = [&code[..], &["nickel.merlkit", "teflon.merlkit"]].concat();
+    assert_eq!(names(folder.path()), all);
+    // Code of another version is not replaced in silence, and then nothing else is written.
+    let header = folder.path().join("merlkit.h");
+    std::fs::write(&header, "mine").unwrap();
+    let refused = fails(folder.path(), &arguments("chrome"));
+    assert!(
+        refused.contains("merlkit.h exists; pass --force"),
+        "{refused}"
+    );
+    assert_eq!(names(folder.path()), all);
+    succeeds(
+        folder.path(),
+        &[&arguments("chrome")[..], &["--force"]].concat(),
+    );
+    assert_ne!(std::fs::read(&header).unwrap(), b"mine");
 }
 
 #[test]

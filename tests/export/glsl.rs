@@ -49,6 +49,24 @@ fn shader(version: &str) -> String {
     )
 }
 
+/// A fragment shader of GLSL ES 3.00 with one material in textures.
+fn fragment_shader() -> String {
+    let material = Material::resolve("nickel").unwrap();
+    let loaded = material.load(LookupRule::Linear).unwrap();
+    let settings = HalfVectorSettings::PRESETS[0].1;
+    let header = Export::new(&material, &loaded, settings).unwrap().header();
+    format!(
+        "#version 300 es\n\
+         uniform highp usampler2D words;\nuniform highp sampler2D values;\n\
+         #define nickel_WORD(i) texelFetch(words, ivec2(int((i) & 1023u), int((i) >> 10u)), 0).r\n\
+         #define nickel_VALUE(i) texelFetch(values, ivec2((i) & 2047, (i) >> 11), 0).r\n\
+         {header}\
+         in vec3 wo;\nout vec4 colour;\nvoid main() {{\n\
+             merlkit_draw draw = nickel_sample(wo, 0.5, 0.25);\n\
+             colour = vec4(nickel_eval(wo, draw.wi) * draw.wi.z / draw.pdf, nickel_pdf(wo, draw.wi));\n}}\n"
+    )
+}
+
 fn compile(folder: &Path, shader: &str, arguments: &[&str]) -> (bool, String) {
     let path = folder.join("shader.comp");
     std::fs::write(&path, shader).unwrap();
@@ -79,6 +97,9 @@ fn glslang_takes_the_header() {
         let (fine, said) = compile(folder.path(), &shader(version), arguments);
         assert!(fine && !said.contains("WARNING"), "{version}: {said}");
     }
+    // In GLSL ES 3.00 words and values come from textures.
+    let (fine, said) = compile(folder.path(), &fragment_shader(), &["-S", "frag"]);
+    assert!(fine && !said.contains("WARNING"), "{said}");
     // It reads what it is given: without its values, a material has no eval.
     let without = shader("430 core").replace("#define nickel_VALUE(i) nickel_values[i]", "");
     let (fine, said) = compile(folder.path(), &without, &[]);

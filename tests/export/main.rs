@@ -6,6 +6,7 @@ mod header;
 mod numpy;
 mod program;
 mod runtime;
+mod shaders;
 #[path = "../support/mod.rs"]
 mod support;
 

@@ -113,13 +113,19 @@ impl Program {
         Self { path, data }
     }
 
+    /// A shader's text as C++, `merlkit.glsl` or `merlkit.hlsl`.
+    pub fn shader(name: &str, export: &Export, folder: &Path, text: &str) -> Self {
+        let data = folder.join("material.data");
+        export.write_runtime(&data, Overwrite::Replace).unwrap();
+        std::fs::write(folder.join(name), text).unwrap();
+        let defined = [format!("-DSHADER=\"{name}\"")];
+        let source = Path::new(HERE).join("shader.cpp");
+        let path = compile(folder, COMPILERS[1], &source, &defined);
+        Self { path, data }
+    }
+
     pub fn ask(&self, questions: &[Question]) -> Vec<Answer> {
-        let input = questions.iter().flat_map(|q| {
-            [q.wo.x, q.wo.y, q.wo.z, q.u.x, q.u.y, q.w.x, q.w.y, q.w.z]
-                .into_iter()
-                .flat_map(f32::to_ne_bytes)
-        });
-        let input: Vec<u8> = input.collect();
+        let input = question_bytes(questions);
         let mut child = Command::new(&self.path)
             .arg(&self.data)
             .stdin(Stdio::piped())
@@ -132,27 +138,43 @@ impl Program {
             child.wait_with_output().unwrap()
         });
         assert!(output.status.success());
-        let floats: Vec<f32> = output
-            .stdout
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|b| f32::from_ne_bytes(*b))
-            .collect();
-        let answers = floats.as_chunks::<8>().0.iter().map(|a| Answer {
-            wi: Vec3::new(a[0], a[1], a[2]),
-            drawn: a[3],
-            pdf: a[4],
-            f: Rgb::new(a[5], a[6], a[7]),
-        });
-        answers.collect()
+        read_answers(&output.stdout)
     }
+}
+
+/// Eight floats a question.
+pub fn question_bytes(questions: &[Question]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(32 * questions.len());
+    for q in questions {
+        for x in [q.wo.x, q.wo.y, q.wo.z, q.u.x, q.u.y, q.w.x, q.w.y, q.w.z] {
+            bytes.extend(x.to_ne_bytes());
+        }
+    }
+    bytes
+}
+
+/// Eight floats an answer.
+pub fn read_answers(bytes: &[u8]) -> Vec<Answer> {
+    let fours = bytes.as_chunks::<4>().0.iter();
+    let floats: Vec<f32> = fours.map(|b| f32::from_ne_bytes(*b)).collect();
+    let answers = floats.as_chunks::<8>().0.iter().map(|a| Answer {
+        wi: Vec3::new(a[0], a[1], a[2]),
+        drawn: a[3],
+        pdf: a[4],
+        f: Rgb::new(a[5], a[6], a[7]),
+    });
+    answers.collect()
 }
 
 /// The text of `merlkit.h`.
 pub fn runtime_header() -> String {
+    runtime_code("merlkit.h")
+}
+
+/// The text of a file with code for run-time tables.
+pub fn runtime_code(name: &str) -> String {
     let mut code = Export::runtime_code().into_iter();
-    code.find(|c| c.0 == "merlkit.h").unwrap().1
+    code.find(|c| c.0 == name).unwrap().1
 }
 
 /// Compiles a source strictly, with `folder` for headers and for the program.

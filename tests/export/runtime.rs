@@ -48,10 +48,7 @@ fn files_hold_what_their_documentation_says() {
     for (index, expected) in (5..).zip(head) {
         assert_eq!(word(&bytes, index), expected, "word {index}");
     }
-    let sum = (5..bytes.len() / 4).fold(0x811c_9dc5_u32, |sum, index| {
-        (sum ^ word(&bytes, index)).wrapping_mul(0x0100_0193)
-    });
-    assert_eq!(word(&bytes, 4), sum);
+    assert_eq!(word(&bytes, 4), checksum(&bytes));
     let digest: String = bytes[48..80].iter().map(|b| format!("{b:02x}")).collect();
     assert_eq!(
         digest,
@@ -140,6 +137,16 @@ fn the_header_needs_no_library_where_roots_are_defined() {
     assert_eq!(foreign.count(), 0, "{missing}");
 }
 
+const NO_TABLE: &str = "probabilities that no table can hold";
+
+/// FNV-1a of the words behind the checksum.
+fn checksum(bytes: &[u8]) -> u32 {
+    let words = 5..bytes.len() / 4;
+    words.fold(0x811c_9dc5_u32, |sum, index| {
+        (sum ^ word(bytes, index)).wrapping_mul(0x0100_0193)
+    })
+}
+
 /// A change of a file, and what the header says to it.
 type Fault = (fn(&mut Vec<u8>), &'static str);
 
@@ -159,7 +166,7 @@ fn each_fault_of_a_file_has_its_message() {
     let define = ["-DHEADER=\"material.h\"".to_owned()];
     let program = compile(folder.path(), compiler, &source, &define);
     let good = bytes_of(&export("nickel", LookupRule::Linear), folder.path());
-    let faults: [Fault; 12] = [
+    let faults: [Fault; 17] = [
         (|b| b.truncate(127), "shorter than its header says"),
         (|b| b.truncate(b.len() - 1), "shorter than its header says"),
         (|b| b.push(0), "not as long as its settings demand"),
@@ -176,9 +183,19 @@ fn each_fault_of_a_file_has_its_message() {
         (|b| set(b, 2, 2), "another version than merlkit.h"),
         (|b| set(b, 6, 80), "settings in the header"),
         (|b| set(b, 7, 17), "not as long as its settings demand"),
+        (|b| set(b, 33, 2f32.to_bits()), NO_TABLE),
+        // An edge of a row, a probability, a slope, a node; and a value, with the checksum that belongs to it.
+        (|b| set(b, 40, f32::NAN.to_bits()), NO_TABLE),
+        (|b| set(b, 85, 0), NO_TABLE),
+        (|b| set(b, 162, 0), NO_TABLE),
+        (|b| set(b, 201, 0), NO_TABLE),
         (
-            |b| set(b, 33, 2f32.to_bits()),
-            "probabilities that no table can hold",
+            |b| {
+                set(b, 509, f32::INFINITY.to_bits());
+                let sum = checksum(b);
+                set(b, 4, sum);
+            },
+            "values that no material can have",
         ),
         (|b| *b.last_mut().unwrap() ^= 1, "as its checksum shows"),
         (|b| b[50] ^= 1, "as its checksum shows"),

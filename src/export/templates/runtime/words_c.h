@@ -7,6 +7,9 @@
 // The float with these bits.
 MERLKIT_FN float merlkit_bits(uint32_t word)
 {
+#ifdef __CUDA_ARCH__
+    return __uint_as_float(word);
+#else
     float value;
 #ifdef __GNUC__
     __builtin_memcpy(&value, &word, sizeof(value));
@@ -14,6 +17,7 @@ MERLKIT_FN float merlkit_bits(uint32_t word)
     memcpy(&value, &word, sizeof(value));
 #endif
     return value;
+#endif
 }
 #endif
 typedef struct merlkit_table merlkit_table;
