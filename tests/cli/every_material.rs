@@ -32,7 +32,7 @@ const NO_TABLE: Answer = Refused("needs a MERL table");
 const NO_AZIMUTH: Answer = Refused("is anisotropic");
 
 /// Commands with MATERIAL in the place of the material, and their answers in the order of [`ALL`].
-const COMMANDS: [(&str, [Answer; 4]); 21] = [
+const COMMANDS: [(&str, [Answer; 4]); 22] = [
     ("info MATERIAL", [Result; 4]),
     ("eval MATERIAL --wo 30,10 --wi 20,170", [Result; 4]),
     (
