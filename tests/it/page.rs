@@ -428,18 +428,25 @@ fn the_thesis_stands_beside_ours_as_ratios() {
             .unwrap_or_else(|| panic!("{number}"))
             .sheet
     };
-    // Nickel's adaptive disc: 846.15 KB and 71.36 s against 4096 bytes and 0.05 s.
+    // Nickel's adaptive disc: 846.15 KB and 71.36 s for 60 trees against 4096 bytes and 0.05 s for 20.
     let row = of("6.23")
         .rows
         .iter()
         .find(|r| r[1] == "adaptive disc")
         .unwrap();
     assert_eq!(
-        (row[0].as_str(), row[5].as_str(), row[8].as_str()),
-        ("nickel", "212", "1427")
+        (row[0].as_str(), row[5].as_str(), row[7].as_str()),
+        ("nickel", "14.10", "70.51")
     );
-    // 1023.62 KB and 567.49 s.
-    assert_eq!(of("5.10").rows[0][5], "256");
+    assert_eq!(row[10], "476");
+    // 1023.62 KB for 512 tables against 4 KB for 16.
+    assert_eq!(of("5.10").rows[0][7], "8.00");
+    // The thesis's means end the table.
+    let last = &of("6.23").rows[of("6.23").rows.len() - 1];
+    assert_eq!(
+        (last[0].as_str(), last[3].as_str(), last[5].as_str()),
+        ("the thesis's mean of 11", "445", "7.42")
+    );
     // 12.31 s of the disc against 2.25 million samples of 300 ns.
     let row = of("6.24")
         .rows

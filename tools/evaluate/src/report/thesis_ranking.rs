@@ -60,9 +60,13 @@ const OF_SCENE_6: [Pair; 7] = [
         matches!(c.technique, Technique::Ris(_)) && c.spec.name() == "cosine"
     }),
     FACTORED,
-    pair("factored_ris", "factored with RIS", |_| false),
+    pair("factored_ris", "factored with RIS", |c| {
+        matches!(c.technique, Technique::Ris(_)) && c.spec.name() == "factored"
+    }),
     DISC,
-    pair("adaptive_disc_ris", "adaptive disc with RIS", |_| false),
+    pair("adaptive_disc_ris", "adaptive disc with RIS", |c| {
+        matches!(c.technique, Technique::Ris(_)) && is_plain_disc(&c.spec)
+    }),
     HALF_VECTOR,
     pair("", "half-vector with RIS", |c| {
         matches!(c.technique, Technique::Ris(_)) && is_half_vector(&c.spec)
@@ -74,10 +78,10 @@ pub(super) fn rankings(comparison: &Comparison) -> [Option<ThesisTable>; 2] {
     let of = |scene, table, pairs: &[Pair]| ranking(comparison, scene, table, pairs);
     let note = "Each cell is the ratio of the error to the smallest in its row, followed by the mean relative error itself. \
                 The scenes differ, so absolute errors can't be compared; the order of the samplers and the ratios can.";
-    let scene_2 = "The thesis renders its scene 2, a very glossy sphere; ours is a sphere of the named material on the ground \
+    let scene_2 = "The thesis renders its scene 2, a sphere, and averages over 16 analytic models; ours is a sphere of the named material on the ground \
                    under a square light. Our cosine sampler is compared with the thesis's uniform directions.";
-    let scene_6 = "The thesis renders its scene 6, a sphere under an environment; ours is a sphere of the named material in \
-                   the studio. Our cosine with resampling is compared with the thesis's uniform directions with \
+    let scene_6 = "The thesis renders its scene 6, a jar under an environment, and averages over 16 analytic models; ours is a sphere of \
+                   the named material in the studio. Our cosine with resampling is compared with the thesis's uniform directions with \
                    resampling; the numbers of candidates differ.";
     [
         ThesisTable::new(

@@ -92,14 +92,20 @@ pub fn competitors(quick: bool, facts: &[MaterialFacts]) -> Result<Vec<Competito
 }
 
 /// All whose pictures are compared: as [`competitors`], and resampling, which saves rays in a picture; `quick` leaves out the
-/// factored BRDF, which takes seconds to fit.
+/// factored BRDF, which takes seconds to fit, and resampling of the disc.
 ///
 /// # Errors
 /// As [`competitors`].
 pub fn picture_competitors(quick: bool, facts: &[MaterialFacts]) -> Result<Vec<Competitor>> {
     let mut all = competitors(quick, facts)?;
     all.retain(|c| !quick || c.spec.settings::<FactoredSettings>().is_none());
-    for spec in SamplerSpec::parse_all(&[WITH_LIGHT, "cosine"])? {
+    let mut resampled = SamplerSpec::parse_all(&[WITH_LIGHT, "cosine"])?;
+    if !quick {
+        // As in the thesis's table 6.22.
+        resampled.extend(SamplerSpec::parse_all(&["adaptive-disc", "factored"])?);
+        resampled.retain(|spec| supported(spec, facts));
+    }
+    for spec in resampled {
         all.push(Competitor {
             spec,
             technique: Technique::Ris(Strategy::CANDIDATES),
