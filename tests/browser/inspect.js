@@ -94,7 +94,8 @@ function judge(width) {
   // The best cell differs from its neighbours by its ground, and a row keeps its name when its table is scrolled.
   const page = getComputedStyle(document.body).backgroundColor;
   for (const cell of document.querySelectorAll("td.best")) {
-    if (getComputedStyle(cell).backgroundColor === page) faults.push(`"${cell.textContent}" is not shaded`);
+    const shade = getComputedStyle(cell).backgroundColor;
+    if (shade === page || channels(shade)[3] === 0) faults.push(`"${cell.textContent}" is not shaded`);
   }
   for (const frame of document.querySelectorAll(".wide")) {
     frame.scrollLeft = frame.scrollWidth;
