@@ -1,20 +1,20 @@
 // Opens a page in a headless Chromium at the widths of a phone, a laptop and a large screen, light and dark, and prints what is
 // wrong with it as a JSON list of sentences.
 //
-// node inspect.js CHROMIUM PAGE FOLDER      writes FOLDER/WIDTH-SCHEME.png; needs playwright-core on NODE_PATH
+// node inspect.js CHROMIUM PAGE FOLDER [WIDTH…]   writes FOLDER/WIDTH-SCHEME.png; needs playwright-core on NODE_PATH
 const { chromium } = require("playwright-core");
 const { pathToFileURL } = require("node:url");
 
 const WIDTHS = [390, 1100, 1600];
 const SCHEMES = ["light", "dark"];
 
-async function main([executablePath, page, folder]) {
+async function main([executablePath, page, folder, ...widths]) {
   const browser = await chromium.launch({
     executablePath,
     args: ["--no-sandbox", "--disable-background-networking"],
   });
   const faults = [];
-  for (const width of WIDTHS) {
+  for (const width of widths.length ? widths.map(Number) : WIDTHS) {
     for (const colorScheme of SCHEMES) {
       const context = await browser.newContext({ viewport: { width, height: 900 }, colorScheme });
       const found = await inspect(context, pathToFileURL(page).href, width);
@@ -94,7 +94,8 @@ function judge(width) {
   // The best cell differs from its neighbours by its ground, and a row keeps its name when its table is scrolled.
   const page = getComputedStyle(document.body).backgroundColor;
   for (const cell of document.querySelectorAll("td.best")) {
-    if (getComputedStyle(cell).backgroundColor === page) faults.push(`"${cell.textContent}" is not shaded`);
+    const shade = getComputedStyle(cell).backgroundColor;
+    if (shade === page || channels(shade)[3] === 0) faults.push(`"${cell.textContent}" is not shaded`);
   }
   for (const frame of document.querySelectorAll(".wide")) {
     frame.scrollLeft = frame.scrollWidth;

@@ -15,7 +15,7 @@ use merlkit_evaluate::measure::compare::{
 use merlkit_evaluate::measure::convergence::Technique;
 use merlkit_evaluate::measure::cost::{CallCost, Seconds};
 use merlkit_evaluate::measure::difference::PictureErrors;
-use merlkit_evaluate::plot::{Disc, Polar};
+use merlkit_evaluate::plot::{ChartSize, Disc, Polar};
 use merlkit_evaluate::report::{
     ComparisonDocument, Machine, Provenance, beside_thesis, write_json,
 };
@@ -203,14 +203,20 @@ fn empty() -> Comparison {
     }
 }
 
+/// As wide as the charts of a page.
+const NARROW: ChartSize = ChartSize {
+    width: 360.0,
+    height: None,
+};
+
 /// Everything a comparison can hold; the half-vector table is the quickest on nickel, cosine on teflon.
 pub fn full() -> Comparison {
     let charts = |name: &str| MaterialCharts {
         material: name.into(),
         theta_o_deg: 45.0,
-        lobe: Polar::default().svg(),
-        densities: vec![Polar::default().svg()],
-        discs: vec![Disc::default().svg()],
+        lobe: Polar::default().svg_sized(NARROW),
+        densities: vec![Polar::default().svg_sized(NARROW)],
+        discs: vec![Disc::default().svg_sized(NARROW)],
     };
     Comparison {
         materials: vec![material("nickel", 100.0), material("teflon", 5000.0)],

@@ -96,7 +96,7 @@ fn quickest(curves: &[Curve], of: impl Fn(&Curve) -> bool) -> Option<(&str, f64)
 const FASTEST: usize = 1;
 
 /// What a competitor takes beside the winner, which says nothing of itself.
-fn beside((label, seconds): (&str, f64), verdict: &Verdict) -> String {
+fn compare_with_winner((label, seconds): (&str, f64), verdict: &Verdict) -> String {
     if label == verdict.best {
         "the fastest".into()
     } else {
@@ -133,8 +133,8 @@ fn summary(comparison: &Comparison) -> Sheet {
                     true => format!("{} the time", write_factor(r)),
                     false => "over 1000× the time".into(),
                 }),
-            table.map_or("never".into(), |t| beside(t, verdict)),
-            light.map_or("not measured".into(), |t| beside(t, verdict)),
+            table.map_or("never".into(), |t| compare_with_winner(t, verdict)),
+            light.map_or("not measured".into(), |t| compare_with_winner(t, verdict)),
         ]);
     }
     sheet
