@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use super::drawing::{Area, Colour, Drawing, GRID, INK, Paint, Stroke};
-use super::text::{Anchor, TEXT, label_room, overlap, width_of};
+use super::area::{Area, overlap};
+use super::drawing::{Colour, Drawing, GRID, INK, Paint, Stroke};
+use super::text::{Anchor, TEXT, label_room, width_of};
 use super::viewpoint::Projection;
 
 /// Length of arrows, in radii of the hemisphere, and where their names are.

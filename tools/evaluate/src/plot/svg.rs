@@ -3,8 +3,9 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
+use super::area::Area;
 use super::drawing::{
-    Area, Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, SEAM, TextLine, bounded,
+    Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, SEAM, TextLine, bounded,
 };
 use super::text::{Anchor, TEXT};
 
