@@ -7,7 +7,7 @@ use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 use super::area::Area;
 use super::drawing::{
     Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke, TextLine,
-    WHITE,
+    WHITE, bounded,
 };
 use super::pdf_text::{StandardFont, TextRun, text_runs};
 use super::text::Anchor;
@@ -232,7 +232,8 @@ impl PageWriter {
             Anchor::Middle => 0.5 * width,
             Anchor::End => width,
         };
-        let (x, y, before) = (line.at.0 as f32, line.at.1 as f32, before as f32);
+        let [x, y] = [line.at.0, line.at.1].map(|side| bounded(side) as f32);
+        let before = before as f32;
         // Letters have y upwards.
         let place = match line.upwards {
             false => [1.0, 0.0, 0.0, -1.0, x - before, y],

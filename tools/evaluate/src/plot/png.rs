@@ -9,7 +9,7 @@ use ttf_parser::OutlineBuilder;
 use super::area::Area;
 use super::drawing::{
     Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke, TextLine,
-    WHITE,
+    WHITE, bounded,
 };
 use super::text::Anchor;
 use merlkit::image::encode_png;
@@ -253,7 +253,8 @@ impl Painter<'_> {
         if line.upwards {
             place = place.post_rotate(-90.0);
         }
-        let place = place.post_translate(line.at.0 as f32, line.at.1 as f32);
+        let [x, y] = [line.at.0, line.at.1].map(|side| bounded(side) as f32);
+        let place = place.post_translate(x, y);
         glyphs.path.finish()?.transform(place)
     }
 }

@@ -27,7 +27,7 @@ pub(super) struct Stage {
 
 impl Stage {
     pub fn pixel(&self, point: DVec3) -> (f64, f64) {
-        let (x, y) = self.projection.place(point);
+        let (x, y) = self.projection.project(point);
         (
             self.centre.0 + self.radius * x,
             self.centre.1 - self.radius * y,
