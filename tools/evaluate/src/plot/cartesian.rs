@@ -1,7 +1,8 @@
 //! The frame of charts with an axis across and one upwards.
 
+use super::area::Area;
 use super::axis::{Axis, Ruler, Tick};
-use super::drawing::{Area, ChartSize, Drawing, GRID, INK, Paint, Stroke, TOP};
+use super::drawing::{ChartSize, Drawing, GRID, INK, Paint, Stroke, TOP};
 use super::legend::{Entry, Legend};
 use super::text::{Anchor, TEXT, shortened, width_of};
 use super::{Caption, Scale};

@@ -1,6 +1,7 @@
 //! A picture as a list of shapes: what every writer of files starts from.
 
 use super::Caption;
+use super::area::Area;
 use super::text::{Anchor, TEXT, TITLE_TEXT, shortened, width_of};
 
 /// How large a picture is, in its pixels. Text has the same size in each.
@@ -151,42 +152,6 @@ impl Paint {
     }
 }
 
-/// A rectangle of the picture, pixels, y downwards.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Area {
-    pub x: f64,
-    pub y: f64,
-    pub width: f64,
-    pub height: f64,
-}
-
-impl Area {
-    pub fn right(&self) -> f64 {
-        self.x + self.width
-    }
-
-    pub fn bottom(&self) -> f64 {
-        self.y + self.height
-    }
-
-    /// Its four sides.
-    pub fn outline(&self) -> Outline {
-        let (right, bottom) = (self.right(), self.bottom());
-        Outline::Closed(vec![
-            (self.x, self.y),
-            (right, self.y),
-            (right, bottom),
-            (self.x, bottom),
-        ])
-    }
-
-    /// Whether a point lies in it, half a pixel beyond its edges included.
-    pub fn holds(&self, (x, y): (f64, f64)) -> bool {
-        let across = (self.x - 0.5..=self.right() + 0.5).contains(&x);
-        across && (self.y - 0.5..=self.bottom() + 0.5).contains(&y)
-    }
-}
-
 /// A piece of a path.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Outline {
@@ -225,6 +190,17 @@ pub(super) fn bounded(x: f64) -> f64 {
 }
 
 impl Outline {
+    /// The four sides of a rectangle.
+    pub fn around(area: &Area) -> Self {
+        let (right, bottom) = (area.right(), area.bottom());
+        Self::Closed(vec![
+            (area.x, area.y),
+            (right, area.y),
+            (right, bottom),
+            (area.x, bottom),
+        ])
+    }
+
     /// Leads a pen along it.
     pub fn trace(&self, pen: &mut dyn Pen) {
         match self {

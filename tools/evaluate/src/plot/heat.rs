@@ -1,10 +1,11 @@
 //! Pictures over two axes.
 
 use super::Caption;
+use super::area::Area;
 use super::axis::{Axis, Ruler};
 use super::cartesian::{Frame, MARGIN};
 use super::colours::viridis;
-use super::drawing::{Area, ChartSize, Drawing, Element, INK, Paint, Raster, Stroke};
+use super::drawing::{ChartSize, Drawing, Element, INK, Paint, Raster, Stroke};
 use super::text::{Anchor, TEXT, shortened, width_of};
 use merlkit::image::{Image, encode_png};
 use merlkit::{Error, Result};

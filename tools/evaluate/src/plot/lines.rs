@@ -1,9 +1,10 @@
 //! Curves over two axes.
 
 use super::Caption;
+use super::area::Area;
 use super::axis::Axis;
 use super::cartesian::{Frame, MARGIN};
-use super::drawing::{Area, ChartSize, Drawing};
+use super::drawing::{ChartSize, Drawing};
 use super::legend::Entry;
 use super::style::Style;
 

@@ -13,6 +13,7 @@
 //! logarithmic axis, less than 0 under a root, and 10³⁰⁰ and more. Without anything to draw a chart says "no data". Labels
 //! too long for their place end in "…".
 
+mod area;
 mod axis;
 mod cartesian;
 mod chart;

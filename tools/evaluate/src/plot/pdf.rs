@@ -4,9 +4,10 @@ use miniz_oxide::deflate::compress_to_vec_zlib;
 use pdf_writer::types::{LineCapStyle, LineJoinStyle, TextRenderingMode};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 
+use super::area::Area;
 use super::drawing::{
-    Area, Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke,
-    TextLine, WHITE,
+    Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke, TextLine,
+    WHITE, bounded,
 };
 use super::pdf_text::{StandardFont, TextRun, text_runs};
 use super::text::Anchor;
@@ -84,7 +85,9 @@ impl PageWriter {
                 let (centre, radius) = (*centre, *radius);
                 self.draw_outlines(&[Outline::Disc { centre, radius }], paint);
             }
-            Element::Rectangle { area, paint } => self.draw_outlines(&[area.outline()], paint),
+            Element::Rectangle { area, paint } => {
+                self.draw_outlines(&[Outline::around(area)], paint)
+            }
             Element::Text(line) => self.draw_text(line),
             Element::Image { area, raster } => self.draw_image(area, raster),
             Element::NamedMarks { paint, marks } => {
@@ -96,7 +99,7 @@ impl PageWriter {
             Element::OpenWindow(area) => {
                 let content = self.content();
                 content.save_state();
-                area.outline().trace(&mut ContentPen(content));
+                Outline::around(area).trace(&mut ContentPen(content));
                 content.clip_nonzero().end_path();
             }
             Element::CloseWindow => {
@@ -229,7 +232,8 @@ impl PageWriter {
             Anchor::Middle => 0.5 * width,
             Anchor::End => width,
         };
-        let (x, y, before) = (line.at.0 as f32, line.at.1 as f32, before as f32);
+        let [x, y] = [line.at.0, line.at.1].map(|side| bounded(side) as f32);
+        let before = before as f32;
         // Letters have y upwards.
         let place = match line.upwards {
             false => [1.0, 0.0, 0.0, -1.0, x - before, y],

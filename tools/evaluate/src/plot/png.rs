@@ -6,9 +6,10 @@ use tiny_skia::{
 };
 use ttf_parser::OutlineBuilder;
 
+use super::area::Area;
 use super::drawing::{
-    Area, Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke,
-    TextLine, WHITE,
+    Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke, TextLine,
+    WHITE, bounded,
 };
 use super::text::Anchor;
 use merlkit::image::encode_png;
@@ -77,7 +78,9 @@ impl Painter<'_> {
                 let (centre, radius) = (*centre, *radius);
                 self.draw_outlines(&[Outline::Disc { centre, radius }], paint);
             }
-            Element::Rectangle { area, paint } => self.draw_outlines(&[area.outline()], paint),
+            Element::Rectangle { area, paint } => {
+                self.draw_outlines(&[Outline::around(area)], paint)
+            }
             Element::Text(line) => self.draw_text(line),
             Element::Image { area, raster } => self.draw_image(area, raster),
             Element::NamedMarks { paint, marks } => {
@@ -127,7 +130,7 @@ impl Painter<'_> {
         let (width, height) = (self.sheet().width(), self.sheet().height());
         let mut mask = Mask::new(width, height)?;
         let mut path = PathBuilder::new();
-        area.outline().trace(&mut path);
+        Outline::around(area).trace(&mut path);
         mask.fill_path(&path.finish()?, FillRule::Winding, true, self.to_pixels);
         Some(mask)
     }
@@ -250,7 +253,8 @@ impl Painter<'_> {
         if line.upwards {
             place = place.post_rotate(-90.0);
         }
-        let place = place.post_translate(line.at.0 as f32, line.at.1 as f32);
+        let [x, y] = [line.at.0, line.at.1].map(|side| bounded(side) as f32);
+        let place = place.post_translate(x, y);
         glyphs.path.finish()?.transform(place)
     }
 }

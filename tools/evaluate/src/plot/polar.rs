@@ -1,12 +1,13 @@
 //! Curves over the angle in one plane.
 
 use super::Caption;
+use super::area::{Area, overlap};
 use super::axis::{Axis, Ruler, Scale};
-use super::drawing::{Area, ChartSize, Colour, Drawing, GRID, INK, Outline, Paint, Stroke, TOP};
+use super::drawing::{ChartSize, Colour, Drawing, GRID, INK, Outline, Paint, Stroke, TOP};
 use super::legend::{Entry, Legend};
 use super::lines::runs;
 use super::style::Style;
-use super::text::{Anchor, TEXT, label_room, overlap, shortened, width_of};
+use super::text::{Anchor, TEXT, label_room, shortened, width_of};
 
 /// A curve around the origin.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,12 +1,13 @@
 //! Points over two axes, and which of them nothing beats.
 
 use super::Caption;
+use super::area::{Area, overlap};
 use super::axis::Axis;
 use super::cartesian::{Frame, MARGIN};
-use super::drawing::{Area, ChartSize, Drawing, Element, INK, Paint, Stroke};
+use super::drawing::{ChartSize, Drawing, Element, INK, Paint, Stroke};
 use super::legend::Entry;
 use super::style::Style;
-use super::text::{Anchor, TEXT, label_room, overlap, width_of};
+use super::text::{Anchor, TEXT, label_room, width_of};
 
 /// A point and what it is.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use super::drawing::{Area, Colour, Drawing, GRID, INK, Paint, Stroke};
-use super::text::{Anchor, TEXT, label_room, overlap, width_of};
+use super::area::{Area, overlap};
+use super::drawing::{Colour, Drawing, GRID, INK, Paint, Stroke};
+use super::text::{Anchor, TEXT, label_room, width_of};
 use super::viewpoint::Projection;
 
 /// Length of arrows, in radii of the hemisphere, and where their names are.
@@ -26,7 +27,7 @@ pub(super) struct Stage {
 
 impl Stage {
     pub fn pixel(&self, point: DVec3) -> (f64, f64) {
-        let (x, y) = self.projection.place(point);
+        let (x, y) = self.projection.project(point);
         (
             self.centre.0 + self.radius * x,
             self.centre.1 - self.radius * y,

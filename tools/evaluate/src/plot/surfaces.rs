@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::Caption;
+use super::area::Area;
 use super::axis::{Axis, Ruler};
-use super::drawing::{Area, ChartSize, Colour, Drawing, Element, Face, INK, Paint, Stroke};
+use super::drawing::{ChartSize, Colour, Drawing, Element, Face, INK, Paint, Stroke};
 use super::legend::{Entry, Legend};
 use super::stage::{ARROW, Stage, arrows, draw_base, draw_names};
 use super::style::Style;

@@ -3,8 +3,9 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
+use super::area::Area;
 use super::drawing::{
-    Area, Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, SEAM, TextLine, bounded,
+    Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, SEAM, TextLine, bounded,
 };
 use super::text::{Anchor, TEXT};
 
@@ -51,13 +52,13 @@ fn markup(element: &Element) -> String {
             format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"{style}/>")
         }
         Element::Rectangle { area, paint } => {
-            format!("<rect {}{}/>", place(area), attributes(paint))
+            format!("<rect {}{}/>", place_attributes(area), attributes(paint))
         }
         Element::Text(line) => text(line),
         Element::Image { area, raster } => format!(
             "<image {} preserveAspectRatio=\"none\" image-rendering=\"optimizeSpeed\" \
              style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>",
-            place(area),
+            place_attributes(area),
             STANDARD.encode(&raster.png)
         ),
         Element::NamedMarks { paint, marks } => named_marks(paint, marks),
@@ -65,7 +66,7 @@ fn markup(element: &Element) -> String {
         // Without an `id` to clip by, so that pictures can stand in one page.
         Element::OpenWindow(area) => {
             let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(px);
-            let place = place(area);
+            let place = place_attributes(area);
             format!("<svg {place} viewBox=\"{x} {y} {width} {height}\" overflow=\"hidden\">")
         }
         Element::CloseWindow => "</svg>".into(),
@@ -100,7 +101,7 @@ fn polygons(faces: &[Face]) -> String {
     lines.join("\n")
 }
 
-fn place(area: &Area) -> String {
+fn place_attributes(area: &Area) -> String {
     let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(px);
     format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"")
 }

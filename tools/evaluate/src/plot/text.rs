@@ -1,6 +1,6 @@
 //! How much room text takes.
 
-use super::drawing::Area;
+use super::area::Area;
 
 /// Size of ordinary text, pixels.
 pub(super) const TEXT: f64 = 12.0;
@@ -37,11 +37,6 @@ pub(super) fn shortened(text: &str, size: f64, width: f64) -> String {
     }
     out.push('…');
     out
-}
-
-/// Whether two rectangles have a point in common.
-pub(super) fn overlap(a: &Area, b: &Area) -> bool {
-    a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
 }
 
 /// What a label of that width covers.

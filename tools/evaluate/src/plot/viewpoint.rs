@@ -53,7 +53,7 @@ impl Viewpoint {
 
 impl Projection {
     /// Place in the picture, y upwards, in the solid's own units.
-    pub fn place(&self, point: DVec3) -> (f64, f64) {
+    pub fn project(&self, point: DVec3) -> (f64, f64) {
         (point.dot(self.right), point.dot(self.up))
     }
 
@@ -93,7 +93,7 @@ mod tests {
             elevation: 0.0,
             azimuth: 0.0,
         };
-        let (x, y) = face_on.projection().place(wo);
+        let (x, y) = face_on.projection().project(wo);
         assert!((x + 0.5).abs() < 1e-12 && (y - wo.z).abs() < 1e-12);
         let turned = Viewpoint {
             elevation: 0.0,
