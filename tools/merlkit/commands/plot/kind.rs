@@ -1,26 +1,26 @@
 //! What can be drawn, and which options each kind takes.
 
-/// What to draw.
+/// What to draw. The help says what each is below its options: texts of values would make it three lines for each option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
-    /// f_r·cosθ in the plane of incidence against the angle of wi; with --sampler, the ideal density and the sampler's
+    // f_r·cosθ in the plane of incidence against the angle of wi; with --sampler, the ideal density and the sampler's
     Lobe,
-    /// The same as lobe, in polar coordinates
+    // The same as lobe, in polar coordinates
     LobePolar,
-    /// f_r·cosθ over the whole hemisphere, as a shaded solid
+    // f_r·cosθ over the whole hemisphere, as a shaded solid
     #[value(name = "lobe-3d", alias = "lobe3d")]
     Lobe3d,
-    /// The table at one φd over θh and θd, in false colours
+    // The table at one φd over θh and θd, in false colours
     Slice,
-    /// The same as slice in the material's own colours: gamma 2.2, one pixel per bin
+    // The same as slice in the material's own colours: gamma 2.2, one pixel per bin
     SliceRgb,
-    /// The leaves of the adaptive disc, and directions drawn by --sampler, on the unit disc
+    // The leaves of the adaptive disc, and directions drawn by --sampler, on the unit disc
     Disc,
-    /// The CDF over θh of cascade-cdf before and after compression, with its knots
+    // The CDF over θh of cascade-cdf before and after compression, with its knots
     Cdf,
-    /// The CDF over φh of cascade-cdf at the median θh, before and after compression
+    // The CDF over φh of cascade-cdf at the median θh, before and after compression
     CdfAzimuth,
-    /// Directional albedo against θ; for one table alone, with each of the three lookup rules
+    // Directional albedo against θ; for one table alone, with each of the three lookup rules
     Albedo,
 }
 

@@ -43,16 +43,26 @@ const CHANNELS: &[(&str, PlottedChannel)] = &[
 ];
 
 /// Plot materials and samplers: lobes, densities, slices, leaves, CDFs, albedo
-///
-/// Writes one self-contained SVG file, 640 pixels wide, whose labels are text. -o FILE.pdf and -o FILE.png write the same picture
-/// as PDF and PNG, -o FILE.csv the numbers of the picture. A PNG of a slice is its pixels alone, and slice-rgb is also written as
-/// linear values, FILE.exr.
-///
-/// Angles are in degrees, f_r and densities in sr⁻¹. In the plane of incidence, wo is on the left and its mirror direction on the
-/// right. Lobes and albedos of up to seven materials share a picture, with up to four samplers; of lobe-3d up to six solids.
+// Without a second paragraph the help has one line or two for each option, instead of three or more.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  merlkit plot nickel chrome --kind lobe --theta 30\n  merlkit plot nickel --kind lobe --sampler half-vector --sampler cosine --csv nickel.csv\n  merlkit plot nickel red-plastic --kind lobe-3d --elevation 40 -o lobes.pdf\n  merlkit plot nickel --kind slice-rgb --exposure=-2 -o nickel.png"
+    after_help = "Writes one self-contained SVG file, 640 pixels wide, whose labels are text. -o FILE.pdf and -o FILE.png write the same \
+                  picture as PDF and PNG, -o FILE.csv the numbers of the picture. A PNG of a slice is its pixels alone, and slice-rgb is \
+                  also written as linear values, FILE.exr.\n\n\
+                  Angles are in degrees, f_r and densities in sr⁻¹. In the plane of incidence, wo is on the left and its mirror direction \
+                  on the right. Lobes and albedos of up to seven materials share a picture, with up to four samplers; of lobe-3d up to six \
+                  solids.\n\n\
+                  Kinds:\n  \
+                  lobe         f_r·cosθ in the plane of incidence against the angle of wi; with --sampler, the ideal density and the sampler's\n  \
+                  lobe-polar   the same in polar coordinates\n  \
+                  lobe-3d      f_r·cosθ over the whole hemisphere, as a shaded solid\n  \
+                  slice        the table at one φd over θh and θd, in false colours\n  \
+                  slice-rgb    the same in the material's own colours: gamma 2.2, one pixel per bin\n  \
+                  disc         the leaves of the adaptive disc, and directions drawn by --sampler, on the unit disc\n  \
+                  cdf          the CDF over θh of cascade-cdf before and after compression, with its knots\n  \
+                  cdf-azimuth  the CDF over φh of cascade-cdf at the median θh, before and after compression\n  \
+                  albedo       directional albedo against θ; for one table alone, with each of the three lookup rules\n\n\
+                  Examples:\n  merlkit plot nickel chrome --kind lobe --theta 30\n  merlkit plot nickel --kind lobe --sampler half-vector --sampler cosine --csv nickel.csv\n  merlkit plot nickel red-plastic --kind lobe-3d --elevation 40 -o lobes.pdf\n  merlkit plot nickel --kind slice-rgb --exposure=-2 -o nickel.png"
 )]
 pub struct Args {
     /// MERL binaries and .bsdf files or folders of them, stored fits, names of built-in materials, or formulas; several for lobes and
