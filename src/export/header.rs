@@ -30,7 +30,8 @@ pub(super) fn text(export: &Export) -> String {
         "#endif\n",
         LOAD,
     ];
-    let mut parts = material.map(|part| fill(&part.replace("NAME", &name), &values(export)));
+    let entries = values(export);
+    let mut parts = material.map(|part| fill(&part.replace("NAME", &name), &entries));
     // What all materials share, behind the description and in front of the arrays.
     parts[0] += &format!(
         "#ifndef {name}_H\n#define {name}_H\n\n{}",
