@@ -239,7 +239,7 @@ mod tests {
         plan().write(&mut text).unwrap();
         let text = String::from_utf8(text).unwrap();
         assert_eq!(StudyPlan::parse(text.as_bytes(), path).unwrap(), plan());
-        let key = &plan().tasks()[0].key;
+        let key = plan().tasks()[0].key.clone();
         for (from, to, words) in [
             (key.as_str(), "../../outside", "is not its task's"),
             (key.as_str(), "", "is not its task's"),
