@@ -43,8 +43,11 @@ pub fn on_threads_until_interrupt<R: Send + 'static>(
         if let Some(result) = heard {
             return Ok(result);
         }
-        py.check_signals()
-            .inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
+        if let Err(interrupt) = py.check_signals() {
+            stop.store(true, Ordering::Relaxed);
+            abandon_pool();
+            return Err(interrupt);
+        }
     }
 }
 
@@ -115,6 +118,17 @@ pub fn on_one_thread<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -
             .map_err(|e| PyRuntimeError::new_err(e.to_string()))?;
         Ok(pool.install(work))
     })
+}
+
+/// Lets the next call have threads of its own, because those of the pool are busy with work that nobody waits for. They end with it.
+fn abandon_pool() {
+    let mut held = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    // Those of a parent process can't be joined here.
+    if let Some((owner, pool)) = held.take()
+        && owner != std::process::id()
+    {
+        std::mem::forget(pool);
+    }
 }
 
 fn pool() -> PyResult<Arc<ThreadPool>> {

@@ -137,7 +137,7 @@ def _rows(vector: Any) -> Any:
 
 def _refuse_replay() -> None:
     """Refuses integrators that replay paths for their gradients: they would end the process where loops are not recorded."""
-    frame = sys._getframe()
+    frame: Any = sys._getframe()
     while frame is not None:
         if frame.f_code.co_name in ("render_backward", "render_forward"):
             kinds = type(frame.f_locals.get("self")).__mro__
@@ -146,7 +146,7 @@ def _refuse_replay() -> None:
                     f"the integrator {kinds[0].__name__} replays paths for gradients, which needs recorded loops, and merlkit has none; "
                     "use `path` or `direct`"
                 )
-        frame = frame.f_back  # type: ignore[assignment]
+        frame = frame.f_back
 
 
 def _vector(kind: Any, rows: Any, scalar: bool) -> Any:
