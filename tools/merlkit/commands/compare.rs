@@ -21,7 +21,7 @@ use merlkit_evaluate::report::{
     write_json,
 };
 
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use crate::journal::Journal;
 use crate::output;
 use crate::progress::Progress;
@@ -126,6 +126,12 @@ pub fn run(args: &Args) -> Outcome {
     } = run;
     drop(progress);
     journal.finish()?;
+    print(&comparison, &[json, csv, page])?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Prints tables, verdicts and the files that were written.
+fn print(comparison: &Comparison, files: &[PathBuf]) -> Result<(), Failure> {
     for material in &comparison.materials {
         output::print_notes(&material.material, &material.notes);
     }
@@ -145,15 +151,11 @@ pub fn run(args: &Args) -> Outcome {
         {
             write!(out, "{}", table::wrap(&verdict.sentence))?;
         }
-        writeln!(
-            out,
-            "{}\n{}\n{}",
-            json.display(),
-            csv.display(),
-            page.display()
-        )
-    })?;
-    Ok(ExitCode::SUCCESS)
+        for file in files {
+            writeln!(out, "{}", file.display())?;
+        }
+        Ok(())
+    })
 }
 
 /// What is compared, by name.
