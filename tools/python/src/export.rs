@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use merlkit::SamplerSpec;
 use merlkit::export::Export;
+use merlkit::files::write_new;
 use merlkit::material::rgl::{BsdfSize, RglBrdf, tabulate};
 use merlkit::sampler::HalfVectorSettings;
 use merlkit_evaluate::measure::{LARGEST_ALBEDO_ERROR, value_errors};
@@ -18,18 +19,21 @@ enum FileKind {
     Bsdf,
     Npz,
     Header,
+    Runtime,
 }
 
-const KINDS: [(&str, FileKind); 3] = [
+const KINDS: [(&str, FileKind); 4] = [
     ("bsdf", FileKind::Bsdf),
     ("npz", FileKind::Npz),
     ("header", FileKind::Header),
+    ("runtime", FileKind::Runtime),
 ];
 
 /// Writes a material for other programs into a folder, as `merlkit export` does, and returns the files' paths.
 ///
-/// `format` is "npz" (arrays for numpy), "header" (C, C++ and GLSL) or "bsdf" (Mitsuba 3 and pbrt-v4). `sampler` sets the half-vector
-/// table in npz and header, `size` the size of a .bsdf file.
+/// `format` is "npz" (arrays for numpy), "header" (C, C++ and GLSL), "runtime" (a file that C, C++, CUDA and shaders load at run time, with
+/// their code) or "bsdf" (Mitsuba 3 and pbrt-v4). `sampler` sets the half-vector table in npz, header and runtime, `size` the size of a
+/// .bsdf file.
 #[pyfunction]
 #[pyo3(signature = (material, folder, format, *, sampler = "half-vector:64KB", size = "6MB", overwrite = false))]
 pub fn export(
@@ -55,21 +59,47 @@ pub fn export(
         FileKind::Bsdf => &["rgb.bsdf", "spectral.bsdf"],
         FileKind::Npz => &["npz"],
         FileKind::Header => &["f32", "h"],
+        FileKind::Runtime => &["merlkit"],
     };
     let mut paths = Vec::new();
     for end in ends {
         paths.push(folder.join(format!("{}.{end}", material.loaded().name())));
     }
-    for path in &paths {
+    let code = if kind == FileKind::Runtime {
+        missing_code(&folder)
+    } else {
+        Vec::new()
+    };
+    for path in paths.iter().chain(code.iter().map(|(path, _)| path)) {
         self::overwrite(path, overwrite)?;
     }
     match kind {
         FileKind::Bsdf => write_bsdf(py, material, size, &paths, overwrite)?,
-        FileKind::Npz | FileKind::Header => {
+        FileKind::Npz | FileKind::Header | FileKind::Runtime => {
             write_table(py, material, sampler, &paths, overwrite)?;
         }
     }
+    for (path, text) in code {
+        let written = write_new(&path, self::overwrite(&path, overwrite)?, |out| {
+            out.write_all(text.as_bytes())
+                .map_err(|e| merlkit::Error::io(&path, "write", e))
+        });
+        written.map_err(raise)?;
+        paths.push(path);
+    }
     Ok(paths)
+}
+
+/// The code of run-time tables that is not in the folder yet: it is the same for all materials.
+fn missing_code(folder: &Path) -> Vec<(PathBuf, String)> {
+    let mut missing = Vec::new();
+    for (name, text) in Export::runtime_code() {
+        let path = folder.join(name);
+        if std::fs::read(&path).ok().as_deref() != Some(text.as_bytes()) {
+            missing.push((path, text));
+        }
+    }
+    missing
 }
 
 /// Writes the half-vector table with the values.
@@ -83,7 +113,7 @@ fn write_table(
     let spec: SamplerSpec = sampler.parse().map_err(raise)?;
     let settings: HalfVectorSettings = *spec.settings().ok_or_else(|| {
         PyValueError::new_err(format!(
-            "npz and header hold the half-vector table only, not {}; choose half-vector with any settings",
+            "npz, header and runtime hold the half-vector table only, not {}; choose half-vector with any settings",
             spec.name()
         ))
     })?;
@@ -95,6 +125,7 @@ fn write_table(
         let written = match path.extension().and_then(|e| e.to_str()) {
             Some("npz") => export.write_npz(path, overwrite),
             Some("h") => export.write_header(path, overwrite),
+            Some("merlkit") => export.write_runtime(path, overwrite),
             _ => export.write_values(path, overwrite),
         };
         written.map_err(raise)?;

@@ -60,11 +60,13 @@ def test_files_are_those_of_the_command(command, tmp_path, nickel, sampler):
     assert sampler.save(ours) == ours.stat().st_size
     command("build", "nickel", "--sampler", "half-vector:2KB", "-o", str(theirs))
     assert ours.read_bytes() == theirs.read_bytes() == sampler.to_bytes()
-    for format, end in [("npz", "npz"), ("header", "h")]:
+    for format, end in [("npz", "npz"), ("header", "h"), ("runtime", "merlkit")]:
         merlkit.export(nickel, tmp_path / "ours", format, sampler="half-vector:2KB")
         command("export", "nickel", "--format", format, "--sampler", "half-vector:2KB", "-o", str(tmp_path / "theirs"))
         file = f"nickel.{end}"
         assert (tmp_path / "ours" / file).read_bytes() == (tmp_path / "theirs" / file).read_bytes()
+    for code in ["merlkit.h", "merlkit.glsl", "merlkit.hlsl", "merlkit.wgsl"]:
+        assert (tmp_path / "ours" / code).read_bytes() == (tmp_path / "theirs" / code).read_bytes()
 
 
 def test_a_fit_is_that_of_the_command(command):

@@ -135,7 +135,7 @@ def render(
 def export(
     material: Material,
     folder: _Path,
-    format: Literal["bsdf", "npz", "header"],
+    format: Literal["bsdf", "npz", "header", "runtime"],
     *,
     sampler: str = "half-vector:64KB",
     size: str = "6MB",
