@@ -343,6 +343,52 @@ pub(super) enum Element {
     CloseLayer,
 }
 
+/// What shapes are drawn on by writers that know paths, text and images alone.
+pub(super) trait Canvas {
+    fn draw_outlines(&mut self, outlines: &[Outline], paint: &Paint);
+    fn draw_text(&mut self, line: &TextLine);
+    fn draw_image(&mut self, area: &Area, raster: &Raster);
+    fn draw_faces(&mut self, faces: &[Face]);
+    /// Nothing shows outside of `area` until the window is closed.
+    fn open_window(&mut self, area: &Area);
+    fn close_window(&mut self);
+    /// What follows is drawn together and then laid over the rest with that opacity.
+    fn open_layer(&mut self, opacity: f64);
+    fn close_layer(&mut self);
+
+    fn draw(&mut self, element: &Element) {
+        match element {
+            Element::Line { from, to, paint } => {
+                self.draw_outlines(&[Outline::Open(vec![*from, *to])], paint);
+            }
+            Element::Path { outlines, paint } => self.draw_outlines(outlines, paint),
+            Element::Circle {
+                centre,
+                radius,
+                paint,
+            } => {
+                let (centre, radius) = (*centre, *radius);
+                self.draw_outlines(&[Outline::Disc { centre, radius }], paint);
+            }
+            Element::Rectangle { area, paint } => {
+                self.draw_outlines(&[Outline::around(area)], paint);
+            }
+            Element::Text(line) => self.draw_text(line),
+            Element::Image { area, raster } => self.draw_image(area, raster),
+            Element::NamedMarks { paint, marks } => {
+                for (mark, _) in marks {
+                    self.draw_outlines(std::slice::from_ref(mark), paint);
+                }
+            }
+            Element::Faces(faces) => self.draw_faces(faces),
+            Element::OpenWindow(area) => self.open_window(area),
+            Element::CloseWindow => self.close_window(),
+            Element::OpenLayer(opacity) => self.open_layer(*opacity),
+            Element::CloseLayer => self.close_layer(),
+        }
+    }
+}
+
 /// Pixels that a title leaves free on either side.
 const TITLE_MARGIN: f64 = 12.0;
 

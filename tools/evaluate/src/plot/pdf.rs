@@ -6,7 +6,7 @@ use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 
 use super::area::Area;
 use super::drawing::{
-    Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke, TextLine,
+    Canvas, Colour, Drawing, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke, TextLine,
     WHITE, bounded,
 };
 use super::pdf_text::{StandardFont, TextRun, text_runs};
@@ -71,45 +71,74 @@ impl PageWriter {
         &mut self.layers[last].0
     }
 
-    fn draw(&mut self, element: &Element) {
-        match element {
-            Element::Line { from, to, paint } => {
-                self.draw_outlines(&[Outline::Open(vec![*from, *to])], paint);
-            }
-            Element::Path { outlines, paint } => self.draw_outlines(outlines, paint),
-            Element::Circle {
-                centre,
-                radius,
-                paint,
-            } => {
-                let (centre, radius) = (*centre, *radius);
-                self.draw_outlines(&[Outline::Disc { centre, radius }], paint);
-            }
-            Element::Rectangle { area, paint } => {
-                self.draw_outlines(&[Outline::around(area)], paint)
-            }
-            Element::Text(line) => self.draw_text(line),
-            Element::Image { area, raster } => self.draw_image(area, raster),
-            Element::NamedMarks { paint, marks } => {
-                for (mark, _) in marks {
-                    self.draw_outlines(std::slice::from_ref(mark), paint);
-                }
-            }
-            Element::Faces(faces) => self.draw_faces(faces),
-            Element::OpenWindow(area) => {
-                let content = self.content();
-                content.save_state();
-                Outline::around(area).trace(&mut ContentPen(content));
-                content.clip_nonzero().end_path();
-            }
-            Element::CloseWindow => {
-                self.content().restore_state();
-            }
-            Element::OpenLayer(opacity) => self.layers.push((Content::new(), *opacity)),
-            Element::CloseLayer => self.close_layer(),
-        }
+    /// The number of the next object.
+    fn next_ref(&self) -> Ref {
+        Ref::new(FIRST_OTHER + self.x_objects.len() as i32)
     }
 
+    /// The name of what is painted as a whole and comes next.
+    fn push_x_object(&mut self) -> (Ref, String) {
+        let id = self.next_ref();
+        self.x_objects.push(id);
+        (id, format!("X{}", self.x_objects.len() - 1))
+    }
+
+    fn opacity_name(&mut self, opacity: f64) -> String {
+        let known = self.opacities.iter().position(|o| *o == opacity);
+        let number = known.unwrap_or_else(|| {
+            self.opacities.push(opacity);
+            self.opacities.len() - 1
+        });
+        format!("G{number}")
+    }
+
+    fn finish(mut self, drawing: &Drawing) -> Vec<u8> {
+        while self.layers.len() > 1 {
+            self.close_layer();
+        }
+        let Some((content, _)) = self.layers.pop() else {
+            return Vec::new();
+        };
+        let bytes = compress_to_vec_zlib(content.finish().as_slice(), LEVEL);
+        self.pdf.stream(CONTENT, &bytes).filter(Filter::FlateDecode);
+        self.pdf.catalog(CATALOG).pages(PAGES);
+        self.pdf.pages(PAGES).kids([PAGE]).count(1);
+        let mut page = self.pdf.page(PAGE);
+        page.parent(PAGES).media_box(self.page).contents(CONTENT);
+        page.pair(Name(b"Resources"), RESOURCES);
+        page.finish();
+        self.write_resources();
+        let mut helvetica = self.pdf.type1_font(HELVETICA);
+        helvetica.base_font(Name(b"Helvetica"));
+        helvetica.encoding_predefined(Name(b"WinAnsiEncoding"));
+        helvetica.finish();
+        self.pdf.type1_font(SYMBOL).base_font(Name(b"Symbol"));
+        let mut info = self.pdf.document_info(INFO);
+        info.title(TextStr(&drawing.caption.title));
+        info.subject(TextStr(&drawing.caption.description));
+        info.finish();
+        self.pdf.finish()
+    }
+
+    fn write_resources(&mut self) {
+        let mut resources = self.pdf.indirect(RESOURCES).dict();
+        let mut fonts = resources.insert(Name(b"Font")).dict();
+        fonts.pair(Name(b"H"), HELVETICA).pair(Name(b"S"), SYMBOL);
+        fonts.finish();
+        let mut x_objects = resources.insert(Name(b"XObject")).dict();
+        for (number, id) in self.x_objects.iter().enumerate() {
+            x_objects.pair(Name(format!("X{number}").as_bytes()), *id);
+        }
+        x_objects.finish();
+        let mut states = resources.insert(Name(b"ExtGState")).dict();
+        for (number, opacity) in self.opacities.iter().enumerate() {
+            let mut state = states.insert(Name(format!("G{number}").as_bytes())).dict();
+            state.pair(Name(b"ca"), *opacity as f32);
+        }
+    }
+}
+
+impl Canvas for PageWriter {
     fn draw_outlines(&mut self, outlines: &[Outline], paint: &Paint) {
         let (fill, opacity) = match paint.fill {
             Fill::Full(colour, opacity) => (Some(colour), opacity),
@@ -153,27 +182,6 @@ impl PageWriter {
             content.fill_nonzero_and_stroke();
         }
         content.restore_state();
-    }
-
-    /// The number of the next object.
-    fn next_ref(&self) -> Ref {
-        Ref::new(FIRST_OTHER + self.x_objects.len() as i32)
-    }
-
-    /// The name of what is painted as a whole and comes next.
-    fn push_x_object(&mut self) -> (Ref, String) {
-        let id = self.next_ref();
-        self.x_objects.push(id);
-        (id, format!("X{}", self.x_objects.len() - 1))
-    }
-
-    fn opacity_name(&mut self, opacity: f64) -> String {
-        let known = self.opacities.iter().position(|o| *o == opacity);
-        let number = known.unwrap_or_else(|| {
-            self.opacities.push(opacity);
-            self.opacities.len() - 1
-        });
-        format!("G{number}")
     }
 
     fn draw_image(&mut self, area: &Area, raster: &Raster) {
@@ -258,49 +266,19 @@ impl PageWriter {
         content.end_marked_content().restore_state();
     }
 
-    fn finish(mut self, drawing: &Drawing) -> Vec<u8> {
-        while self.layers.len() > 1 {
-            self.close_layer();
-        }
-        let Some((content, _)) = self.layers.pop() else {
-            return Vec::new();
-        };
-        let bytes = compress_to_vec_zlib(content.finish().as_slice(), LEVEL);
-        self.pdf.stream(CONTENT, &bytes).filter(Filter::FlateDecode);
-        self.pdf.catalog(CATALOG).pages(PAGES);
-        self.pdf.pages(PAGES).kids([PAGE]).count(1);
-        let mut page = self.pdf.page(PAGE);
-        page.parent(PAGES).media_box(self.page).contents(CONTENT);
-        page.pair(Name(b"Resources"), RESOURCES);
-        page.finish();
-        self.write_resources();
-        let mut helvetica = self.pdf.type1_font(HELVETICA);
-        helvetica.base_font(Name(b"Helvetica"));
-        helvetica.encoding_predefined(Name(b"WinAnsiEncoding"));
-        helvetica.finish();
-        self.pdf.type1_font(SYMBOL).base_font(Name(b"Symbol"));
-        let mut info = self.pdf.document_info(INFO);
-        info.title(TextStr(&drawing.caption.title));
-        info.subject(TextStr(&drawing.caption.description));
-        info.finish();
-        self.pdf.finish()
+    fn open_window(&mut self, area: &Area) {
+        let content = self.content();
+        content.save_state();
+        Outline::around(area).trace(&mut ContentPen(content));
+        content.clip_nonzero().end_path();
     }
 
-    fn write_resources(&mut self) {
-        let mut resources = self.pdf.indirect(RESOURCES).dict();
-        let mut fonts = resources.insert(Name(b"Font")).dict();
-        fonts.pair(Name(b"H"), HELVETICA).pair(Name(b"S"), SYMBOL);
-        fonts.finish();
-        let mut x_objects = resources.insert(Name(b"XObject")).dict();
-        for (number, id) in self.x_objects.iter().enumerate() {
-            x_objects.pair(Name(format!("X{number}").as_bytes()), *id);
-        }
-        x_objects.finish();
-        let mut states = resources.insert(Name(b"ExtGState")).dict();
-        for (number, opacity) in self.opacities.iter().enumerate() {
-            let mut state = states.insert(Name(format!("G{number}").as_bytes())).dict();
-            state.pair(Name(b"ca"), *opacity as f32);
-        }
+    fn close_window(&mut self) {
+        self.content().restore_state();
+    }
+
+    fn open_layer(&mut self, opacity: f64) {
+        self.layers.push((Content::new(), opacity));
     }
 }
 

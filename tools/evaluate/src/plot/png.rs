@@ -8,7 +8,7 @@ use ttf_parser::OutlineBuilder;
 
 use super::area::Area;
 use super::drawing::{
-    Colour, Drawing, Element, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke, TextLine,
+    Canvas, Colour, Drawing, Face, Fill, INK, Outline, Paint, Pen, Raster, SEAM, Stroke, TextLine,
     WHITE, bounded,
 };
 use super::text::Anchor;
@@ -64,65 +64,9 @@ struct Painter<'a> {
 }
 
 impl Painter<'_> {
-    fn draw(&mut self, element: &Element) {
-        match element {
-            Element::Line { from, to, paint } => {
-                self.draw_outlines(&[Outline::Open(vec![*from, *to])], paint);
-            }
-            Element::Path { outlines, paint } => self.draw_outlines(outlines, paint),
-            Element::Circle {
-                centre,
-                radius,
-                paint,
-            } => {
-                let (centre, radius) = (*centre, *radius);
-                self.draw_outlines(&[Outline::Disc { centre, radius }], paint);
-            }
-            Element::Rectangle { area, paint } => {
-                self.draw_outlines(&[Outline::around(area)], paint)
-            }
-            Element::Text(line) => self.draw_text(line),
-            Element::Image { area, raster } => self.draw_image(area, raster),
-            Element::NamedMarks { paint, marks } => {
-                for (mark, _) in marks {
-                    self.draw_outlines(std::slice::from_ref(mark), paint);
-                }
-            }
-            Element::Faces(faces) => {
-                for face in faces {
-                    self.draw_face(face);
-                }
-            }
-            Element::OpenWindow(area) => self.window = self.mask(area),
-            Element::CloseWindow => self.window = None,
-            Element::OpenLayer(opacity) => {
-                let (width, height) = (self.sheet().width(), self.sheet().height());
-                if let Some(layer) = Pixmap::new(width, height) {
-                    self.layers.push((layer, *opacity as f32));
-                }
-            }
-            Element::CloseLayer => self.close_layer(),
-        }
-    }
-
     fn sheet(&mut self) -> &mut Pixmap {
         let last = self.layers.len() - 1;
         &mut self.layers[last].0
-    }
-
-    fn close_layer(&mut self) {
-        if self.layers.len() < 2 {
-            return;
-        }
-        if let Some((layer, opacity)) = self.layers.pop() {
-            let paint = PixmapPaint {
-                opacity,
-                ..PixmapPaint::default()
-            };
-            let place = Transform::identity();
-            self.sheet()
-                .draw_pixmap(0, 0, layer.as_ref(), &paint, place, None);
-        }
     }
 
     /// What shows inside `area` alone.
@@ -133,20 +77,6 @@ impl Painter<'_> {
         Outline::around(area).trace(&mut path);
         mask.fill_path(&path.finish()?, FillRule::Winding, true, self.to_pixels);
         Some(mask)
-    }
-
-    fn draw_outlines(&mut self, outlines: &[Outline], paint: &Paint) {
-        let mut path = PathBuilder::new();
-        for outline in outlines {
-            outline.trace(&mut path);
-        }
-        let Some(path) = path.finish() else { return };
-        if let Fill::Full(colour, opacity) = paint.fill {
-            self.fill(&path, solid(colour, opacity));
-        }
-        if let Some(stroke) = &paint.stroke {
-            self.stroke(&path, stroke);
-        }
     }
 
     fn fill(&mut self, path: &tiny_skia::Path, paint: tiny_skia::Paint<'_>) {
@@ -185,6 +115,64 @@ impl Painter<'_> {
         };
         let outline = Outline::Closed(face.corners.clone());
         self.draw_outlines(&[outline], &Paint::both(face.colour, seam));
+    }
+
+    /// The outlines of a line's glyphs at their place.
+    fn text_path(&self, line: &TextLine) -> Option<tiny_skia::Path> {
+        let em = f32::from(self.font.units_per_em());
+        let (mut glyphs, mut width) = (GlyphPen::default(), 0f32);
+        for c in line.text.chars() {
+            // What the font lacks is an empty box, its first glyph.
+            let glyph = self.font.glyph_index(c).unwrap_or_default();
+            glyphs.offset = width;
+            self.font.outline_glyph(glyph, &mut glyphs);
+            width += f32::from(self.font.glyph_hor_advance(glyph).unwrap_or(0));
+        }
+        let before = match line.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => 0.5 * width,
+            Anchor::End => width,
+        };
+        let size = line.size as f32 / em;
+        // Fonts have y upwards.
+        let mut place = Transform::from_translate(-before, 0.0).post_scale(size, -size);
+        if line.upwards {
+            place = place.post_rotate(-90.0);
+        }
+        let [x, y] = [line.at.0, line.at.1].map(|side| bounded(side) as f32);
+        let place = place.post_translate(x, y);
+        glyphs.path.finish()?.transform(place)
+    }
+}
+
+impl Canvas for Painter<'_> {
+    fn close_layer(&mut self) {
+        if self.layers.len() < 2 {
+            return;
+        }
+        if let Some((layer, opacity)) = self.layers.pop() {
+            let paint = PixmapPaint {
+                opacity,
+                ..PixmapPaint::default()
+            };
+            let place = Transform::identity();
+            self.sheet()
+                .draw_pixmap(0, 0, layer.as_ref(), &paint, place, None);
+        }
+    }
+
+    fn draw_outlines(&mut self, outlines: &[Outline], paint: &Paint) {
+        let mut path = PathBuilder::new();
+        for outline in outlines {
+            outline.trace(&mut path);
+        }
+        let Some(path) = path.finish() else { return };
+        if let Fill::Full(colour, opacity) = paint.fill {
+            self.fill(&path, solid(colour, opacity));
+        }
+        if let Some(stroke) = &paint.stroke {
+            self.stroke(&path, stroke);
+        }
     }
 
     fn draw_image(&mut self, area: &Area, raster: &Raster) {
@@ -231,31 +219,25 @@ impl Painter<'_> {
         self.fill(&path, solid(INK, 1.0));
     }
 
-    /// The outlines of a line's glyphs at their place.
-    fn text_path(&self, line: &TextLine) -> Option<tiny_skia::Path> {
-        let em = f32::from(self.font.units_per_em());
-        let (mut glyphs, mut width) = (GlyphPen::default(), 0f32);
-        for c in line.text.chars() {
-            // What the font lacks is an empty box, its first glyph.
-            let glyph = self.font.glyph_index(c).unwrap_or_default();
-            glyphs.offset = width;
-            self.font.outline_glyph(glyph, &mut glyphs);
-            width += f32::from(self.font.glyph_hor_advance(glyph).unwrap_or(0));
+    fn draw_faces(&mut self, faces: &[Face]) {
+        for face in faces {
+            self.draw_face(face);
         }
-        let before = match line.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => 0.5 * width,
-            Anchor::End => width,
-        };
-        let size = line.size as f32 / em;
-        // Fonts have y upwards.
-        let mut place = Transform::from_translate(-before, 0.0).post_scale(size, -size);
-        if line.upwards {
-            place = place.post_rotate(-90.0);
+    }
+
+    fn open_window(&mut self, area: &Area) {
+        self.window = self.mask(area);
+    }
+
+    fn close_window(&mut self) {
+        self.window = None;
+    }
+
+    fn open_layer(&mut self, opacity: f64) {
+        let (width, height) = (self.sheet().width(), self.sheet().height());
+        if let Some(layer) = Pixmap::new(width, height) {
+            self.layers.push((layer, opacity as f32));
         }
-        let [x, y] = [line.at.0, line.at.1].map(|side| bounded(side) as f32);
-        let place = place.post_translate(x, y);
-        glyphs.path.finish()?.transform(place)
     }
 }
 
