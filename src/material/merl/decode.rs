@@ -106,9 +106,9 @@ fn push_cells(planes: [&[u8]; 3], table: &mut TableBuilder) {
 #[inline(always)]
 fn push_blocks(planes: [&[u8]; 3], table: &mut TableBuilder) {
     let planes = planes.map(|plane| plane.as_chunks::<8>().0);
-    let blocks = planes.map(|plane| plane.as_chunks::<BLOCK>().0);
-    for number in 0..blocks[0].len() {
-        let block = Block::decode([blocks[0][number], blocks[1][number], blocks[2][number]]);
+    let [red, green, blue] = planes.map(|plane| plane.as_chunks::<BLOCK>().0);
+    for (number, ((r, g), b)) in red.iter().zip(green).zip(blue).enumerate() {
+        let block = Block::decode([*r, *g, *b]);
         if block.is_ordinary {
             table.extend(&block.cells());
         } else {
