@@ -29,7 +29,7 @@ fn run_task(name: &str) -> Option<tempfile::TempDir> {
     let printed = String::from_utf8(output.stdout).unwrap();
     let complaints = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{printed}{complaints}");
-    for line in printed.lines().filter(|line| line.contains(" s  merlkit ")) {
+    for line in printed.lines().filter(|line| line.contains(" s  ")) {
         println!("{name}: {line}");
     }
     Some(folder)
@@ -59,6 +59,25 @@ fn a_student_makes_figures_of_a_folder() {
     }
     let solids = merlkit::image::read_image(&folder.path().join("out/solids.png")).unwrap();
     assert_eq!(solids.width(), 1600);
+}
+
+#[test]
+fn a_renderer_author_has_materials_by_name() {
+    let compiler = Command::new("c++").arg("--version").output();
+    if !compiler.is_ok_and(|found| found.status.success()) {
+        eprintln!("skipped: there is no c++");
+        return;
+    }
+    let Some(folder) = run_task("renderer") else {
+        return;
+    };
+    let out = folder.path().join("out");
+    let picture = std::fs::read(out.join("picture.pfm")).unwrap();
+    // Two spheres beside each other, three floats a pixel.
+    let head = b"PF\n192 96\n-1.0\n";
+    assert_eq!(picture.len(), head.len() + 12 * 192 * 96);
+    assert!(picture.starts_with(head));
+    assert!(out.join("red-plastic.merlkit").exists());
 }
 
 #[test]

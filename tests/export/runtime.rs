@@ -323,7 +323,7 @@ fn a_renderer_in_cpp_has_materials_by_name() {
     let program = compile(
         folder.path(),
         compiler,
-        &Path::new(HERE).join("sphere.cpp"),
+        &Path::new(HERE).join("../tasks/renderer/sphere.cpp"),
         &[],
     );
     let seconds_compiled = started.elapsed().as_secs_f64();

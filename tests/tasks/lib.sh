@@ -9,10 +9,16 @@ brdfs=$1
 out=$2
 mkdir -p "$out"
 
-step() {
-  local start=$EPOCHREALTIME
-  "$merlkit" "$@"
+# Runs the words after the first, which say what was done.
+timed() {
+  local what=$1 start=$EPOCHREALTIME
+  shift
+  "$@"
   local seconds
   seconds=$(awk -v from="$start" -v to="$EPOCHREALTIME" 'BEGIN { printf "%.1f", to - from }')
-  printf '%6s s  merlkit %s\n' "$seconds" "$*"
+  printf '%6s s  %s\n' "$seconds" "$what"
+}
+
+step() {
+  timed "merlkit $*" "$merlkit" "$@"
 }
