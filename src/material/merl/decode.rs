@@ -108,7 +108,7 @@ fn push_blocks(planes: [&[u8]; 3], table: &mut TableBuilder) {
     let planes = planes.map(|plane| plane.as_chunks::<8>().0);
     let [red, green, blue] = planes.map(|plane| plane.as_chunks::<BLOCK>().0);
     for (number, ((r, g), b)) in red.iter().zip(green).zip(blue).enumerate() {
-        let block = Block::decode([*r, *g, *b]);
+        let block = CellBlock::decode([*r, *g, *b]);
         if block.is_ordinary {
             table.extend(&block.cells());
         } else {
@@ -133,13 +133,13 @@ fn push_one_by_one([red, green, blue]: [&[[u8; 8]]; 3], table: &mut TableBuilder
 }
 
 /// The numbers of a few cells by channel, in columns that vector code works on.
-struct Block {
+struct CellBlock {
     channels: [[f32; BLOCK]; 3],
     /// Whether all cells have three usable channels and no mark of a filled one.
     is_ordinary: bool,
 }
 
-impl Block {
+impl CellBlock {
     #[inline(always)]
     fn decode(bytes: [[[u8; 8]; BLOCK]; 3]) -> Self {
         let mut channels = [[0.0; BLOCK]; 3];
