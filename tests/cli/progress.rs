@@ -27,7 +27,7 @@ fn type_in(folder: &Path, words: &str) -> Option<String> {
 #[test]
 fn work_of_one_part_shows_a_bar_before_it_is_done() {
     let folder = tempfile::tempdir().unwrap();
-    let sampler = "--threads 1 --sampler adaptive-disc:tables=80";
+    let sampler = "--threads 1 --sampler adaptive-disc:tables=800";
     for (words, verb) in [
         (
             format!("build nickel {sampler} -o a.safetensors"),

@@ -69,3 +69,12 @@ pub fn json(text: &str) -> serde_json::Value {
     assert_documented(&document);
     document
 }
+
+/// A plot as SVG without the line that says which command drew it.
+pub fn without_origin(svg: &str) -> String {
+    let mut lines: Vec<&str> = svg.lines().collect();
+    let all = lines.len();
+    lines.retain(|line| !line.starts_with("<metadata>merlkit "));
+    assert_eq!(lines.len(), all - 1, "one line says where it comes from");
+    lines.join("\n")
+}
