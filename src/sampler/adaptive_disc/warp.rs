@@ -280,17 +280,12 @@ impl<B: CellBounds> WarpGrower<'_, B> {
 
     /// Mean of f and of its square over a cell of the square.
     fn moments(&self, cell: Rect) -> (f64, f64) {
-        let mut wi = [Vec3::ZERO; POINTS * POINTS];
-        for (k, wi) in wi.iter_mut().enumerate() {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for k in 0..POINTS * POINTS {
             // The map takes all points of a cell into the disc, so that each of the midpoints counts.
             let t =
                 DVec2::new((k % POINTS) as f64 + 0.5, (k / POINTS) as f64 + 0.5) / POINTS as f64;
-            *wi = Slice::above_disc(concentric_disc(cell.point(t)));
-        }
-        let mut values = [0.0; POINTS * POINTS];
-        self.slice.values(&wi, &mut values);
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for f in values {
+            let f = self.slice.value_on_disc(concentric_disc(cell.point(t)));
             sum += f;
             squares += f * f;
         }
