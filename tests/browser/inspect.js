@@ -97,6 +97,11 @@ function judge(width) {
     const shade = getComputedStyle(cell).backgroundColor;
     if (shade === page || channels(shade)[3] === 0) faults.push(`"${cell.textContent}" is not shaded`);
   }
+  // Names that are squeezed are broken between any two letters.
+  for (const name of document.querySelectorAll("th[scope=row]")) {
+    const across = name.getBoundingClientRect().width;
+    if (across > 0 && across < 40) faults.push(`"${name.textContent}" is squeezed into ${across.toFixed(0)} px`);
+  }
   for (const frame of document.querySelectorAll(".wide")) {
     frame.scrollLeft = frame.scrollWidth;
     const name = frame.querySelector("th[scope=row]");
