@@ -16,7 +16,7 @@ mod table_code;
 mod templates;
 mod wgsl;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::files::{Overwrite, write_new};
 use crate::{Error, Result};
@@ -58,6 +58,19 @@ impl Export {
             ("merlkit.hlsl", shaders::hlsl()),
             ("merlkit.wgsl", shaders::wgsl()),
         ]
+    }
+
+    /// [`Self::runtime_code`] that `folder` does not hold yet, with its paths. It is the same for all materials, so that more of them can be
+    /// exported to one folder.
+    pub fn missing_runtime_code(folder: &Path) -> Vec<(PathBuf, String)> {
+        let mut missing = Vec::new();
+        for (name, text) in Self::runtime_code() {
+            let path = folder.join(name);
+            if std::fs::read(&path).ok().as_deref() != Some(text.as_bytes()) {
+                missing.push((path, text));
+            }
+        }
+        missing
     }
 
     /// Writes the table and [`Self::values`] as a file for [`Self::runtime_code`]; returns the file's length in bytes.

@@ -58,15 +58,15 @@ pub(crate) struct BinQuadrature {
     shape: BinShape,
     pieces: Vec<Piece>,
     is_near_normal: bool,
-    /// cos θd at the edges of its bins.
-    theta_d_edges: Vec<f64>,
-    /// Sine and cosine of φd at the edges of its bins in half a turn.
-    phi_d_edges: Vec<(f64, f64)>,
 }
 
 /// What the points of one θh are collected in.
 struct DirectionRow<F> {
     values: F,
+    /// cos θd at the edges of its bins.
+    theta_d_edges: Vec<f64>,
+    /// Sine and cosine of φd at the edges of its bins in half a turn.
+    phi_d_edges: Vec<(f64, f64)>,
     cuts: Vec<f64>,
     wi: Vec<Vec3>,
     weights: Vec<f64>,
@@ -121,10 +121,6 @@ impl BinQuadrature {
             .map(|pair| piece(pair[0], pair[1], cut, end))
             .collect();
         Some(Self {
-            theta_d_edges: (0..THETA_D_BINS)
-                .map(|edge| shape.angle(edge).cos())
-                .collect(),
-            phi_d_edges: (0..180).map(|edge| shape.angle(edge).sin_cos()).collect(),
             domain,
             wo: wo.as_dvec3().normalize(),
             shape,
@@ -143,8 +139,13 @@ impl BinQuadrature {
     ///
     /// `values` writes f of each direction to the place of the same number.
     pub fn integrate(&self, tolerance: f64, values: impl FnMut(&[Vec3], &mut [f64])) -> f64 {
+        let shape = self.shape;
         let mut row = DirectionRow {
             values,
+            theta_d_edges: (0..THETA_D_BINS)
+                .map(|edge| shape.angle(edge).cos())
+                .collect(),
+            phi_d_edges: (0..180).map(|edge| shape.angle(edge).sin_cos()).collect(),
             cuts: Vec::new(),
             wi: Vec::new(),
             weights: Vec::new(),
@@ -230,7 +231,7 @@ impl BinQuadrature {
     /// ∫ f cos θi·dσ(wi)/dθh over the azimuth at one θh: 4 (wo·h) sin θh cos θi dφ.
     fn row(&self, theta_h: f64, row: &mut DirectionRow<impl FnMut(&[Vec3], &mut [f64])>) -> f64 {
         // Step 1: the azimuths between which the values are constant or smooth.
-        self.azimuth_cuts(theta_h, &mut row.cuts);
+        self.azimuth_cuts(theta_h, row);
         let circle = HalfVectorCircle::new(self.wo, theta_h);
         row.wi.clear();
         row.weights.clear();
@@ -271,7 +272,8 @@ impl BinQuadrature {
     }
 
     /// The azimuths from 0 to the horizon's at which a bin of θd or φd ends, ascending; the same hold below 0.
-    fn azimuth_cuts(&self, theta_h: f64, cuts: &mut Vec<f64>) {
+    fn azimuth_cuts<F>(&self, theta_h: f64, row: &mut DirectionRow<F>) {
+        let cuts = &mut row.cuts;
         let end = self.domain.phi_max(theta_h);
         cuts.clear();
         cuts.extend([0.0, end]);
@@ -282,12 +284,12 @@ impl BinQuadrature {
         let (sin_h, cos_h) = theta_h.sin_cos();
         let (sin_o, cos_o) = (self.wo.x, self.wo.z);
         // cos φ = (cos θd − cos θo cos θh)/(sin θo sin θh); NaN where there is no such φ.
-        for cos_d in &self.theta_d_edges {
+        for cos_d in &row.theta_d_edges {
             let phi = ((cos_d - cos_o * cos_h) / (sin_o * sin_h)).acos();
             push_inside(cuts, phi, end);
         }
         // sin θo cos ψ sin φ + sin θo cos θh sin ψ cos φ = cos θo sin θh sin ψ at φd = ψ and at φd = ψ + π.
-        for &(sin, cos) in &self.phi_d_edges {
+        for &(sin, cos) in &row.phi_d_edges {
             let (p, q) = (sin_o * cos_h * sin, sin_o * cos);
             // p cos φ + q sin φ = √(p² + q²) cos(φ − middle), so that both solutions lie at ±`reach` from `middle`.
             let middle = q.atan2(p);

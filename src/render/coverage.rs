@@ -10,8 +10,8 @@ use super::tracer::Tracer;
 /// Rays per pixel, at most: the fraction is then exact to a thousandth.
 const MOST_RAYS: u64 = 1024;
 
-/// For each pixel of the tracer's region, row after row, the fraction of its camera rays that meet an object. They are the first `done` of `paths` paths
-/// that pictures trace in it, or where these are too many, as many as are enough.
+/// For each pixel of the tracer's region, row after row, the fraction of its camera rays that meet an object. They are the first `done`
+/// of `paths` paths that pictures trace in it, or where these are too many, as many as are enough.
 pub(super) fn measure_coverage(tracer: &Tracer<'_>, done: u64, paths: u64) -> Vec<f32> {
     let (done, paths) = match paths > MOST_RAYS {
         true => (MOST_RAYS, MOST_RAYS),

@@ -61,6 +61,17 @@ impl Destination {
     }
 }
 
+/// Refuses to write JSON and CSV to the same place.
+pub fn refuse_same(json: Option<&Destination>, csv: Option<&Destination>) -> Result<(), Error> {
+    if json.is_some() && json == csv {
+        return Err(Error::argument(
+            "--json and --csv name the same output",
+            "name two files, or omit one of the options",
+        ));
+    }
+    Ok(())
+}
+
 /// Writes to standard output through a buffer; the only way a command prints.
 pub fn stdout(fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     let printed = if io::stdout().is_terminal() {

@@ -40,8 +40,8 @@ pub(super) fn part_done(whole: u64, round: u64, rounds: u64) -> u64 {
     (u128::from(whole) * u128::from(round) / u128::from(rounds.max(1))) as u64
 }
 
-/// Traces one round: for each pixel of the tracer's region the paths that `paths_of([x, y])` returns. Each pixel's paths are added in order, so that
-/// the moments have the same bits for any rounds and any number of threads. `row_done` is called after each row.
+/// Traces one round: for each pixel of the tracer's region the paths that `paths_of([x, y])` returns. Each pixel's paths are added in
+/// order, so that the moments have the same bits for any rounds and any number of threads. `row_done` is called after each row.
 pub(super) fn trace_round(
     tracer: &Tracer<'_>,
     moments: &mut [RunningMoments],

@@ -1,13 +1,13 @@
 //! `merlkit export`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use merlkit::Error;
 use merlkit::brdf::Importance;
 use merlkit::export::{Export, refuse_same_identifier};
-use merlkit::files::{Overwrite, check_writable, write_new};
+use merlkit::files::check_writable;
 use merlkit::material::rgl::{BsdfFile, BsdfSize, RglBrdf, tabulate};
 use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::{HalfVectorSettings, SamplerSpec};
@@ -125,7 +125,10 @@ pub fn run(args: &Args) -> Outcome {
     for path in materials.iter().flat_map(|m| args.paths(m)) {
         check_writable(&path, output::overwrite(args.force))?;
     }
-    let code = args.missing_code();
+    let code = match args.format {
+        Format::Runtime => Export::missing_runtime_code(&args.output),
+        Format::Bsdf | Format::Npz | Format::Header => Vec::new(),
+    };
     for (path, _) in &code {
         check_writable(path, output::overwrite(args.force))?;
     }
@@ -147,7 +150,10 @@ pub fn run(args: &Args) -> Outcome {
     }
     drop(progress);
     for (path, text) in &code {
-        write_text(path, text, output::overwrite(args.force))?;
+        let file = output::Destination::File(path.clone());
+        file.write(output::overwrite(args.force), |out| {
+            out.write_all(text.as_bytes())
+        })?;
         let bytes = text.len() as u64;
         sheet.push(drawn_row(
             path.display().to_string(),
@@ -234,28 +240,6 @@ impl Args {
             .map(|end| self.output.join(format!("{}.{end}", material.name())))
             .collect()
     }
-
-    /// The code of run-time tables that is not in the folder yet. It is the same for all materials, so that more of them can be
-    /// exported to one folder.
-    fn missing_code(&self) -> Vec<(PathBuf, String)> {
-        let mut missing = Vec::new();
-        if self.format == Format::Runtime {
-            for (name, text) in Export::runtime_code() {
-                let path = self.output.join(name);
-                if std::fs::read(&path).ok().as_deref() != Some(text.as_bytes()) {
-                    missing.push((path, text));
-                }
-            }
-        }
-        missing
-    }
-}
-
-fn write_text(path: &Path, text: &str, overwrite: Overwrite) -> Result<(), Error> {
-    write_new(path, overwrite, |out| {
-        out.write_all(text.as_bytes())
-            .map_err(|e| Error::io(path, "write", e))
-    })
 }
 
 /// Writes a material's `.bsdf` files; false if the error of one is too large to write it.

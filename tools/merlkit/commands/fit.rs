@@ -229,13 +229,7 @@ impl Args {
 
     /// Says before the work which files can't be written, or would be replaced.
     fn check_files(&self, materials: &[Material], overwrite: Overwrite) -> Result<(), Error> {
-        if self.json.is_some() && self.json == self.csv {
-            let fix = "name two files, or omit one of the options";
-            return Err(Error::argument(
-                "--json and --csv name the same output",
-                fix,
-            ));
-        }
+        output::refuse_same(self.json.as_ref(), self.csv.as_ref())?;
         let mut files: Vec<Destination> = self.json.iter().chain(&self.csv).cloned().collect();
         files.extend(self.page.iter().cloned().map(Destination::File));
         if let Some(folder) = &self.output

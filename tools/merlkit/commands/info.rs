@@ -57,10 +57,7 @@ pub fn run(args: &Args) -> Outcome {
         }
     }
     let overwrite = output::overwrite(args.force);
-    if args.json.is_some() && args.json == args.csv {
-        let fix = "name two files, or omit one of the options";
-        return Err(Error::argument("--json and --csv name the same output", fix).into());
-    }
+    output::refuse_same(args.json.as_ref(), args.csv.as_ref())?;
     for destination in args.json.iter().chain(&args.csv) {
         destination.check(overwrite)?;
     }

@@ -66,7 +66,7 @@ pub fn export(
         paths.push(folder.join(format!("{}.{end}", material.loaded().name())));
     }
     let code = if kind == FileKind::Runtime {
-        missing_code(&folder)
+        Export::missing_runtime_code(&folder)
     } else {
         Vec::new()
     };
@@ -88,18 +88,6 @@ pub fn export(
         paths.push(path);
     }
     Ok(paths)
-}
-
-/// The code of run-time tables that is not in the folder yet: it is the same for all materials.
-fn missing_code(folder: &Path) -> Vec<(PathBuf, String)> {
-    let mut missing = Vec::new();
-    for (name, text) in Export::runtime_code() {
-        let path = folder.join(name);
-        if std::fs::read(&path).ok().as_deref() != Some(text.as_bytes()) {
-            missing.push((path, text));
-        }
-    }
-    missing
 }
 
 /// Writes the half-vector table with the values.

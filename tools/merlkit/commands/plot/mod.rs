@@ -186,8 +186,12 @@ pub fn run(args: &Args) -> Outcome {
     }
     let chart = args.chart(&loaded, thetas, &specs, &progress)?;
     drop(progress);
-    let provenance = provenance::record(args.seed, &materials)?;
-    args.write(&chart, format, &destination, &provenance.lines())?;
+    let origin = match format {
+        // These say nothing of where they come from.
+        Format::Csv | Format::Pdf => Vec::new(),
+        _ => provenance::record(args.seed, &materials)?.lines(),
+    };
+    args.write(&chart, format, &destination, &origin)?;
     if let Some(numbers) = &args.csv {
         args.write_bytes(chart.csv().as_bytes(), numbers)?;
     }
