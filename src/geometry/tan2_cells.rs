@@ -18,12 +18,6 @@ pub(crate) fn cell(tan2: f64) -> usize {
     (tan2.to_bits() >> SHIFT).wrapping_sub(FIRST) as usize
 }
 
-/// Start of the cell that holds a squared tangent.
-#[inline(always)]
-pub(crate) fn start(tan2: f64) -> f64 {
-    f64::from_bits(tan2.to_bits() >> SHIFT << SHIFT)
-}
-
 /// Start and end of a cell.
 pub(crate) fn bounds(cell: usize) -> (f64, f64) {
     (first_in_cell(cell as u64), first_in_cell(cell as u64 + 1))

@@ -6,7 +6,6 @@ use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 
 use super::BinIndex;
-use super::lookup::coordinates::CoordinateTables;
 use super::lookup::half_diff_tan2::HalfDiffTan2;
 use super::lookup::trilinear::CellNeighbours;
 use super::lookup::{LookupRule, batch};
@@ -72,16 +71,12 @@ impl MerlBrdf {
     }
 
     fn trilinear(&self, offset: f64, wo: Vec3, wi: Vec3) -> Rgb {
-        let tables = CoordinateTables::get();
         let bins = self.table.phi_d_bins();
-        CellNeighbours::find(
-            tables,
-            HalfDiffTan2::from_directions(wo, wi),
-            wi,
-            bins,
-            offset,
-        )
-        .map_or(Rgb::ZERO, |n| n.mean(&self.table))
+        let tan2 = HalfDiffTan2::from_directions(wo, wi);
+        match CellNeighbours::find(tan2, wi, bins, offset) {
+            Some(neighbours) => neighbours.mean(&self.table),
+            None => Rgb::ZERO,
+        }
     }
 }
 

@@ -11,6 +11,9 @@ use crate::sampler::Settings;
 use crate::sampler::azimuth_knots::check_azimuths;
 use crate::sampler::direction_knots::DirectionKnots;
 
+/// Sine of the direction that stands for the normal: it has an azimuth, and is the normal to f32.
+const LEAST_SINE: f32 = 1e-12;
+
 /// Quadtrees on the disc and the BRDF that draws are accepted under.
 ///
 /// See [`SamplerSpec`](crate::sampler::SamplerSpec) for an example that builds a sampler.
@@ -128,7 +131,14 @@ impl AdaptiveDisc {
         let mut directions = Vec::with_capacity(knots.polar.count());
         for k in 0..knots.polar.count() {
             let (sin, cos) = knots.polar.theta(k).sin_cos();
-            directions.push([sin as f32, cos as f32]);
+            // Without a length in the plane the normal would forget the azimuth that its tree is turned by. Values of measured
+            // files depend on it there; those of a table don't.
+            let least = if material.table().is_none() {
+                LEAST_SINE
+            } else {
+                0.0
+            };
+            directions.push([(sin as f32).max(least), cos as f32]);
         }
         Ok(Self {
             material: material.clone(),
@@ -197,5 +207,51 @@ impl AdaptiveDisc {
         let wo = self.knot_direction(tree).as_vec3();
         let f = self.material.brdf().eval(wo, wi);
         f64::from(self.settings.importance.reduce(f))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::brdf::Brdf;
+    use crate::direction_sampler::DirectionSampler;
+    use crate::geometry::{cosine_hemisphere, spherical};
+    use crate::material::Loaded;
+    use crate::points::Stream;
+
+    /// Isotropic, and still not constant about the normal where `wo` is the normal: as noisy measurements are.
+    struct Lopsided;
+
+    impl Brdf for Lopsided {
+        fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+            let apart = wi.y.atan2(wi.x) - wo.y.atan2(wo.x);
+            Vec3::splat(0.2 + 0.1 * apart.cos())
+        }
+
+        fn is_isotropic(&self) -> bool {
+            true
+        }
+    }
+
+    /// Next to the normal the density integrates to 1 at every azimuth, and draws have it.
+    #[test]
+    fn trees_of_the_normal_are_turned_with_the_direction_asked_for() {
+        let material = Loaded::from_brdf(Arc::new(Lopsided));
+        let disc = AdaptiveDisc::build(&material, AdaptiveDiscSettings::default()).unwrap();
+        let mut random = Stream::new(3);
+        for azimuth in [0.0, 0.65, 2.0, 4.4] {
+            let wo = spherical(0.01, azimuth).as_vec3();
+            let (mut mass, count) = (0.0, 20_000);
+            for _ in 0..count {
+                let u = DVec2::new(random.next_f64(), random.next_f64());
+                let wi = cosine_hemisphere(u).as_vec3();
+                mass += f64::from(disc.pdf(wo, wi)) / f64::from(wi.z) * 0.5 * TAU;
+            }
+            let mass = mass / f64::from(count);
+            assert!((mass - 1.0).abs() < 0.01, "{azimuth}: {mass}");
+        }
     }
 }

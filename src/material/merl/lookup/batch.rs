@@ -8,7 +8,7 @@ use glam::{Vec3, Vec4};
 
 use super::bins::find_bins;
 use super::compact;
-use super::coordinates::CoordinateTables;
+use super::coordinates::Coordinates;
 use super::half_diff_tan2::HalfDiffTan2;
 use super::rule::LookupRule;
 use super::trilinear::CellNeighbours;
@@ -120,12 +120,23 @@ impl Block {
     /// The mean of each pair's neighbours, whose values are taken to be at `bin + offset`.
     #[inline(always)]
     fn trilinear(&self, table: &MerlTable, offset: f64, out: &mut [Rgb]) {
-        let tables = CoordinateTables::get();
         let bins = table.phi_d_bins();
+        let mut places = Columns::<f64, 3, LANES>::splat([0.0; 3]);
+        for lane in 0..LANES {
+            let place = Coordinates::compute(self.tangents(lane), bins);
+            places.set(lane, [place.theta_h, place.theta_d, place.phi_d]);
+        }
         let mut neighbours = [None; LANES];
         let count = out.len().min(LANES);
         for (lane, n) in neighbours[..count].iter_mut().enumerate() {
-            *n = CellNeighbours::find(tables, self.tangents(lane), self.wi.get(lane), bins, offset);
+            let [theta_h, theta_d, phi_d] = places.get(lane);
+            let place = Coordinates {
+                theta_h,
+                theta_d,
+                phi_d,
+            };
+            let tan2_theta_h = self.tangents(lane).theta_h;
+            *n = CellNeighbours::surround(place, tan2_theta_h, self.wi.get(lane), bins, offset);
         }
         if table.has_partial_cells() {
             read_partial_cells(table, &neighbours, out);

@@ -1,10 +1,6 @@
-//! From squared tangents to coordinates in bins, by cubics.
-
-use std::sync::LazyLock;
+//! From squared tangents to coordinates in bins, in arithmetic that a compiler turns into vector code.
 
 use super::half_diff_tan2::HalfDiffTan2;
-use crate::geometry::merl_axes::{degree_coordinate, theta_h_coordinate};
-use crate::geometry::tan2_cells::{self, CELLS};
 
 /// A pair's place in a table, in units of bins from the lower edge of bin 0 on each axis.
 #[derive(Clone, Copy, Debug)]
@@ -17,138 +13,114 @@ pub(in crate::material::merl) struct Coordinates {
     pub phi_d: f64,
 }
 
-/// Coordinates by squared tangents: within 7·10⁻⁷ bins of arctangents, continuous and exact at the ends of cells. 64 KB.
-pub(in crate::material::merl) struct CoordinateTables {
-    theta_h: Cubics,
-    degrees: Cubics,
-}
-
-impl CoordinateTables {
-    /// The tables, filled at the first call.
+impl Coordinates {
+    /// Coordinates of a valid pair, within 2·10⁻⁷ bins of arctangents. Where θh is 0, φd means nothing: it is the azimuth of `wi`.
     #[inline(always)]
-    pub fn get() -> &'static Self {
-        static TABLES: LazyLock<CoordinateTables> = LazyLock::new(|| CoordinateTables {
-            theta_h: Cubics::new(theta_h_coordinate),
-            degrees: Cubics::new(degree_coordinate),
-        });
-        &TABLES
-    }
-
-    /// Coordinates of a valid pair. `azimuth` gives the azimuth of wi in degrees, wanted where it is φd.
-    #[inline(always)]
-    pub fn compute(
-        &self,
-        tan2: HalfDiffTan2,
-        phi_d_bins: usize,
-        azimuth: impl FnOnce() -> f64,
-    ) -> Coordinates {
-        let phi_d = if tan2.theta_h > 0.0 {
-            // Degrees on either side of φd = 0 or, in a table of 360, of φd = π.
-            let opposite = (phi_d_bins == 360) & ((tan2.half_turn < 0.0) != (tan2.phi_d < 0.0));
-            self.degrees
-                .interpolate(tan2.phi_d.abs())
-                .copysign(tan2.phi_d)
-                + 180.0 * f64::from(u8::from(opposite))
-        } else {
-            azimuth()
-        };
-        Coordinates {
-            theta_h: self.theta_h.interpolate(tan2.theta_h),
-            theta_d: self.degrees.interpolate(tan2.theta_d),
-            phi_d,
-        }
-    }
-}
-
-/// A function of a squared tangent, as a cubic in each cell.
-struct Cubics {
-    exact: fn(f64) -> f64,
-    cells: Box<[[f64; 4]; CELLS]>,
-}
-
-impl Cubics {
-    fn new(exact: fn(f64) -> f64) -> Self {
+    pub fn compute(tan2: HalfDiffTan2, phi_d_bins: usize) -> Self {
+        // Degrees on either side of φd = 0 or, in a table of 360, of φd = π.
+        let falling = tan2.phi_d < 0.0;
+        let opposite = (phi_d_bins == 360) & ((tan2.half_turn < 0.0) != falling);
+        let degrees = 90.0 * quarter_turns(tan2.phi_d.abs());
+        let signed = if falling { -degrees } else { degrees };
         Self {
-            exact,
-            cells: Box::new(std::array::from_fn(|k| cubic(exact, k))),
+            // c = 90·√(θh/(π/2))
+            theta_h: 90.0 * quarter_turns(tan2.theta_h).sqrt(),
+            theta_d: 90.0 * quarter_turns(tan2.theta_d),
+            phi_d: if opposite { signed + 180.0 } else { signed },
         }
-    }
-
-    /// The function at a squared tangent ≥ 0; its value at 0 for NaN.
-    #[inline(always)]
-    fn interpolate(&self, t: f64) -> f64 {
-        let Some(c) = self.cells.get(tan2_cells::cell(t)) else {
-            return self.beyond(t);
-        };
-        let x = t - tan2_cells::start(t);
-        (c[0] + c[1] * x) + (c[2] + c[3] * x) * (x * x)
-    }
-
-    #[cold]
-    fn beyond(&self, t: f64) -> f64 {
-        (self.exact)(if t > 0.0 { t } else { 0.0 })
     }
 }
 
-/// Coefficients of the cubic through four values in a cell, by powers of the distance from its start. With nodes at
-/// (1 ± 1)/2 and (1 ± (√2 − 1))/2 of the cell it is continuous, and its error the least that a continuous one can have.
-fn cubic(f: fn(f64) -> f64, cell: usize) -> [f64; 4] {
-    let (start, end) = tan2_cells::bounds(cell);
-    let inner = (std::f64::consts::SQRT_2 - 1.0) * 0.5;
-    let x = [0.0, 0.5 - inner, 0.5 + inner, 1.0].map(|s| s * (end - start));
-    let mut d = x.map(|x| f(start + x));
-    // Newton's divided differences, then Horner's scheme on polynomials.
-    for order in 1..4 {
-        for i in (order..4).rev() {
-            d[i] = (d[i] - d[i - 1]) / (x[i] - x[i - order]);
-        }
-    }
-    let mut c = [d[3], 0.0, 0.0, 0.0];
-    for i in (0..3).rev() {
-        for k in (1..4).rev() {
-            c[k] = c[k - 1] - x[i] * c[k];
-        }
-        c[0] = d[i] - x[i] * c[0];
-    }
-    c
+/// The angle in [0, 1] quarter turns whose squared tangent is `tan2` ≥ 0, to 8·10⁻¹⁰; 0 for NaN, 1 for infinity.
+#[inline(always)]
+fn quarter_turns(tan2: f64) -> f64 {
+    // arctan(t)/t in quarter turns as a polynomial in t² on [0, 1]: minimax in t·P(t²), with P(0) = 2/π exact.
+    const C: [f64; 10] = [
+        std::f64::consts::FRAC_2_PI,
+        -0.212_206_142_172_572_53,
+        0.127_308_802_638_172_24,
+        -0.090_753_091_543_192,
+        0.069_456_966_161_563_38,
+        -0.052_774_181_815_641_245,
+        0.035_731_665_973_233_57,
+        -0.018_746_123_180_936_74,
+        0.006_382_458_354_069_254,
+        -0.001_020_127_493_160_140_3,
+    ];
+    // Step 1: the squared tangent of the angle or, beyond half a quarter, of its complement: tan(π/2 − α) = 1/tan α.
+    let steep = tan2 > 1.0;
+    let t2 = if steep { 1.0 / tan2 } else { tan2 };
+    let t2 = if t2 > 0.0 { t2 } else { 0.0 };
+    // Step 2: P by Estrin's scheme, whose chains are shorter than Horner's.
+    let t4 = t2 * t2;
+    let low = (C[0] + C[1] * t2) + (C[2] + C[3] * t2) * t4;
+    let high = (C[4] + C[5] * t2) + (C[6] + C[7] * t2) * t4;
+    let t8 = t4 * t4;
+    let angle = t2.sqrt() * (low + high * t8 + (C[8] + C[9] * t2) * (t8 * t8));
+    // Step 3: back from the complement.
+    if steep { 1.0 - angle } else { angle }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::merl_axes::{degree_coordinate, theta_h_coordinate};
 
-    #[test]
-    fn coordinates_are_those_of_arctangents() {
-        let tables = CoordinateTables::get();
-        let mut worst = [0.0f64; 2];
-        for i in 0..=400_000 {
-            // Squared tangents from 2⁻⁶⁰ to 2²⁰, past both ends of the tables.
-            let t = (f64::from(i) / 5000.0 - 60.0).exp2();
-            worst[0] = worst[0].max((tables.theta_h.interpolate(t) - theta_h_coordinate(t)).abs());
-            worst[1] = worst[1].max((tables.degrees.interpolate(t) - degree_coordinate(t)).abs());
-        }
-        assert!(worst.iter().all(|&e| e < 7e-7), "{worst:?}");
+    fn coordinates(tan2: f64) -> Coordinates {
+        let all = HalfDiffTan2 {
+            theta_h: tan2,
+            theta_d: tan2,
+            phi_d: tan2,
+            half_turn: 1.0,
+        };
+        Coordinates::compute(all, 180)
     }
 
     #[test]
-    fn ends_are_exact() {
-        let tables = CoordinateTables::get();
-        for table in [&tables.theta_h, &tables.degrees] {
-            assert_eq!(
-                [0.0, f64::NAN, f64::INFINITY].map(|t| table.interpolate(t)),
-                [0.0, 0.0, 90.0]
+    fn coordinates_are_those_of_arctangents() {
+        let mut worst = [0.0f64; 3];
+        for i in 0..=400_000 {
+            // Squared tangents from 2⁻⁶⁰ to 2²⁰.
+            let t = (f64::from(i) / 5000.0 - 60.0).exp2();
+            let found = coordinates(t);
+            let degrees = degree_coordinate(t);
+            worst[0] = worst[0].max((found.theta_h - theta_h_coordinate(t)).abs());
+            worst[1] = worst[1].max((found.theta_d - degrees).abs());
+            worst[2] = worst[2].max((found.phi_d - degrees).abs());
+        }
+        assert!(worst.iter().all(|&e| e < 2e-7), "{worst:?}");
+    }
+
+    #[test]
+    fn ends_are_exact_and_the_complement_joins() {
+        for (tan2, expected) in [(0.0, 0.0), (f64::NAN, 0.0), (f64::INFINITY, 90.0)] {
+            let found = coordinates(tan2);
+            assert_eq!([found.theta_h, found.theta_d], [expected; 2], "{tan2}");
+        }
+        let step = coordinates(1f64.next_up()).theta_d - coordinates(1.0).theta_d;
+        assert!(step.abs() < 2e-7, "{step}");
+    }
+
+    /// −φd and, in a table of 360 bins, the other half turn.
+    #[test]
+    fn azimuths_have_their_half_turn() {
+        for (phi_d, half_turn, expected) in [
+            (1.0, 1.0, 45.0),
+            (-1.0, 1.0, 135.0),
+            (1.0, -1.0, 225.0),
+            (-1.0, -1.0, -45.0),
+        ] {
+            let tan2 = HalfDiffTan2 {
+                theta_h: 1.0,
+                theta_d: 1.0,
+                phi_d,
+                half_turn,
+            };
+            let found = Coordinates::compute(tan2, 360).phi_d;
+            assert!(
+                (found - expected).abs() < 1e-6,
+                "{phi_d} {half_turn}: {found}"
             );
-            for k in 0..CELLS {
-                let (start, end) = tan2_cells::bounds(k);
-                assert!(
-                    (table.interpolate(start) - (table.exact)(start)).abs() < 1e-12,
-                    "{start}"
-                );
-                assert!(
-                    (table.interpolate(end.next_down()) - (table.exact)(end)).abs() < 1e-11,
-                    "{end}"
-                );
-            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::bins::azimuth;
-use super::coordinates::CoordinateTables;
+use super::coordinates::Coordinates;
 use super::half_diff_tan2::HalfDiffTan2;
 use crate::color::Rgb;
 use crate::geometry::merl_axes::{THETA_D_BINS, THETA_H_BINS};
@@ -76,20 +76,31 @@ impl CellNeighbours {
     /// The neighbours of a pair whose values lie at `bin + offset`: 0 for edges, ½ for centres; `None` unless both directions are
     /// above the horizon.
     #[inline(always)]
-    pub fn find(
-        tables: &CoordinateTables,
-        tan2: HalfDiffTan2,
+    pub fn find(tan2: HalfDiffTan2, wi: Vec3, phi_d_bins: usize, offset: f64) -> Option<Self> {
+        let place = Coordinates::compute(tan2, phi_d_bins);
+        Self::surround(place, tan2.theta_h, wi, phi_d_bins, offset)
+    }
+
+    /// [`Self::find`] from the coordinates of a pair and its tan²θh, which is NaN unless both directions are above the horizon.
+    #[inline(always)]
+    pub fn surround(
+        place: Coordinates,
+        tan2_theta_h: f64,
         wi: Vec3,
         phi_d_bins: usize,
         offset: f64,
     ) -> Option<Self> {
-        if tan2.theta_h.is_nan() {
+        if tan2_theta_h.is_nan() {
             return None;
         }
-        let x = tables.compute(tan2, phi_d_bins, || azimuth(wi.x, wi.y, phi_d_bins));
-        let h = Pair::clamped(x.theta_h - offset, THETA_H_BINS);
-        let d = Pair::clamped(x.theta_d - offset, THETA_D_BINS);
-        let p = Pair::periodic(x.phi_d - offset, phi_d_bins);
+        let phi_d = if tan2_theta_h > 0.0 {
+            place.phi_d
+        } else {
+            azimuth(wi.x, wi.y, phi_d_bins)
+        };
+        let h = Pair::clamped(place.theta_h - offset, THETA_H_BINS);
+        let d = Pair::clamped(place.theta_d - offset, THETA_D_BINS);
+        let p = Pair::periodic(phi_d - offset, phi_d_bins);
         let bins = phi_d_bins as u32;
         let low = h.low * (THETA_D_BINS as u32 * bins) + p.low;
         let high = h.high * (THETA_D_BINS as u32 * bins) + p.low;
