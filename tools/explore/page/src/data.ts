@@ -1,0 +1,167 @@
+/** The one way to data: keys such as `api/v1/albedo?material=0&theta=30&phi=0`, answered by the server or by the page itself. */
+
+/** A parameter of a formula: a number, red, green and blue, or one of some words. */
+export interface Parameter {
+  name: string;
+  meaning: string;
+  kind: "number" | "colour" | "choice";
+  min?: number;
+  max?: number;
+  value: number | number[] | string;
+  choices?: string[];
+}
+
+export interface Entry {
+  id: number | string;
+  name: string;
+  kind: string;
+  isotropic: boolean;
+  notes: string[];
+  /** Whether there is a MERL table. */
+  table: boolean;
+  /** How commands call it; null for what was sent by the page. */
+  text: string | null;
+  parameters: Parameter[];
+}
+
+/** Values that an exported page holds answers for. */
+export interface Stored {
+  thetas: number[];
+  n_max: number[];
+  samplers: string[];
+  count: number;
+  seed: number;
+}
+
+export interface Catalogue {
+  version: string;
+  materials: Entry[];
+  samplers: { text: string }[];
+  environments: string[];
+  models: string[];
+  formulas: { name: string; summary: string; text: string }[];
+  stored: Stored | null;
+}
+
+export type Numbers = Float32Array | Uint32Array | Uint16Array | Uint8Array;
+
+/** A binary answer: its JSON members, and its arrays by name. */
+export interface Answer {
+  members: Record<string, unknown>;
+  arrays: Record<string, Numbers>;
+}
+
+export interface Source {
+  isStored: boolean;
+  /** Whether a key can be asked for: any of a server's, and what an exported page holds. */
+  holds(key: string): boolean;
+  bytes(key: string): Promise<ArrayBuffer>;
+  /** Sends a file to the server; returns its entry. */
+  send(name: string, file: Blob): Promise<Entry>;
+}
+
+const MAGIC = "MKXPLOR1";
+const KINDS = { f32: Float32Array, u32: Uint32Array, u16: Uint16Array, u8: Uint8Array };
+/** Answers that are kept; large ones are asked for once by those who hold them. */
+const KEPT = 48;
+
+export function openSource(): Source {
+  const mode = document.querySelector<HTMLMetaElement>("meta[name=merlkit-mode]")?.content;
+  return mode === "stored" ? openStored() : openLive();
+}
+
+/** The word that the server demands. It lies in the fragment, which browsers send to nobody. */
+export function readToken(): string {
+  return new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
+}
+
+function openLive(): Source {
+  const token = readToken();
+  const headers = { "X-Merlkit-Token": token };
+
+  async function request(key: string, options: RequestInit): Promise<Response> {
+    const response = await fetch(`/${key}`, { ...options, headers });
+    if (!response.ok) throw new Error((await response.text()).trim() || `the server answers ${response.status}`);
+    return response;
+  }
+
+  return {
+    isStored: false,
+    holds: () => true,
+    bytes: async (key) => (await request(key, {})).arrayBuffer(),
+    send: async (name, file) =>
+      (await request(`api/v1/materials?name=${encodeURIComponent(name)}`, { method: "POST", body: file })).json(),
+  };
+}
+
+function openStored(): Source {
+  const text = document.getElementById("data")?.textContent ?? "{}";
+  const answers: Record<string, string> = JSON.parse(text);
+  return {
+    isStored: true,
+    holds: (key) => Object.hasOwn(answers, key),
+    bytes: async (key) => {
+      if (!Object.hasOwn(answers, key)) throw new Error("This exported page does not hold that. Run merlkit explore to see it.");
+      return decodeBase64(answers[key]);
+    },
+    send: async () => {
+      throw new Error("An exported page loads no files. Run merlkit explore to load them.");
+    },
+  };
+}
+
+function decodeBase64(text: string): ArrayBuffer {
+  const characters = atob(text);
+  const bytes = new Uint8Array(characters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = characters.charCodeAt(i);
+  return bytes.buffer;
+}
+
+/** The answer in a buffer that starts with the magic word, the length of a JSON header and the header. */
+export function parseAnswer(buffer: ArrayBuffer): Answer {
+  const view = new DataView(buffer);
+  const magic = buffer.byteLength >= 12 ? new TextDecoder().decode(new Uint8Array(buffer, 0, 8)) : "";
+  if (magic !== MAGIC) throw new Error(`an answer starts with "${magic}" instead of ${MAGIC}: page and server differ in version`);
+  const length = view.getUint32(8, true);
+  const members = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 12, length)));
+  const arrays: Record<string, Numbers> = {};
+  let offset = alignToEight(12 + length);
+  for (const { name, type, shape } of members.arrays as { name: string; type: keyof typeof KINDS; shape: number[] }[]) {
+    const count = shape.reduce((product, side) => product * side, 1);
+    const array = new KINDS[type](buffer, offset, count);
+    arrays[name] = array;
+    offset = alignToEight(offset + array.byteLength);
+  }
+  return { members, arrays };
+}
+
+function alignToEight(offset: number): number {
+  return Math.ceil(offset / 8) * 8;
+}
+
+/** Answers by key, of which the latest are kept. */
+const kept = new Map<string, Promise<unknown>>();
+
+function keep<T>(key: string, ask: () => Promise<T>): Promise<T> {
+  const known = kept.get(key);
+  kept.delete(key);
+  const answer = (known as Promise<T> | undefined) ?? ask();
+  kept.set(key, answer);
+  answer.catch(() => kept.delete(key));
+  if (kept.size > KEPT) kept.delete(kept.keys().next().value as string);
+  return answer;
+}
+
+export function askBinary(source: Source, key: string): Promise<Answer> {
+  return keep(key, async () => parseAnswer(await source.bytes(key)));
+}
+
+export function askJson<T>(source: Source, key: string): Promise<T> {
+  return keep(key, async () => JSON.parse(new TextDecoder().decode(await source.bytes(key))) as T);
+}
+
+/** A key from a path and its parameters, in the order given. */
+export function makeKey(path: string, parameters: [string, string | number][]): string {
+  const query = parameters.map(([name, value]) => `${name}=${encodeURIComponent(value)}`);
+  return `api/v1/${path}${query.length ? `?${query.join("&")}` : ""}`;
+}
