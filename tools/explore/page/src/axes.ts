@@ -84,7 +84,7 @@ export function drawAxes(context: CanvasRenderingContext2D, box: Box, x: Axis, y
   }
   context.textAlign = "left";
   context.textBaseline = "bottom";
-  context.fillText(y.label, Math.max(box.left - 44, 2), box.top - 5);
+  context.fillText(y.label, Math.max(box.left - 44, 2), box.top - 8);
   context.textBaseline = "alphabetic";
   return place;
 }

@@ -62,7 +62,7 @@ function drawPolarGrid(context: CanvasRenderingContext2D, [cx, cy]: [number, num
 export const polarPanel: Panel = {
   id: "polar",
   title: "Plane of incidence, polar",
-  aspect: 0.6,
+  aspect: 0.66,
   depends: ["materials", "theta", "phi", "value", "scale"],
   prepare: addChoices,
   async draw(frame, view) {
@@ -86,7 +86,7 @@ export const polarPanel: Panel = {
     const o = (-theta * Math.PI) / 180;
     drawLine(context, centre, [centre[0] + radius * Math.sin(o), centre[1] - radius * Math.cos(o)]);
     context.fillStyle = theme.ink;
-    context.fillText("wo", centre[0] + radius * 0.93 * Math.sin(o) - 14, centre[1] - radius * 0.93 * Math.cos(o));
+    context.fillText("wo", centre[0] + 0.8 * radius * Math.sin(o) - 14, centre[1] - 0.8 * radius * Math.cos(o));
     drawLegend(context, curves, box, theme);
     const rim = view.state.scale === "linear" ? "" : `, the centre ${DECADES} decades below`;
     return `${nameValue(view.state)} by the angle of wi; the rim is ${writeTick(Number(greatest.toPrecision(3)))} sr⁻¹${rim}. wo is on the left at ${theta}°.`;
@@ -100,7 +100,7 @@ export const polarPanel: Panel = {
 export const cartesianPanel: Panel = {
   id: "cartesian",
   title: "Plane of incidence, Cartesian",
-  aspect: 0.6,
+  aspect: 0.66,
   depends: ["materials", "theta", "phi", "value", "scale"],
   prepare: addChoices,
   async draw(frame, view) {

@@ -62,8 +62,8 @@ export interface Source {
 
 const MAGIC = "MKXPLOR1";
 const KINDS = { f32: Float32Array, u32: Uint32Array, u16: Uint16Array, u8: Uint8Array };
-/** Answers that are kept; large ones are asked for once by those who hold them. */
-const KEPT = 48;
+/** Bytes of answers that are kept, the latest of them. */
+const MOST_KEPT = 64e6;
 
 export function openSource(): Source {
   const mode = document.querySelector<HTMLMetaElement>("meta[name=merlkit-mode]")?.content;
@@ -139,25 +139,48 @@ function alignToEight(offset: number): number {
   return Math.ceil(offset / 8) * 8;
 }
 
-/** Answers by key, of which the latest are kept. */
-const kept = new Map<string, Promise<unknown>>();
+interface Kept {
+  answer: Promise<unknown>;
+  /** 0 until it has arrived. */
+  bytes: number;
+}
 
-function keep<T>(key: string, ask: () => Promise<T>): Promise<T> {
+/** Answers by key, the one asked for last at the end. */
+const kept = new Map<string, Kept>();
+
+function keep<T>(source: Source, key: string, parse: (buffer: ArrayBuffer) => T): Promise<T> {
   const known = kept.get(key);
-  kept.delete(key);
-  const answer = (known as Promise<T> | undefined) ?? ask();
-  kept.set(key, answer);
+  if (known) {
+    kept.delete(key);
+    kept.set(key, known);
+    return known.answer as Promise<T>;
+  }
+  const made: Kept = { answer: Promise.resolve(), bytes: 0 };
+  const answer = source.bytes(key).then((buffer) => {
+    made.bytes = buffer.byteLength;
+    forgetOldest();
+    return parse(buffer);
+  });
+  made.answer = answer;
+  kept.set(key, made);
   answer.catch(() => kept.delete(key));
-  if (kept.size > KEPT) kept.delete(kept.keys().next().value as string);
   return answer;
 }
 
+function forgetOldest(): void {
+  let total = 0;
+  for (const [key, { bytes }] of [...kept].reverse()) {
+    total += bytes;
+    if (total > MOST_KEPT && bytes > 0) kept.delete(key);
+  }
+}
+
 export function askBinary(source: Source, key: string): Promise<Answer> {
-  return keep(key, async () => parseAnswer(await source.bytes(key)));
+  return keep(source, key, parseAnswer);
 }
 
 export function askJson<T>(source: Source, key: string): Promise<T> {
-  return keep(key, async () => JSON.parse(new TextDecoder().decode(await source.bytes(key))) as T);
+  return keep(source, key, (buffer) => JSON.parse(new TextDecoder().decode(buffer)) as T);
 }
 
 /** A key from a path and its parameters, in the order given. */

@@ -5,7 +5,7 @@ import { readTheme, viridis } from "./colours";
 import { nameMaterials } from "./command";
 import { countDraws, drawDots, keyDraws, loadDraws, type Disc } from "./draws";
 import { snapTheta } from "./lobe";
-import { addSelect, bindSlider, type Frame, type Panel, type View } from "./panel";
+import { bindSelect, bindSlider, type Frame, type Panel, type View } from "./panel";
 import { findNearest } from "./state";
 
 function snapNMax({ state, catalogue }: View): number {
@@ -53,13 +53,10 @@ export const discPanel: Panel = {
   id: "disc",
   title: "Adaptive disc",
   aspect: 1,
-  depends: ["materials", "theta", "phi", "nMax"],
+  depends: ["materials", "theta", "phi", "nMax", "over"],
   prepare(frame, view) {
     bindSlider(frame, view, "n_max", "nMax", { min: 1.1, max: 16, step: 0.1, unit: "" });
-    addSelect(frame.controls, "draws", ["drawn over it", "left out"], "drawn over it", (value) => {
-      frame.canvas.dataset.draws = value === "left out" ? "none" : "";
-      view().redraw(frame);
-    });
+    bindSelect(frame, view, "over it", "over", ["draws", "nothing"]);
   },
   async draw(frame, view) {
     const { state, materials, source } = view;
@@ -68,7 +65,7 @@ export const discPanel: Panel = {
     const nMax = snapNMax(view);
     const answer = await askBinary(source, makeKey("disc", [["material", entry.id], ["theta", theta], ["n_max", nMax]]));
     const key = keyDraws(view, entry, nameSampler(nMax), 0);
-    const draws = frame.canvas.dataset.draws !== "none" && source.holds(key) ? await loadDraws(source, key) : null;
+    const draws = state.over === "draws" && source.holds(key) ? await loadDraws(source, key) : null;
     const [width, height] = frame.begin();
     const disc: Disc = { centre: [width / 2, height / 2], radius: Math.min(width, height) / 2 - 10, turn: entry.isotropic ? state.phi : 0 };
     const leaves = drawLeaves(frame, disc, answer);

@@ -161,7 +161,7 @@ function snapSampler({ catalogue }: View, sampler: string, i: number): string {
   return !held || held.includes(sampler) ? sampler : held[Math.min(i, held.length - 1)];
 }
 
-async function accumulate(frame: Frame, view: View, more: number): Promise<string> {
+async function accumulate(frame: Frame, view: View): Promise<string> {
   latest += 1;
   const number = latest;
   const { state, materials, source } = view;
@@ -175,7 +175,7 @@ async function accumulate(frame: Frame, view: View, more: number): Promise<strin
   const samplers = [state.sampler, state.rival].map((sampler, i) => snapSampler(view, sampler, i));
   const estimates = samplers.map((sampler): Estimate => ({ sampler, count: 0, sum: 0, squares: 0, failed: 0, errors: [] }));
   let caption = "";
-  for (let batch = 0; batch < more; batch++) {
+  for (let batch = 0; batch < state.batches; batch++) {
     const keys = samplers.map((sampler) => keyDraws(view, entry, sampler, batch));
     if (batch > 0 && !keys.every((key) => source.holds(key))) break;
     const drawn = await Promise.all(keys.map((key) => loadDraws(source, key)));
@@ -199,23 +199,20 @@ export const drawsPanel: Panel = {
   id: "draws",
   title: "Draws",
   aspect: 1.15,
-  depends: ["materials", "theta", "phi", "sampler", "rival"],
+  depends: ["materials", "theta", "phi", "sampler", "rival", "batches"],
   prepare(frame, view) {
     const texts = view().catalogue.stored?.samplers ?? view().catalogue.samplers.map((sampler) => sampler.text);
     bindSelect(frame, view, "sampler", "sampler", texts);
     bindSelect(frame, view, "beside", "rival", texts);
     if (view().source.isStored) return;
-    frame.canvas.dataset.batches = "1";
-    addButton(frame.controls, "More draws", `Up to ${MOST_BATCHES * BATCH} draws of each sampler`, () => {
-      const batches = Math.min(2 * Number(frame.canvas.dataset.batches), MOST_BATCHES);
-      frame.canvas.dataset.batches = String(batches);
-      view().redraw(frame);
+    addButton(frame.controls, "More draws", `Twice as many draws of each sampler, up to ${MOST_BATCHES * BATCH}`, () => {
+      view().change({ batches: Math.min(2 * view().state.batches, MOST_BATCHES) });
     });
   },
-  draw: (frame, view) => accumulate(frame, view, Number(frame.canvas.dataset.batches ?? 1)),
+  draw: accumulate,
   command(view) {
     const { state, materials } = view;
     const sampler = quoteWord(state.sampler);
-    return `merlkit sample ${nameMaterials(materials.slice(0, 1))} --sampler ${sampler} --theta ${state.theta} --phi ${state.phi} --count ${BATCH} --seed 1`;
+    return `merlkit sample ${nameMaterials(materials.slice(0, 1))} --sampler ${sampler} --theta ${state.theta} --phi ${state.phi} --count ${state.batches * BATCH} --seed 1`;
   },
 };

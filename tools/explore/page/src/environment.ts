@@ -3,10 +3,8 @@
 import { askBinary, makeKey } from "./data";
 import { encodeSrgb, readTheme } from "./colours";
 import { nameMaterials } from "./command";
-import { askedPhi, snapTheta } from "./lobe";
+import { snapTheta } from "./lobe";
 import { bindSelect, bindSlider, type Frame, type Panel } from "./panel";
-
-const KEPT = 1024;
 
 async function drawMap(frame: Frame, radiance: Float32Array, [across, down]: [number, number], [width, height]: [number, number]): Promise<void> {
   const pixels = new Uint8ClampedArray(4 * across * down);
@@ -42,10 +40,11 @@ export const environmentPanel: Panel = {
   id: "environment",
   title: "Environment",
   aspect: 0.5,
-  depends: ["materials", "theta", "phi", "map", "strategy", "candidates"],
+  depends: ["materials", "theta", "phi", "map", "strategy", "keep", "candidates"],
   prepare(frame, view) {
     bindSelect(frame, view, "map", "map", view().catalogue.environments);
     bindSelect(frame, view, "directions by", "strategy", ["light", "brdf", "ris"]);
+    bindSlider(frame, view, "kept", "keep", { min: 16, max: 4096, step: 16, unit: "" });
     bindSlider(frame, view, "candidates of ris", "candidates", { min: 1, max: 64, step: 1, unit: "" });
   },
   async draw(frame, view) {
@@ -58,8 +57,8 @@ export const environmentPanel: Panel = {
       ["material", entry.id],
       ["strategy", state.strategy],
       ["theta", theta],
-      ["phi", entry.isotropic ? state.phi : askedPhi(entry, state)],
-      ["keep", KEPT],
+      ["phi", source.isStored ? 0 : state.phi],
+      ["keep", state.keep],
       ["candidates", state.candidates],
       ["seed", 1],
     ]);
@@ -69,7 +68,7 @@ export const environmentPanel: Panel = {
     if (!draws) return `${state.map}. This exported page holds no directions for these settings.`;
     const count = drawPoints(frame, draws.arrays.uv as Float32Array, draws.arrays.pdf as Float32Array, size);
     const ways = { light: "the map's light", brdf: `the half-vector table of ${entry.name}`, ris: `resampling one of ${state.candidates} draws of the half-vector table` };
-    return `${count} directions by ${ways[state.strategy]}, for wo at ${theta}°, ${state.phi}° on a surface that faces the zenith. Latitude by longitude, the zenith on top.`;
+    return `${count} directions by ${ways[state.strategy]}, for wo at ${theta}°, ${source.isStored ? 0 : state.phi}° on a surface that faces the zenith. Latitude by longitude, the zenith on top.`;
   },
   command({ state, materials }) {
     const candidates = state.strategy === "ris" ? ` --candidates ${state.candidates}` : "";

@@ -2,6 +2,7 @@
 
 import { askBinary, makeKey, type Entry, type Source } from "./data";
 import { readHex, readTheme } from "./colours";
+import { drawLegend } from "./axes";
 import { nameMaterials } from "./command";
 import { beginPicture, buildProgram, copyPicture, type Gpu, type Program } from "./gpu";
 import { addSelect, onDrag, type Frame, type Panel, type View } from "./panel";
@@ -200,6 +201,8 @@ function drawGuides(frame: Frame, view: View, theta: number): void {
     context.fillText(name, end[0], end[1] - 6);
   }
   context.setLineDash([]);
+  const names = view.materials.map((entry, i) => ({ name: entry.name, colour: theme.series[i], points: [] }));
+  drawLegend(context, names, { left: 0, top: 0, width, height }, theme);
 }
 
 export const lobePanel: Panel = {
@@ -210,7 +213,7 @@ export const lobePanel: Panel = {
   prepare(frame, view) {
     const drag = { turns: "wo" };
     addSelect(frame.controls, "drag moves", ["wo", "the viewpoint"], drag.turns, (turns) => (drag.turns = turns));
-    onDrag(frame.canvas, (dx, dy, event) => {
+    onDrag(frame.canvas, "Drag, or use the arrow keys, to move wo; with Shift, the viewpoint", (dx, dy, event) => {
       const { state, change } = view();
       if (drag.turns === "wo" && !event.shiftKey) {
         // wo follows the pointer: outwards on its side is towards the horizon.

@@ -73,10 +73,6 @@ async function start(): Promise<void> {
       makeStale(keys);
     });
   };
-  view.redraw = (frame) => {
-    for (const item of shown) if (item.frame === frame) item.isStale = true;
-    queue();
-  };
   acceptFiles(() => view, say, (entry) => {
     catalogue.materials = [...catalogue.materials.filter((m) => m.name !== entry.name), entry];
   });
@@ -89,7 +85,7 @@ async function start(): Promise<void> {
 
 function makeView(source: Source, catalogue: Catalogue): View {
   const state = withDefault(readFragment(location.hash), catalogue);
-  return { state, materials: [], catalogue, source, gpu: openGpu(), change: () => {}, redraw: () => {} };
+  return { state, materials: [], catalogue, source, gpu: openGpu(), change: () => {} };
 }
 
 /** A state that names no material or no known map takes the first. */

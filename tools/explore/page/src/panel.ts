@@ -14,8 +14,6 @@ export interface View {
   source: Source;
   gpu: Gpu | null;
   change(patch: Partial<State>): void;
-  /** Draws a panel again whose own settings have changed. */
-  redraw(frame: Frame): void;
 }
 
 export interface Panel {
@@ -56,7 +54,7 @@ export function makeFrame(panel: Panel, parent: HTMLElement, view: () => View): 
   const head = addElement(section, "header");
   addElement(head, "h2").textContent = panel.title;
   const controls = addElement(section, "div", { class: "controls" });
-  const canvas = addElement(section, "canvas", { tabindex: "0", role: "img", "aria-label": panel.title });
+  const canvas = addElement(section, "canvas", { role: "img", "aria-label": panel.title });
   addElement(section, "p", { class: "caption", "aria-live": "polite" });
   addButton(head, "PNG", `Save ${panel.title} as a PNG picture`, () => {
     const { state, catalogue } = view();
@@ -198,9 +196,11 @@ export function bindSelect(frame: Frame, view: () => View, name: string, key: Wo
   frame.syncs.push((state) => show(state[key]));
 }
 
-/** Calls `move` with the steps of a drag in CSS pixels and the place, and with steps of arrow keys as if they were drags. */
-export function onDrag(canvas: HTMLCanvasElement, move: (dx: number, dy: number, event: PointerEvent | KeyboardEvent) => void): void {
+/** Calls `move` with the steps of a drag in CSS pixels, and with steps of arrow keys as if they were drags. */
+export function onDrag(canvas: HTMLCanvasElement, hint: string, move: (dx: number, dy: number, event: PointerEvent | KeyboardEvent) => void): void {
   canvas.classList.add("draggable");
+  canvas.tabIndex = 0;
+  canvas.title = hint;
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
   canvas.addEventListener("pointermove", (event) => {
     if (canvas.hasPointerCapture(event.pointerId)) move(event.movementX, event.movementY, event);

@@ -23,6 +23,7 @@ interface Sums {
 }
 
 interface Run {
+  name: string;
   materials: GpuMaterial[];
   sums: Sums[];
   sky: WebGLTexture | null;
@@ -33,7 +34,8 @@ const programs = new Map<string, Program>();
 const skies = new Map<string, Promise<WebGLTexture>>();
 /** Sums by the number of the sphere. */
 const sums: Sums[] = [];
-/** Number of the latest picture that was begun: what an earlier one still waits for is dropped. */
+let current: Run | null = null;
+/** Number of the latest picture: frames of earlier ones are dropped. */
 let latest = 0;
 let milliseconds = 0;
 
@@ -123,23 +125,40 @@ function showSums(gpu: Gpu, run: Run, number: number, gain: number, pixels: numb
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }
 
+/** What the sums of a run are of: whatever else changes, they are only shown again. */
+function nameRun({ state, materials }: View, side: number): string {
+  const light = state.light === "directional" ? [state.lightTheta, state.lightPhi] : [state.light];
+  return [side, ...light, ...materials.map((entry) => entry.id)].join(" ");
+}
+
 async function drawSpheres(frame: Frame, view: View): Promise<string> {
   const { gpu, source, state, materials } = view;
   if (!gpu || gpu.sums === null) return "This browser has no WebGL 2 with float targets, so spheres are not drawn.";
-  latest += 1;
-  const number = latest;
-  const sky = state.light === "directional" ? null : await loadSky(gpu, source, state.light);
-  const upload = sky ? uploadSampler : uploadMaterial;
-  const uploads = await Promise.all(materials.map((entry) => upload(gpu, source, entry)));
-  if (number !== latest) return "";
-  frame.aspect = 1 / Math.max(uploads.length, 1);
+  frame.aspect = 1 / Math.max(materials.length, 1);
   frame.begin();
-  const side = Math.floor(frame.canvas.width / Math.max(uploads.length, 1));
-  const isSlow = milliseconds > SLOW;
-  const pixels = isSlow ? side >> 1 : side;
-  const run: Run = { materials: uploads, sums: uploads.map((_, i) => getSums(gpu, i, pixels)), sky, count: 0 };
-  refine(frame, view, run, number, side);
+  const side = Math.floor(frame.canvas.width / Math.max(materials.length, 1));
+  const name = nameRun(view, side);
+  if (current?.name !== name) {
+    const sky = state.light === "directional" ? null : await loadSky(gpu, source, state.light);
+    const upload = sky ? uploadSampler : uploadMaterial;
+    const uploads = await Promise.all(materials.map((entry) => upload(gpu, source, entry)));
+    const pixels = milliseconds > SLOW ? side >> 1 : side;
+    current = { name, materials: uploads, sums: uploads.map((_, i) => getSums(gpu, i, pixels)), sky, count: 0 };
+  } else if (current.count > 0) {
+    showRun(frame, view, current, side);
+  }
+  const run = current;
+  latest += 1;
+  refine(frame, view, run, latest, side);
   return frame.section.querySelector(".caption")!.textContent!;
+}
+
+function showRun(frame: Frame, view: View, run: Run, side: number): void {
+  for (let i = 0; i < run.materials.length; i++) {
+    showSums(view.gpu!, run, i, 2 ** view.state.exposure, side);
+    frame.context.setTransform(1, 0, 0, 1, 0, 0);
+    copyPicture(view.gpu!, [side, side], frame.context, [i * side, frame.canvas.height - side, side, side]);
+  }
 }
 
 /** Adds samples, one a frame of the screen, until there are enough or another picture is asked for. */
@@ -148,28 +167,21 @@ function refine(frame: Frame, view: View, run: Run, number: number, side: number
   const enough = run.sky ? ENOUGH.sky : ENOUGH.parallel;
   let before = 0;
   function step(now: number): void {
-    if (number !== latest) return;
-    if (!frame.isSeen) {
-      requestAnimationFrame(step);
-      return;
-    }
+    if (number !== latest || run.count >= enough) return;
+    requestAnimationFrame(step);
+    if (!frame.isSeen) return;
     // After the first frame of a slow moving picture the resting one gets all its pixels.
     if (run.count === 1 && run.sums.some((s) => s.size !== side)) {
       run.sums = run.materials.map((_, i) => getSums(gpu, i, side));
       run.count = 0;
+      before = 0;
     }
-    const begin = performance.now();
-    for (let i = 0; i < run.materials.length; i++) {
-      addSample(gpu, run, i, view.state);
-      showSums(gpu, run, i, 2 ** view.state.exposure, side);
-      frame.context.setTransform(1, 0, 0, 1, 0, 0);
-      copyPicture(gpu, [side, side], frame.context, [i * side, frame.canvas.height - side, side, side]);
-    }
+    for (let i = 0; i < run.materials.length; i++) addSample(gpu, run, i, view.state);
     run.count += 1;
-    milliseconds = before ? now - before : performance.now() - begin;
+    showRun(frame, view, run, side);
+    if (before && run.sums[0].size === side) milliseconds = now - before;
     before = now;
     describeRun(frame, view, run, enough);
-    if (run.count < enough) requestAnimationFrame(step);
   }
   requestAnimationFrame(step);
 }
@@ -191,7 +203,7 @@ export const spherePanel: Panel = {
   prepare(frame, view) {
     bindSelect(frame, view, "light", "light", ["directional", ...view().catalogue.environments]);
     bindSlider(frame, view, "exposure", "exposure", { min: -6, max: 6, step: 0.25, unit: " stops" });
-    onDrag(frame.canvas, (dx, dy) => {
+    onDrag(frame.canvas, "Drag, or use the arrow keys, to move the light", (dx, dy) => {
       const { state, change } = view();
       const { lightTheta, lightPhi } = state;
       change({

@@ -22,9 +22,14 @@ export interface State {
   sliceExposure: number;
   sampler: string;
   rival: string;
+  /** Batches of draws. */
+  batches: number;
   nMax: number;
+  /** Whether draws are shown over the leaves. */
+  over: "draws" | "nothing";
   map: string;
   strategy: "light" | "brdf" | "ris";
+  keep: number;
   candidates: number;
 }
 
@@ -45,9 +50,12 @@ export const DEFAULTS: State = {
   sliceExposure: 0,
   sampler: "half-vector:64KB",
   rival: "cosine",
+  batches: 1,
   nMax: 2,
+  over: "draws",
   map: "studio",
   strategy: "light",
+  keep: 1024,
   candidates: 8,
 };
 
@@ -62,7 +70,9 @@ const DOMAINS: Partial<Record<keyof State, [number, number]>> = {
   azimuth: [-180, 180],
   phiD: [0, 179],
   sliceExposure: [-10, 10],
+  batches: [1, 64],
   nMax: [1.1, 16],
+  keep: [16, 4096],
   candidates: [1, 64],
 };
 
@@ -70,6 +80,7 @@ const WORDS: Partial<Record<keyof State, string[]>> = {
   value: ["f-cos", "f"],
   scale: ["linear", "log"],
   slice: ["colour", "difference"],
+  over: ["draws", "nothing"],
   strategy: ["light", "brdf", "ris"],
 };
 
