@@ -95,14 +95,16 @@ function openLive(): Source {
 }
 
 function openStored(): Source {
-  const text = document.getElementById("data")?.textContent ?? "{}";
-  const answers: Record<string, string> = JSON.parse(text);
+  const data = document.getElementById("data");
+  const answers: Record<string, string> = JSON.parse(data?.textContent ?? "{}");
+  const isCompressed = data?.dataset.encoding === "gzip";
   return {
     isStored: true,
     holds: (key) => Object.hasOwn(answers, key),
     bytes: async (key) => {
       if (!Object.hasOwn(answers, key)) throw new Error("This exported page does not hold that. Run merlkit explore to see it.");
-      return decodeBase64(answers[key]);
+      const bytes = decodeBase64(answers[key]);
+      return isCompressed ? decompress(bytes) : bytes;
     },
     send: async () => {
       throw new Error("An exported page loads no files. Run merlkit explore to load them.");
@@ -115,6 +117,11 @@ function decodeBase64(text: string): ArrayBuffer {
   const bytes = new Uint8Array(characters.length);
   for (let i = 0; i < bytes.length; i++) bytes[i] = characters.charCodeAt(i);
   return bytes.buffer;
+}
+
+function decompress(bytes: ArrayBuffer): Promise<ArrayBuffer> {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).arrayBuffer();
 }
 
 /** The answer in a buffer that starts with the magic word, the length of a JSON header and the header. */

@@ -10,9 +10,11 @@ import sphere from "../shaders/sphere.glsl";
 import tone from "../shaders/tone.glsl";
 
 /** Samples of a pixel after which a picture is finished: smooth edges, and smooth light. */
-const ENOUGH = { parallel: 64, sky: 1024 };
-/** Milliseconds of a frame above which a moving picture is drawn with half the pixels across. */
+const ENOUGH = { parallel: 32, sky: 1024 };
+/** Milliseconds of a frame above which a moving picture is drawn with half the pixels across, and one at rest leaves time for others. */
 const SLOW = 50;
+/** That time, milliseconds. */
+const PAUSE = 50;
 
 /** Two textures of sums, of which one is read and the other written. */
 interface Sums {
@@ -165,22 +167,20 @@ function showRun(frame: Frame, view: View, run: Run, side: number): void {
 function refine(frame: Frame, view: View, run: Run, number: number, side: number): void {
   const gpu = view.gpu!;
   const enough = run.sky ? ENOUGH.sky : ENOUGH.parallel;
-  let before = 0;
-  function step(now: number): void {
+  function step(): void {
     if (number !== latest || run.count >= enough) return;
-    requestAnimationFrame(step);
+    setTimeout(() => requestAnimationFrame(step), milliseconds > SLOW ? PAUSE : 0);
     if (!frame.isSeen) return;
     // After the first frame of a slow moving picture the resting one gets all its pixels.
     if (run.count === 1 && run.sums.some((s) => s.size !== side)) {
       run.sums = run.materials.map((_, i) => getSums(gpu, i, side));
       run.count = 0;
-      before = 0;
     }
+    const begun = performance.now();
     for (let i = 0; i < run.materials.length; i++) addSample(gpu, run, i, view.state);
     run.count += 1;
     showRun(frame, view, run, side);
-    if (before && run.sums[0].size === side) milliseconds = now - before;
-    before = now;
+    if (run.sums[0].size === side) milliseconds = performance.now() - begun;
     describeRun(frame, view, run, enough);
   }
   requestAnimationFrame(step);
