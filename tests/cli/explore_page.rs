@@ -82,8 +82,7 @@ fn look(chromium: &Path, address: &str, folder: &Path) -> Value {
 
 /// 8-bit RGB of a PNG.
 fn colours(path: &Path) -> Vec<[u8; 3]> {
-    let mut decoder =
-        png::Decoder::new(BufReader::new(std::fs::File::open(path).unwrap()));
+    let mut decoder = png::Decoder::new(BufReader::new(std::fs::File::open(path).unwrap()));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
@@ -96,7 +95,11 @@ fn colours(path: &Path) -> Vec<[u8; 3]> {
 fn compare_sphere(folder: &Path, command: &str, size: u64) {
     let arguments = command.replace("512x512", &format!("{size}x{size} --spp 16"));
     let arguments: Vec<&str> = arguments.split_whitespace().skip(1).collect();
-    succeeds(run_in(folder, &[&arguments[..arguments.len() - 1], &["rendered"]].concat(), ""));
+    succeeds(run_in(
+        folder,
+        &[&arguments[..arguments.len() - 1], &["rendered"]].concat(),
+        "",
+    ));
     let (seen, rendered) = (
         colours(&folder.join("sphere.png")),
         colours(&folder.join("rendered.png")),
@@ -148,7 +151,11 @@ fn the_page_shows_what_the_library_computes() {
     let found = look(&chromium, &server.address, folder);
 
     let commands = found["commands"].as_array().unwrap();
-    compare_sphere(folder, commands[0].as_str().unwrap(), found["size"].as_u64().unwrap());
+    compare_sphere(
+        folder,
+        commands[0].as_str().unwrap(),
+        found["size"].as_u64().unwrap(),
+    );
 
     // The outline of the lobe, from the side, is that of the server's values.
     let lobe = &found["lobe"];
@@ -162,10 +169,19 @@ fn the_page_shows_what_the_library_computes() {
     assert!(narrow["value"].as_f64().unwrap() > 840.0, "{narrow}");
 
     let texts = &found["texts"];
-    assert!(texts["Software"].as_str().unwrap().starts_with("merlkit "), "{texts}");
-    assert!(texts["Title"].as_str().unwrap().contains("red-plastic"), "{texts}");
+    assert!(
+        texts["Software"].as_str().unwrap().starts_with("merlkit "),
+        "{texts}"
+    );
+    assert!(
+        texts["Title"].as_str().unwrap().contains("red-plastic"),
+        "{texts}"
+    );
     let state = texts["Comment"].as_str().unwrap();
-    assert!(state.contains("material=red-plastic") && !state.contains("token"), "{texts}");
+    assert!(
+        state.contains("material=red-plastic") && !state.contains("token"),
+        "{texts}"
+    );
     run_commands(folder, commands);
 }
 
@@ -178,7 +194,10 @@ fn the_page_has_the_shader_that_is_exported() {
     );
     let copy = std::fs::read_to_string(path).unwrap();
     let code = merlkit::export::Export::runtime_code();
-    let (_, exported) = code.iter().find(|(name, _)| *name == "merlkit.glsl").unwrap();
+    let (_, exported) = code
+        .iter()
+        .find(|(name, _)| *name == "merlkit.glsl")
+        .unwrap();
     assert!(
         copy == *exported,
         "copy merlkit.glsl of `merlkit export nickel --format runtime` there and run tools/explore/page/build"

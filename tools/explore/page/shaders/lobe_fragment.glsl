@@ -9,7 +9,7 @@ out vec4 painted;
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_FragCoord.xy) / 2;
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
     if (solids > 1 && (pixel.x + pixel.y) % solids != number && number > 0) {
         discard;
     }

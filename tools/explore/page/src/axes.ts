@@ -35,7 +35,9 @@ export function makeTicks({ min, max, isLog }: Axis): number[] {
     const [low, high] = [Math.ceil(Math.log10(min) - 1e-9), Math.floor(Math.log10(max) + 1e-9)];
     const step = Math.max(1, Math.ceil((high - low) / 6));
     for (let power = low; power <= high; power += step) ticks.push(10 ** power);
-    return ticks;
+    // Within two decades, powers of ten are too few.
+    if (high - low < 2) ticks.push(...[low - 1, low, high].flatMap((power) => [2 * 10 ** power, 5 * 10 ** power]));
+    return [...new Set(ticks)].filter((tick) => tick >= min && tick <= max);
   }
   const rough = (max - min) / 6;
   const unit = 10 ** Math.floor(Math.log10(rough));

@@ -72,7 +72,7 @@ export const discPanel: Panel = {
     if (draws) drawDots(frame, disc, draws, readTheme().ink);
     const { bytes, trials } = answer.members as { bytes: number; trials: number };
     const dots = draws ? ` ${countDraws(draws)} draws of ${nameSampler(nMax)}.` : "";
-    return `${leaves} leaves of ${entry.name} about wo at ${theta}°, coloured by probability over area, 4 decades. ${(bytes / 1000).toFixed(0)} KB for all angles, ${trials.toFixed(2)} trials a draw.${dots}`;
+    return `${leaves} leaves of ${entry.name} about wo at ${theta}° for n_max ${nMax}, coloured by probability over area, 4 decades. ${(bytes / 1000).toFixed(0)} KB for all angles, ${trials.toFixed(2)} trials a draw.${dots}`;
   },
   command({ state, materials }) {
     const { theta, nMax } = state;

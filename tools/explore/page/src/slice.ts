@@ -62,8 +62,8 @@ export const slicePanel: Panel = {
     const shown = state.slice === "difference" ? materials.slice(0, 2) : materials.slice(0, 1);
     const tables = await Promise.all(shown.map((entry) => loadTable(source, entry)));
     const [width, height] = frame.begin();
-    const side = Math.min(width - 62, height - 58);
-    const box = { left: 48, top: 16, width: side, height: side };
+    const side = Math.min(width - 62, height - 66);
+    const box = { left: 48, top: 24, width: side, height: side };
     frame.context.fillStyle = "#8a8a8a";
     frame.context.fillRect(box.left, box.top, side, side);
     drawImage(frame, box, paintSlice(tables, state));
