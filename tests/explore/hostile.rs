@@ -122,7 +122,8 @@ fn mutate(random: &mut Stream, text: &str) -> String {
 
 /// A mutated request; `None` for an address that no HTTP request can have.
 fn mutated_request(random: &mut Stream, token: &str) -> Option<Request<Body>> {
-    let text = mutate(random, KEYS[below(random, KEYS.len())]);
+    let key = KEYS[below(random, KEYS.len())];
+    let text = mutate(random, key);
     let uri: Uri = text.parse().ok()?;
     let method = match below(random, 12) {
         0 => Method::POST,
