@@ -10,6 +10,7 @@ mod diff;
 mod environments;
 mod eval;
 mod every_material;
+mod explore;
 mod explore_page;
 mod fit;
 #[path = "../support/grids.rs"]

@@ -1,1 +1,7 @@
-//! Tests of the server and the exported page of `merlkit explore`.
+//! The server and the exported page of `merlkit explore`.
+
+mod answers;
+mod hostile;
+mod read;
+mod sockets;
+mod stored_page;

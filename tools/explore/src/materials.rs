@@ -87,6 +87,7 @@ fn describe_material(session: &Session, registered: &Registered) -> Value {
         "rule": facts.has_table.then(|| session.rule().name()),
         "notes": registered.notes.get().cloned().unwrap_or_default(),
         "text": registered.text(),
+        "model": registered.model(),
         "parameters": describe_parameters(registered),
     })
 }

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 
+use merlkit::material::analytic::ModelFacts;
 use merlkit::material::{Material, MaterialFacts, Origin};
 
 use crate::refusal::Refusal;
@@ -33,6 +34,14 @@ impl Registered {
             _ if self.facts.has_table => "merl",
             _ if self.facts.has_own_sampler => "rgl",
             _ => "fit",
+        }
+    }
+
+    /// The name of a formula's model; `None` for a sum of formulas and for other materials.
+    pub fn model(&self) -> Option<&'static str> {
+        match self.material.origin() {
+            Origin::Formula(text) => ModelFacts::parse(text).ok().map(|model| model.name),
+            _ => None,
         }
     }
 

@@ -273,9 +273,11 @@ impl Explorer {
             .enable_all()
             .build()
             .map_err(network_error)?;
+        let session = self.session.clone();
         let outcome = runtime.block_on(self.serve());
-        // Work that nobody waits for any more ends with the process.
+        // Work that nobody waits for any more ends with the process. It may hold the session, so that the files go here.
         runtime.shutdown_background();
+        session.uploads.remove();
         outcome
     }
 

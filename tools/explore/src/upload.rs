@@ -34,6 +34,12 @@ impl Uploads {
         Ok(Material::resolve(argument)?)
     }
 
+    /// Removes the folder with all files.
+    pub fn remove(&self) {
+        let mut folder = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *folder = None;
+    }
+
     fn write(&self, bytes: &[u8], extension: &str) -> Result<PathBuf, Refusal> {
         let mut folder = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if folder.is_none() {

@@ -1,10 +1,13 @@
 //! `merlkit explore`
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc::channel;
 
+use merlkit::Error;
+use merlkit::files::check_writable;
 use merlkit::material::LookupRule;
-use merlkit_explore::{Explorer, Session, open_in_browser};
+use merlkit_explore::{Explorer, Session, StoredPage, open_in_browser};
 
 use crate::failure::{Failure, Outcome};
 use crate::{args, interrupt, output};
@@ -16,7 +19,8 @@ use crate::{args, interrupt, output};
 /// printed address. Ctrl-C ends it.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  merlkit explore nickel\n  merlkit explore nickel ward:sx=0.1,sy=0.3 --no-open --port 8080"
+    after_help = "Examples:\n  merlkit explore nickel\n  merlkit explore nickel ward:sx=0.1,sy=0.3 --no-open --port 8080\n  \
+                  merlkit explore nickel teflon --export page.html"
 )]
 pub struct Args {
     /// MERL binaries, .bsdf files or folders of either, names of built-in materials, or formulas
@@ -33,13 +37,45 @@ pub struct Args {
     /// Print the address without opening a browser [default: open it]
     #[arg(help_heading = "Page", long)]
     no_open: bool,
+    /// Write the page with answers for a grid of angles to FILE, which needs no server, and end [default: serve]
+    #[arg(help_heading = "Page", long, value_name = "FILE", conflicts_with_all = ["port", "no_open"])]
+    export: Option<PathBuf>,
+    /// Replace an existing FILE [default: refuse]
+    #[arg(help_heading = "Page", long, requires = "export")]
+    force: bool,
 }
 
 pub fn run(args: &Args) -> Outcome {
     let materials = args::resolve(&args.materials, &args.tables)?;
     args::refuse_repeated(&materials)?;
     let session = Session::new(&materials, args.lookup)?;
-    serve(args, session)
+    match &args.export {
+        Some(path) => export(args, &session, path),
+        None => serve(args, session),
+    }
+}
+
+/// Writes the page with its answers.
+fn export(args: &Args, session: &Session, path: &Path) -> Outcome {
+    let overwrite = output::overwrite(args.force);
+    check_writable(path, overwrite)?;
+    let page = StoredPage::compute(session).map_err(|refusal| {
+        Error::argument(
+            refusal.message,
+            "leave the material out, or explore it live",
+        )
+    })?;
+    let bytes = page.write(path, overwrite)?;
+    output::stdout(|out| {
+        let megabytes = bytes as f64 / 1e6;
+        writeln!(
+            out,
+            "wrote {}: {} answers, {megabytes:.1} MB",
+            path.display(),
+            page.keys().len()
+        )
+    })?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Serves the page until Ctrl-C.
