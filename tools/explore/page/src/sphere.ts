@@ -13,7 +13,9 @@ import tone from "../shaders/tone.glsl";
 const ENOUGH = { parallel: 32, sky: 1024 };
 /** Milliseconds of a frame above which a moving picture is drawn with half the pixels across, and one at rest leaves time for others. */
 const SLOW = 50;
-/** That time, milliseconds. */
+/** Samples of a picture with half the pixels across, before one with all of them begins. */
+const COARSE = { parallel: 1, sky: 64 };
+/** The time that is left, milliseconds. */
 const PAUSE = 50;
 
 /** Two textures of sums, of which one is read and the other written. */
@@ -171,8 +173,8 @@ function refine(frame: Frame, view: View, run: Run, number: number, side: number
     if (number !== latest || run.count >= enough) return;
     setTimeout(() => requestAnimationFrame(step), milliseconds > SLOW ? PAUSE : 0);
     if (!frame.isSeen) return;
-    // After the first frame of a slow moving picture the resting one gets all its pixels.
-    if (run.count === 1 && run.sums.some((s) => s.size !== side)) {
+    // After the first samples of a slow moving picture the resting one gets all its pixels.
+    if (run.count === (run.sky ? COARSE.sky : COARSE.parallel) && run.sums.some((s) => s.size !== side)) {
       run.sums = run.materials.map((_, i) => getSums(gpu, i, side));
       run.count = 0;
     }
