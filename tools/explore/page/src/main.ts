@@ -16,6 +16,9 @@ import { DEFAULTS, readFragment, writeFragment, type State } from "./state";
 
 const PANELS: Panel[] = [spherePanel, lobePanel, polarPanel, cartesianPanel, slicePanel, drawsPanel, discPanel, rowsPanel, environmentPanel];
 
+/** Milliseconds after which a panel says that it is waiting for an answer. */
+const PATIENCE = 400;
+
 interface Shown {
   panel: Panel;
   frame: Frame;
@@ -61,15 +64,14 @@ async function start(): Promise<void> {
     for (const sync of syncs) sync(view.state);
     queue();
   }
-  view.change = (patch) => {
+  view.change = (patch, keepControls = false) => {
     const keys = (Object.keys(patch) as (keyof State)[]).filter((key) => patch[key] !== view.state[key]);
     if (!keys.length) return;
     Object.assign(view.state, patch);
     rememberState(view.state);
     if (!keys.includes("materials")) return makeStale(keys);
     void resolveAll(view).then(() => {
-      const isSliding = area.contains(document.activeElement) && document.activeElement?.matches("[type=range]");
-      if (!isSliding) showMaterials(area, () => view, say);
+      if (!keepControls) showMaterials(area, () => view, say);
       makeStale(keys);
     });
   };
@@ -106,8 +108,10 @@ async function resolveAll(view: View): Promise<void> {
       say(`${text}: ${(error as Error).message}`);
     }
   }
-  // Later texts may have been resolved meanwhile.
-  if (texts === view.state.materials) view.materials = entries;
+  // Later texts may have been resolved meanwhile. Formulas are called as the server writes them from now on.
+  if (texts !== view.state.materials) return;
+  view.materials = entries;
+  if (entries.length) view.state.materials = entries.map((entry) => entry.name);
 }
 
 let remembering = 0;
@@ -140,6 +144,7 @@ async function drawIfSeen(item: Shown, view: View): Promise<void> {
   item.isDrawing = true;
   while (item.isStale && frame.isSeen) {
     item.isStale = false;
+    const waiting = setTimeout(() => setCaption(frame, "Computing…", false), PATIENCE);
     try {
       const caption = await panel.draw(frame, view);
       if (caption) setCaption(frame, caption, false);
@@ -148,6 +153,8 @@ async function drawIfSeen(item: Shown, view: View): Promise<void> {
     } catch (error) {
       frame.begin();
       setCaption(frame, (error as Error).message, true);
+    } finally {
+      clearTimeout(waiting);
     }
   }
   item.isDrawing = false;

@@ -14,7 +14,10 @@ export function resolveMaterial(source: Source, catalogue: Catalogue, text: stri
   if (!entry) {
     entry = askJson<Entry>(source, makeKey("formula", [["text", text]]));
     resolved.set(text, entry);
-    entry.catch(() => resolved.delete(text));
+    entry.then(
+      ({ name }) => resolved.set(name, entry!),
+      () => resolved.delete(text),
+    );
   }
   return entry;
 }
@@ -76,7 +79,7 @@ function addParameters(row: HTMLElement, view: () => View, entry: Entry, i: numb
   function set(name: string, value: string): void {
     text = replaceParameter(text, name, value);
     const { state, change } = view();
-    change({ materials: state.materials.map((old, k) => (k === i ? text : old)) });
+    change({ materials: state.materials.map((old, k) => (k === i ? text : old)) }, true);
   }
   for (const parameter of entry.parameters) {
     const { name, kind, choices = [] } = parameter;

@@ -13,7 +13,8 @@ export interface View {
   catalogue: Catalogue;
   source: Source;
   gpu: Gpu | null;
-  change(patch: Partial<State>): void;
+  /** `keepControls` leaves the sliders of formulas as they are, because one of them is moving. */
+  change(patch: Partial<State>, keepControls?: boolean): void;
 }
 
 export interface Panel {

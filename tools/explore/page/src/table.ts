@@ -23,6 +23,7 @@ export interface Table {
 }
 
 export async function loadTable(source: Source, entry: Entry): Promise<Table> {
+  if (!entry.isotropic) throw new Error(`${entry.name} is anisotropic: spheres and slices need a MERL table, which is isotropic.`);
   const { members, arrays } = await askBinary(source, makeKey("table", [["material", entry.id]]));
   const words = arrays.table as Uint32Array;
   const phiBins = words.length / THETA_BINS / THETA_BINS;
