@@ -25,6 +25,8 @@ export interface Box {
   height: number;
 }
 
+/** Characters of a name in a legend. */
+const LONGEST_NAME = 30;
 const FONT = "12px system-ui, sans-serif";
 export const DASHES = [[], [8, 4], [2, 3]];
 
@@ -124,11 +126,12 @@ export function drawLegend(context: CanvasRenderingContext2D, curves: Curve[], b
     const right = box.left + box.width - 36;
     context.fillStyle = theme.paper;
     context.globalAlpha = 0.75;
-    const across = context.measureText(curve.name).width;
+    const name = curve.name.length > LONGEST_NAME ? `${curve.name.slice(0, LONGEST_NAME - 1)}…` : curve.name;
+    const across = context.measureText(name).width;
     context.fillRect(right - across - 3, down - 8, across + 39, 16);
     context.globalAlpha = 1;
     context.fillStyle = theme.ink;
-    context.fillText(curve.name, right, down);
+    context.fillText(name, right, down);
     context.strokeStyle = curve.colour;
     context.lineWidth = 2;
     context.setLineDash(curve.dashes ?? []);
