@@ -45,6 +45,7 @@ export function encodeSrgb(x: number): number {
 /** The colours that the style sheet gives the page at this moment. */
 export interface Theme {
   ink: string;
+  soft: string;
   faint: string;
   paper: string;
   series: string[];
@@ -57,6 +58,7 @@ export function readTheme(): Theme {
   }
   return {
     ink: colour("--ink"),
+    soft: colour("--soft"),
     faint: colour("--faint"),
     paper: colour("--paper"),
     series: [colour("--first"), colour("--second"), colour("--third")],

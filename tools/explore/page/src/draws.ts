@@ -118,7 +118,8 @@ function layOut(width: number, height: number): { discs: [Disc, Disc]; chart: Bo
   return { discs: [discs[0], discs[1]], chart: { left: 56, top, width: width - 72, height: height - top - 44 } };
 }
 
-function drawErrors(frame: Frame, chart: Box, estimates: Estimate[]): void {
+/** `floor` is the relative error of the truth: what is below it is as good as exact. */
+function drawErrors(frame: Frame, chart: Box, estimates: Estimate[], floor: number): void {
   const theme = readTheme();
   const curves: Curve[] = estimates.map(({ sampler, errors }, i) => ({
     name: sampler,
@@ -134,6 +135,9 @@ function drawErrors(frame: Frame, chart: Box, estimates: Estimate[]): void {
   frame.context.fillStyle = theme.paper;
   frame.context.fillRect(0, chart.top - 26, frame.size()[0], frame.size()[1] - chart.top + 26);
   const place = drawAxes(frame.context, chart, x, y, theme);
+  if (floor > y.min && floor < y.max) {
+    curves.push({ name: "error of the quadrature", colour: theme.soft, dashes: [2, 4], points: [[x.min, floor], [x.max, floor]] });
+  }
   for (const curve of curves) {
     drawCurve(frame.context, curve, place, chart);
     frame.context.fillStyle = curve.colour;
@@ -188,7 +192,7 @@ async function accumulate(frame: Frame, view: View): Promise<string> {
       drawDots(frame, discs[i], draws, theme.series[i]);
       addBatch(estimates[i], draws, mean);
     });
-    drawErrors(frame, chart, estimates);
+    drawErrors(frame, chart, estimates, truth.error / mean);
     caption = describeEstimates(estimates, truth, theta);
   }
   frame.canvas.dataset.count = String(estimates[0].count);
