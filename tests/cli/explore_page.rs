@@ -185,6 +185,23 @@ fn the_page_shows_what_the_library_computes() {
     run_commands(folder, commands);
 }
 
+/// The exported page needs no server: all panels are drawn from what it holds.
+#[test]
+fn an_exported_page_opens_from_a_file() {
+    let Some(chromium) = browser() else {
+        eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["explore", "red-plastic", "--export", "page.html"];
+    let output = run_in(folder.path(), &arguments, "");
+    let complaints = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{complaints}");
+    let address = format!("file://{}", folder.path().join("page.html").display());
+    let found = look(&chromium, &address, folder.path());
+    assert!(found["size"].as_u64().unwrap() > 200, "{found}");
+}
+
 /// The page's shader is the text that is exported; a copy of it is part of the script.
 #[test]
 fn the_page_has_the_shader_that_is_exported() {
