@@ -182,12 +182,17 @@ fn mutated_requests_have_answers() {
 #[test]
 fn files_are_refused_while_they_arrive() {
     let (router, token) = server();
-    let uri = || Uri::from_static("/api/v1/materials?name=a.binary");
+    let uri = Uri::from_static("/api/v1/materials?name=a.binary");
     let endless = futures_util::stream::repeat_with(|| Ok::<_, std::io::Error>(vec![0u8; 1 << 20]));
     runtime().block_on(async {
-        let request = allowed(Method::POST, uri(), &token, Body::from_stream(endless));
+        let request = allowed(
+            Method::POST,
+            uri.clone(),
+            &token,
+            Body::from_stream(endless),
+        );
         assert_eq!(status(&router, request).await, 413);
-        let mut request = allowed(Method::POST, uri(), &token, Body::empty());
+        let mut request = allowed(Method::POST, uri.clone(), &token, Body::empty());
         let length = HeaderValue::from_static("64000001");
         request.headers_mut().insert("content-length", length);
         assert_eq!(status(&router, request).await, 413);
@@ -199,7 +204,7 @@ fn files_are_refused_while_they_arrive() {
         let bsdf = b"tensor_file\0\x01\0\xff\xff\xff\xff".to_vec();
         let fit = b"{\"merlkit\": \"0\", \"kind\": \"fit\"}".to_vec();
         for bytes in [merl, bsdf, fit, Vec::new()] {
-            let request = allowed(Method::POST, uri(), &token, Body::from(bytes));
+            let request = allowed(Method::POST, uri.clone(), &token, Body::from(bytes));
             assert_eq!(status(&router, request).await, 400);
         }
     });

@@ -20,7 +20,7 @@ const USUAL_AZIMUTHS: f64 = 8.0;
 /// The most directions of `wo` that have tables.
 const MOST_DIRECTIONS: f64 = 1024.0;
 /// The most cells of a table, and of all tables together.
-const MOST_CELLS: [f64; 2] = [524_288.0, 67_108_864.0];
+const MOST_CELLS: [f64; 2] = [524_288.0, 134_217_728.0];
 /// The most products of factors, and the most cells of a factor.
 const MOST_FACTORS: [f64; 2] = [256.0, 16_384.0];
 /// The smallest mean number of trials of a leaf.

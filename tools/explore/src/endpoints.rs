@@ -109,6 +109,15 @@ impl Session {
             .get_or_insert_with(key, || (endpoint.answer)(self, &query))
     }
 
+    /// Computes the table that the page asks for first, if the first material is one.
+    pub(crate) fn prepare_first_view(&self) {
+        let first = self.registry.find(0);
+        if first.is_ok_and(|first| first.facts.has_table) {
+            // A refusal is computed again when the page asks.
+            let _ = self.answer("api/v1/table?material=0");
+        }
+    }
+
     /// The answer of a file that is sent: `bytes` of a MERL binary or a `.bsdf` file, with the query `name=FILE`.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use crate::query::{Query, shorten};
 use crate::refusal::Refusal;
 use crate::session::Session;
 
-/// What may be fitted beside the models of `merlkit fit`: two lobes.
+/// What may be fitted in addition to the models of `merlkit fit`: two lobes.
 const TWO_LOBES: &str = "ggx+ggx";
 
 /// The models that the page offers.

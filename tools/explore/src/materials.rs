@@ -19,7 +19,7 @@ use crate::upload::display_name;
 /// Longer texts are no formulas that a page needs.
 const LONGEST_FORMULA: usize = 2000;
 
-/// Samplers that are offered beside each method with its usual settings.
+/// Samplers that are offered in addition to each method with its usual settings.
 const MORE_SAMPLERS: [&str; 2] = ["adaptive-disc:rejection-free", "lobe:ggx"];
 
 /// What there is.

@@ -177,9 +177,13 @@ async fn work(
         return Err(Refusal::new(503, "the server stops"));
     };
     let session = shared.session.clone();
-    let working = tokio::task::spawn_blocking(move || job(&session));
-    let failed = |_| Refusal::new(500, "the answer could not be computed; report this");
-    working.await.map_err(failed)?
+    match tokio::task::spawn_blocking(move || job(&session)).await {
+        Ok(answer) => answer,
+        Err(_) => {
+            let message = "the answer could not be computed; report this";
+            Err(Refusal::new(500, message))
+        }
+    }
 }
 
 fn respond_with(answer: Result<Answer, Refusal>) -> Response<Body> {
@@ -284,6 +288,9 @@ impl Explorer {
     async fn serve(self) -> merlkit::Result<()> {
         self.listener.set_nonblocking(true).map_err(network_error)?;
         let listener = tokio::net::TcpListener::from_std(self.listener).map_err(network_error)?;
+        // The browser takes longer to start than the table of the first view to load.
+        let session = self.session.clone();
+        tokio::task::spawn_blocking(move || session.prepare_first_view());
         let serving = axum::serve(listener, router(self.session, self.guard))
             .with_graceful_shutdown(self.stopper.clone().wait());
         tokio::select! {
