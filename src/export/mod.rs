@@ -73,13 +73,21 @@ impl Export {
         missing
     }
 
-    /// Writes the table and [`Self::values`] as a file for [`Self::runtime_code`]; returns the file's length in bytes.
+    /// The table and [`Self::values`] as the bytes of a file for [`Self::runtime_code`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] for a table of which cells are valid in some channels only, under a linear rule.
+    pub fn runtime_bytes(&self) -> Result<Vec<u8>> {
+        self.require_whole_cells()?;
+        Ok(runtime::file(self))
+    }
+
+    /// Writes [`Self::runtime_bytes`]; returns the file's length in bytes.
     ///
     /// # Errors
     /// As [`Self::write_header`].
     pub fn write_runtime(&self, path: &Path, overwrite: Overwrite) -> Result<u64> {
-        self.require_whole_cells()?;
-        write_bytes(&runtime::file(self), path, overwrite)
+        write_bytes(&self.runtime_bytes()?, path, overwrite)
     }
 
     /// Writes values, tables and settings as arrays that `numpy.load` reads; returns the file's length in bytes.

@@ -10,6 +10,8 @@ mod diff;
 mod environments;
 mod eval;
 mod every_material;
+mod explore;
+mod explore_page;
 mod fit;
 #[path = "../support/grids.rs"]
 mod grid_files;

@@ -1,4 +1,5 @@
-//! Ctrl-C and SIGTERM: what was finished is kept, nothing is left half-written, and the exit status is 130 or 143.
+//! Ctrl-C and SIGTERM: what was finished is kept, nothing is left half-written, and the exit status is 130 or 143; of a command that
+//! runs until it is stopped, 0.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
@@ -13,6 +14,8 @@ type Ending = Box<dyn FnOnce() -> Result<(), Failure> + Send>;
 
 static ENDING: Mutex<Option<Ending>> = Mutex::new(None);
 static STOPPING: AtomicBool = AtomicBool::new(false);
+/// Whether a signal is the usual end.
+static RUNS_UNTIL_STOPPED: AtomicBool = AtomicBool::new(false);
 
 /// From here on, Ctrl-C and SIGTERM run what [`at_end`] was given, and end the process; a second one does not wait for that.
 /// Elsewhere than on Unix the system ends the process; only temporary files are left.
@@ -45,12 +48,21 @@ pub fn install() {
 #[cfg(not(unix))]
 pub fn install() {}
 
-/// The exit status is 128 and the number of the signal, as shells have it.
+/// The exit status is 128 and the number of the signal, as shells have it, or 0 if a signal is the usual end.
 #[cfg(unix)]
 fn end(signal: i32) -> ! {
     abandon_unfinished();
+    if RUNS_UNTIL_STOPPED.load(Ordering::SeqCst) {
+        std::process::exit(0)
+    }
     output::message("merlkit: interrupted");
     std::process::exit(128 + signal)
+}
+
+/// From here on a signal is the usual end of the command, and its exit status 0; `ending` runs before it.
+pub fn run_until_stopped(ending: impl FnOnce() -> Result<(), Failure> + Send + 'static) {
+    RUNS_UNTIL_STOPPED.store(true, Ordering::SeqCst);
+    at_end(ending);
 }
 
 /// `ending` writes what is finished: once, when the command calls [`finish`], or before that on Ctrl-C.

@@ -177,6 +177,17 @@ impl Environment {
         self.table.as_ref().map_or(0, |t| t.bytes() + densities)
     }
 
+    /// The unit vector towards a point of the map, whose `x` runs from left to right and whose `y` runs from the zenith, +y, down,
+    /// both from 0 to 1.
+    pub fn map_direction(point: DVec2) -> DVec3 {
+        direction_of(point.x, (point.y * std::f64::consts::PI).cos())
+    }
+
+    /// The point of the map that lies in a direction: the inverse of [`Self::map_direction`].
+    pub fn map_point(direction: DVec3) -> DVec2 {
+        square_of(direction)
+    }
+
     /// Radiance that arrives from the unit vector `direction`.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         self.emission_at(self.point(square_of(direction))).radiance

@@ -43,6 +43,16 @@ impl SharedExponentCells {
         }
     }
 
+    /// The words of all cells.
+    pub fn all_words(&self) -> &[u32] {
+        &self.words
+    }
+
+    /// The value of an integer 1 where the field is 0.
+    pub fn unit(&self) -> f32 {
+        f32::from_bits(self.lowest)
+    }
+
     /// Bytes in memory.
     pub fn bytes(&self) -> usize {
         size_of_val(self.words.as_slice())

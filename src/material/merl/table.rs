@@ -184,6 +184,17 @@ impl MerlTable {
         }
     }
 
+    /// The words of [`CellFormat::Rgb9e5`] cells in the order of [`Self::cells`], and their unit; `None` for other formats.
+    ///
+    /// Bits 0 to 8 are red's integer, 9 to 17 green's, 18 to 26 blue's, and the five above a field e: the value of an integer m is
+    /// m·2ᵉ·unit. An invalid cell is the word 0xf8000000.
+    pub fn shared_exponent_words(&self) -> Option<(&[u32], f32)> {
+        match &self.cells {
+            Cells::Rgb9e5(cells) => Some((cells.all_words(), cells.unit())),
+            Cells::F32(_) | Cells::F16(_) => None,
+        }
+    }
+
     /// The cells as they are kept, for those who read many.
     #[inline(always)]
     pub(super) fn stored_cells(&self) -> &Cells {

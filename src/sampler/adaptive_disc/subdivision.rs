@@ -23,6 +23,8 @@ pub struct Cell {
     pub side: f64,
     /// Probability that a draw from the tree falls into it; with rejection, that a trial does. 0 outside the leaves.
     pub share: f64,
+    /// Upper bound of f_r in a leaf that is drawn with rejection, sr⁻¹, of the scalar that draws follow; 0 for other squares.
+    pub bound: f32,
 }
 
 /// One tree: squares that cover [−1, 1]² and don't overlap. The plane of incidence is y = 0, `wo` at x > 0.
@@ -35,6 +37,8 @@ pub struct Subdivision {
     pub theta_o: f64,
     /// The squares; for a material without light, a single one of probability 0.
     pub cells: Vec<Cell>,
+    /// Mean number of trials that a draw from the tree takes; 1 without rejection.
+    pub trials: f64,
     /// Whether the squares are mapped to the disc by the concentric map rather than laid over it.
     warped: bool,
 }
@@ -69,13 +73,14 @@ impl AdaptiveDisc {
     /// angle that is not finite counts as 0.
     pub fn subdivision(&self, theta_o: f64) -> Subdivision {
         let k = self.knots.polar.nearest(theta_o);
-        let (cells, warped) = match &self.trees {
-            Trees::Rejecting(forest) => (laid(forest, k), false),
-            Trees::Warped(warps) => (mapped(warps, k), true),
+        let (cells, trials, warped) = match &self.trees {
+            Trees::Rejecting(forest) => (laid(forest, k), forest.trials(k).max(1.0), false),
+            Trees::Warped(warps) => (mapped(warps, k), 1.0, true),
         };
         Subdivision {
             theta_o: self.knots.polar.theta(k),
             cells,
+            trials,
             warped,
         }
     }
@@ -89,7 +94,7 @@ fn laid(forest: &Forest, k: usize) -> Vec<Cell> {
     for leaf in forest.tree(k) {
         let share = f64::from(leaf.upper.saturating_sub(below)) / f64::from(WHOLE);
         below = leaf.upper;
-        leaves.insert(leaf.code, share);
+        leaves.insert(leaf.code, (share, leaf.bound));
         let mut code = leaf.code;
         let mut depth = leaf.code >> 28;
         while depth > 0 && parents.insert(parent(code)) {
@@ -103,11 +108,12 @@ fn laid(forest: &Forest, k: usize) -> Vec<Cell> {
         if !leaves.contains_key(&code) && parents.contains(&code) {
             open.extend((0..4).rev().map(|i| square.child(i)));
         } else {
-            let share = leaves.get(&code).copied().unwrap_or(0.0);
+            let (share, bound) = leaves.get(&code).copied().unwrap_or((0.0, 0.0));
             cells.push(Cell {
                 corner: square.corner,
                 side: square.side,
                 share,
+                bound,
             });
         }
     }
@@ -133,6 +139,7 @@ fn mapped(warps: &Warps, k: usize) -> Vec<Cell> {
                 corner: square.corner,
                 side: square.side,
                 share,
+                bound: 0.0,
             });
             continue;
         };

@@ -8,6 +8,7 @@ mod decode;
 mod demo;
 mod diff;
 mod eval;
+mod explore;
 mod export;
 mod fit;
 mod import;
@@ -46,6 +47,7 @@ pub enum Command {
     Compare(compare::Args),
     Tune(tune::Args),
     Fit(fit::Args),
+    Explore(explore::Args),
     Render(Box<render::Args>),
     Sheet(Box<sheet::Args>),
     Diff(diff::Args),
@@ -75,6 +77,7 @@ impl Command {
             Self::Compare(args) => compare::run(&args),
             Self::Tune(args) => tune::run(&args),
             Self::Fit(args) => fit::run(&args),
+            Self::Explore(args) => explore::run(&args),
             Self::Render(args) => render::run(&args),
             Self::Sheet(args) => sheet::run(&args),
             Self::Diff(args) => diff::run(&args),

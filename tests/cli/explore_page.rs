@@ -1,0 +1,226 @@
+//! The page of `merlkit explore` in a browser: every panel is drawn, and what is read back from the canvases is what the library says.
+//!
+//! The tests skip, saying so, where there is no Chromium, or no `playwright-core` on `NODE_PATH`. `SCREENSHOTS` names a folder that keeps the
+//! pictures.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use assert_cmd::cargo::cargo_bin;
+use serde_json::Value;
+
+use crate::run::{run_in, succeeds};
+
+const EXPLORE: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../tests/browser/explore.js"
+);
+
+/// A Chromium, `CHROMIUM` or one in `PATH`, if node finds what drives it.
+fn browser() -> Option<PathBuf> {
+    let driver = Command::new("node")
+        .args(["-e", "require('playwright-core')"])
+        .output();
+    if !driver.is_ok_and(|output| output.status.success()) {
+        return None;
+    }
+    if let Some(path) = std::env::var_os("CHROMIUM").filter(|path| !path.is_empty()) {
+        return Some(path.into());
+    }
+    let path = std::env::var_os("PATH")?;
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let mut files = std::env::split_paths(&path).flat_map(|folder| names.map(|n| folder.join(n)));
+    files.find(|file| file.is_file())
+}
+
+/// A server that ends with the test.
+struct Server {
+    child: Child,
+    address: String,
+}
+
+impl Server {
+    fn start(materials: &[&str]) -> Self {
+        let mut child = Command::new(cargo_bin!("merlkit"))
+            .args(["explore", "--no-open"])
+            .args(materials)
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut address = String::new();
+        let mut lines = BufReader::new(child.stdout.take().unwrap());
+        lines.read_line(&mut address).unwrap();
+        let address = address.trim().to_owned();
+        assert!(address.starts_with("http://127.0.0.1:"), "{address}");
+        Self { child, address }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.child.kill().ok();
+        self.child.wait().ok();
+    }
+}
+
+/// What the script found at an address.
+fn look(chromium: &Path, address: &str, folder: &Path) -> Value {
+    let output = Command::new("node")
+        .arg(EXPLORE)
+        .arg(chromium)
+        .arg(address)
+        .arg(folder)
+        .output()
+        .unwrap();
+    let complaints = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{complaints}");
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["faults"], serde_json::json!([]));
+    found
+}
+
+/// 8-bit RGB of a PNG.
+fn colours(path: &Path) -> Vec<[u8; 3]> {
+    let mut decoder = png::Decoder::new(BufReader::new(std::fs::File::open(path).unwrap()));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let channels = reader.next_frame(&mut bytes).unwrap().color_type.samples();
+    let pixels = bytes.chunks_exact(channels);
+    pixels.map(|p| [p[0], p[1], p[2]]).collect()
+}
+
+/// The sphere's pixels against those of the command that the page names.
+fn compare_sphere(folder: &Path, command: &str, size: u64) {
+    let arguments = command.replace("512x512", &format!("{size}x{size} --spp 16"));
+    let arguments: Vec<&str> = arguments.split_whitespace().skip(1).collect();
+    succeeds(run_in(
+        folder,
+        &[&arguments[..arguments.len() - 1], &["rendered"]].concat(),
+        "",
+    ));
+    let (seen, rendered) = (
+        colours(&folder.join("sphere.png")),
+        colours(&folder.join("rendered.png")),
+    );
+    assert_eq!(seen.len(), rendered.len());
+    let (mut off, mut sum, mut total) = (0, 0.0, 0.0);
+    for (a, b) in seen.iter().zip(&rendered) {
+        let distance = (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0);
+        off += usize::from(distance > 2);
+        sum += f64::from(distance);
+        total += f64::from(*b.iter().max().unwrap());
+    }
+    // Edges of bins and of the sphere are smoothed by other points.
+    let lit = rendered.iter().filter(|p| **p != [0; 3]).count();
+    assert!(
+        off * 100 <= lit && sum <= 0.01 * total,
+        "{off} of {lit} pixels differ, {:.4} of the brightness",
+        sum / total
+    );
+}
+
+/// Each command that the page names is one that `merlkit` takes.
+fn run_commands(folder: &Path, commands: &[Value]) {
+    assert_eq!(commands.len(), 9);
+    for command in commands {
+        let command = command.as_str().unwrap();
+        let small = command.replace("--size 512x512", "");
+        let mut arguments: Vec<&str> = small.split_whitespace().skip(1).collect();
+        if arguments[0] == "render" {
+            arguments.extend(["--size", "16x16", "--spp", "1"]);
+        }
+        arguments.extend((arguments[0] != "sample").then_some("--force"));
+        let output = run_in(folder, &arguments, "");
+        let complaints = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{command}: {complaints}");
+    }
+}
+
+#[test]
+fn the_page_shows_what_the_library_computes() {
+    let Some(chromium) = browser() else {
+        eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
+        return;
+    };
+    let scratch = tempfile::tempdir().unwrap();
+    let kept = std::env::var_os("SCREENSHOTS").map(PathBuf::from);
+    let folder = kept.as_deref().unwrap_or(scratch.path());
+    let server = Server::start(&["red-plastic", "nickel"]);
+    let found = look(&chromium, &server.address, folder);
+
+    let commands = found["commands"].as_array().unwrap();
+    compare_sphere(
+        folder,
+        commands[0].as_str().unwrap(),
+        found["size"].as_u64().unwrap(),
+    );
+
+    // The outline of the lobe, from the side, is that of the server's values.
+    let lobe = &found["lobe"];
+    assert!(lobe["lines"].as_u64().unwrap() > 60, "{lobe}");
+    assert!(lobe["worst"].as_f64().unwrap() < 2.0, "{lobe}");
+
+    // 99.9 % of draws of that density have a chi-square of less than 84.0 with 47 degrees of freedom; nickel's are far from uniform.
+    let [uniform, narrow] = [0, 1].map(|i| &found["chiSquare"][i]);
+    assert!(uniform["total"].as_u64().unwrap() > 900, "{uniform}");
+    assert!(uniform["value"].as_f64().unwrap() < 84.0, "{uniform}");
+    assert!(narrow["value"].as_f64().unwrap() > 840.0, "{narrow}");
+
+    let texts = &found["texts"];
+    assert!(
+        texts["Software"].as_str().unwrap().starts_with("merlkit "),
+        "{texts}"
+    );
+    assert!(
+        texts["Title"].as_str().unwrap().contains("red-plastic"),
+        "{texts}"
+    );
+    let state = texts["Comment"].as_str().unwrap();
+    assert!(
+        state.contains("material=red-plastic") && !state.contains("token"),
+        "{texts}"
+    );
+    run_commands(folder, commands);
+}
+
+/// The exported page needs no server: all panels are drawn from what it holds.
+#[test]
+fn an_exported_page_opens_from_a_file() {
+    let Some(chromium) = browser() else {
+        eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["explore", "red-plastic", "--export", "page.html"];
+    let output = run_in(folder.path(), &arguments, "");
+    let complaints = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{complaints}");
+    let address = format!("file://{}", folder.path().join("page.html").display());
+    let found = look(&chromium, &address, folder.path());
+    assert!(found["size"].as_u64().unwrap() > 200, "{found}");
+}
+
+/// The page's shader is the text that is exported; a copy of it is part of the script.
+#[test]
+fn the_page_has_the_shader_that_is_exported() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../explore/page/shaders/merlkit.glsl"
+    );
+    let copy = std::fs::read_to_string(path).unwrap();
+    let code = merlkit::export::Export::runtime_code();
+    let (_, exported) = code
+        .iter()
+        .find(|(name, _)| *name == "merlkit.glsl")
+        .unwrap();
+    assert!(
+        copy == *exported,
+        "copy merlkit.glsl of `merlkit export nickel --format runtime` there and run tools/explore/page/build"
+    );
+    assert!(
+        include_str!("../../tools/explore/page/dist/explore.js").contains("merlkit_bins_of"),
+        "the script has no shader"
+    );
+}

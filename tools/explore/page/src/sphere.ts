@@ -1,0 +1,227 @@
+/** Spheres of the materials in view under parallel light or an environment, refined sample after sample. */
+
+import { askBinary, makeKey, type Source } from "./data";
+import { beginPicture, bindTextures, buildProgram, copyPicture, COVER, makeTexture, type Gpu, type Program } from "./gpu";
+import { nameMaterials, quoteWord } from "./command";
+import { bindSelect, bindSlider, onDrag, setCaption, type Frame, type Panel, type View } from "./panel";
+import { uploadMaterial, uploadSampler, type GpuMaterial } from "./table";
+import merlkit from "../shaders/merlkit.glsl";
+import sphere from "../shaders/sphere.glsl";
+import tone from "../shaders/tone.glsl";
+
+/** Samples of a pixel after which a picture is finished: smooth edges, and smooth light. */
+const ENOUGH = { parallel: 32, sky: 1024 };
+/** Milliseconds of a frame above which a moving picture is drawn with half the pixels across, and one at rest leaves time for others. */
+const SLOW = 50;
+/** Samples of a picture with half the pixels across, before one with all of them begins. */
+const COARSE = { parallel: 1, sky: 64 };
+/** The time that is left, milliseconds. */
+const PAUSE = 50;
+
+/** Two textures of sums, of which one is read and the other written. */
+interface Sums {
+  size: number;
+  textures: [WebGLTexture, WebGLTexture];
+  frames: [WebGLFramebuffer, WebGLFramebuffer];
+  latest: number;
+}
+
+interface Run {
+  name: string;
+  materials: GpuMaterial[];
+  sums: Sums[];
+  sky: WebGLTexture | null;
+  count: number;
+}
+
+const programs = new Map<string, Program>();
+const skies = new Map<string, Promise<WebGLTexture>>();
+/** Sums by the number of the sphere. */
+const sums: Sums[] = [];
+let current: Run | null = null;
+/** Number of the latest picture: frames of earlier ones are dropped. */
+let latest = 0;
+let milliseconds = 0;
+
+function getProgram(gpu: Gpu, name: "parallel" | "sky" | "tone"): Program {
+  let program = programs.get(name);
+  if (!program) {
+    const head = `#version 300 es\n${name === "sky" ? "#define LIGHT_IS_SKY\n" : ""}`;
+    program = buildProgram(gpu.gl, COVER, name === "tone" ? tone : head + merlkit + sphere);
+    programs.set(name, program);
+  }
+  return program;
+}
+
+function loadSky(gpu: Gpu, source: Source, name: string): Promise<WebGLTexture> {
+  let sky = skies.get(name);
+  if (!sky) {
+    const { gl } = gpu;
+    sky = askBinary(source, makeKey("environment", [["name", name]])).then(({ members, arrays }) => {
+      const [{ shape }] = members.arrays as { shape: number[] }[];
+      return makeTexture(gl, [shape[1], shape[0]], [gl.RGB32F, gl.RGB, gl.FLOAT], arrays.radiance);
+    });
+    skies.set(name, sky);
+    sky.catch(() => skies.delete(name));
+  }
+  return sky;
+}
+
+function getSums(gpu: Gpu, number: number, size: number): Sums {
+  const { gl } = gpu;
+  if (sums[number]?.size === size) return sums[number];
+  for (const texture of sums[number]?.textures ?? []) gl.deleteTexture(texture);
+  for (const frame of sums[number]?.frames ?? []) gl.deleteFramebuffer(frame);
+  const made = [0, 1].map(() => {
+    const texture = makeTexture(gl, [size, size], [gpu.sums!, gl.RGBA, gpu.sums === gl.RGBA16F ? gl.HALF_FLOAT : gl.FLOAT], null);
+    const frame = gl.createFramebuffer()!;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+    return { texture, frame };
+  });
+  sums[number] = { size, textures: [made[0].texture, made[1].texture], frames: [made[0].frame, made[1].frame], latest: 0 };
+  return sums[number];
+}
+
+/** One more sample of each pixel of a sphere. */
+function addSample(gpu: Gpu, run: Run, number: number, state: View["state"]): void {
+  const { gl } = gpu;
+  const { size, textures, frames, latest: from } = run.sums[number];
+  const material = run.materials[number];
+  const program = getProgram(gpu, run.sky ? "sky" : "parallel");
+  gl.useProgram(program.program);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, frames[1 - from]);
+  gl.viewport(0, 0, size, size);
+  // A sampler without a texture of its type is an error even where nothing is read.
+  const words = material.words ?? material.cells;
+  bindTextures(gl, program, { cells: material.cells, merlkit_words: words, before: textures[from], ...(run.sky && { sky: run.sky }) });
+  gl.uniform1f(program.uniforms.unit, material.table.unit);
+  gl.uniform1i(program.uniforms.phi_bins, material.table.phiBins);
+  gl.uniform2f(program.uniforms.size, size, size);
+  gl.uniform1ui(program.uniforms.count, run.count);
+  if (run.sky) {
+    gl.uniform1i(program.uniforms.has_table, material.words ? 1 : 0);
+  } else {
+    gl.uniform3f(program.uniforms.towards, ...aimLight(state.lightTheta, state.lightPhi));
+  }
+  gl.disable(gl.DEPTH_TEST);
+  gl.drawArrays(gl.TRIANGLES, 0, 3);
+  run.sums[number].latest = 1 - from;
+}
+
+/** Towards the light: degrees from +y, and from the viewer's side (+z) to the right (+x), as `directional:THETA,PHI`. */
+export function aimLight(theta: number, phi: number): [number, number, number] {
+  const [t, p] = [(theta * Math.PI) / 180, (phi * Math.PI) / 180];
+  return [Math.sin(t) * Math.sin(p), Math.cos(t), Math.sin(t) * Math.cos(p)];
+}
+
+/** Brings a sphere's sums to a place of the panel, `pixels` wide. */
+function showSums(gpu: Gpu, run: Run, number: number, gain: number, pixels: number): void {
+  const { gl } = gpu;
+  const { size, textures, latest: from } = run.sums[number];
+  const program = getProgram(gpu, "tone");
+  beginPicture(gpu, pixels, pixels);
+  gl.useProgram(program.program);
+  bindTextures(gl, program, { light: textures[from] });
+  gl.uniform1f(program.uniforms.gain, gain);
+  gl.uniform2f(program.uniforms.scale, size / pixels, size / pixels);
+  gl.disable(gl.DEPTH_TEST);
+  gl.drawArrays(gl.TRIANGLES, 0, 3);
+}
+
+/** What the sums of a run are of: whatever else changes, they are only shown again. */
+function nameRun({ state, materials }: View, side: number): string {
+  const light = state.light === "directional" ? [state.lightTheta, state.lightPhi] : [state.light];
+  return [side, ...light, ...materials.map((entry) => entry.id)].join(" ");
+}
+
+async function drawSpheres(frame: Frame, view: View): Promise<string> {
+  const { gpu, source, state, materials } = view;
+  if (!gpu || gpu.sums === null) return "This browser has no WebGL 2 with float targets, so spheres are not drawn.";
+  frame.aspect = 1 / Math.max(materials.length, 1);
+  frame.begin();
+  const side = Math.floor(frame.canvas.width / Math.max(materials.length, 1));
+  const name = nameRun(view, side);
+  if (current?.name !== name) {
+    const sky = state.light === "directional" ? null : await loadSky(gpu, source, state.light);
+    const upload = sky ? uploadSampler : uploadMaterial;
+    const uploads = await Promise.all(materials.map((entry) => upload(gpu, source, entry)));
+    const pixels = milliseconds > SLOW ? side >> 1 : side;
+    current = { name, materials: uploads, sums: uploads.map((_, i) => getSums(gpu, i, pixels)), sky, count: 0 };
+  } else if (current.count > 0) {
+    showRun(frame, view, current, side);
+  }
+  const run = current;
+  latest += 1;
+  refine(frame, view, run, latest, side);
+  return frame.section.querySelector(".caption")!.textContent!;
+}
+
+function showRun(frame: Frame, view: View, run: Run, side: number): void {
+  for (let i = 0; i < run.materials.length; i++) {
+    showSums(view.gpu!, run, i, 2 ** view.state.exposure, side);
+    frame.context.setTransform(1, 0, 0, 1, 0, 0);
+    copyPicture(view.gpu!, [side, side], frame.context, [i * side, frame.canvas.height - side, side, side]);
+  }
+}
+
+/** Adds samples, one a frame of the screen, until there are enough or another picture is asked for. */
+function refine(frame: Frame, view: View, run: Run, number: number, side: number): void {
+  const gpu = view.gpu!;
+  const enough = run.sky ? ENOUGH.sky : ENOUGH.parallel;
+  function step(): void {
+    if (number !== latest || run.count >= enough) return;
+    setTimeout(() => requestAnimationFrame(step), milliseconds > SLOW ? PAUSE : 0);
+    if (!frame.isSeen) return;
+    // After the first samples of a slow moving picture the resting one gets all its pixels.
+    if (run.count === (run.sky ? COARSE.sky : COARSE.parallel) && run.sums.some((s) => s.size !== side)) {
+      run.sums = run.materials.map((_, i) => getSums(gpu, i, side));
+      run.count = 0;
+    }
+    const begun = performance.now();
+    for (let i = 0; i < run.materials.length; i++) addSample(gpu, run, i, view.state);
+    run.count += 1;
+    showRun(frame, view, run, side);
+    if (run.sums[0].size === side) milliseconds = performance.now() - begun;
+    describeRun(frame, view, run, enough);
+  }
+  requestAnimationFrame(step);
+}
+
+function describeRun(frame: Frame, { state, materials }: View, run: Run, enough: number): void {
+  const light = run.sky
+    ? `under ${state.light}, ${run.count} paths a pixel`
+    : `under parallel light from ${state.lightTheta.toFixed(0)}°, ${state.lightPhi.toFixed(0)}° with irradiance π, ${run.count} samples a pixel`;
+  const speed = run.count < enough && run.count > 1 ? `, ${(1000 / milliseconds).toFixed(0)} frames/s` : "";
+  frame.canvas.dataset.samples = String(run.count);
+  setCaption(frame, `${materials.map((m) => m.name).join(", ")} ${light}${speed}.`, false);
+}
+
+export const spherePanel: Panel = {
+  id: "sphere",
+  title: "Spheres",
+  aspect: 1,
+  depends: ["materials", "light", "lightTheta", "lightPhi", "exposure"],
+  prepare(frame, view) {
+    bindSelect(frame, view, "light", "light", ["directional", ...view().catalogue.environments]);
+    bindSlider(frame, view, "exposure", "exposure", { min: -6, max: 6, step: 0.25, unit: " stops" });
+    onDrag(frame.canvas, "Drag, or use the arrow keys, to move the light", (dx, dy) => {
+      const { state, change } = view();
+      const { lightTheta, lightPhi } = state;
+      change({
+        light: "directional",
+        lightTheta: Math.min(Math.max(Math.round(lightTheta + dy / 2), 0), 180),
+        lightPhi: Math.round(((lightPhi + dx / 2 + 540) % 360) - 180),
+      });
+    });
+  },
+  draw: drawSpheres,
+  command({ state, materials }) {
+    const light = state.light === "directional" ? `directional:${state.lightTheta},${state.lightPhi}` : state.light;
+    const background = state.light === "directional" ? " --background black" : "";
+    const names = nameMaterials(materials);
+    const size = `${512 * materials.length}x512`;
+    const exposure = state.exposure ? ` --exposure=${state.exposure}` : "";
+    return `merlkit render ${names} --light ${quoteWord(light)}${background} --bounces 1 --size ${size}${exposure} -o sphere`;
+  },
+};
