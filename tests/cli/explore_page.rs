@@ -10,29 +10,13 @@ use std::process::{Child, Command, Stdio};
 use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 
+use crate::browsers::find_driven_chromium;
 use crate::run::{run_in, succeeds};
 
 const EXPLORE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/../../tests/browser/explore.js"
 );
-
-/// A Chromium, `CHROMIUM` or one in `PATH`, if node finds what drives it.
-fn browser() -> Option<PathBuf> {
-    let driver = Command::new("node")
-        .args(["-e", "require('playwright-core')"])
-        .output();
-    if !driver.is_ok_and(|output| output.status.success()) {
-        return None;
-    }
-    if let Some(path) = std::env::var_os("CHROMIUM").filter(|path| !path.is_empty()) {
-        return Some(path.into());
-    }
-    let path = std::env::var_os("PATH")?;
-    let names = ["chromium", "chromium-browser", "google-chrome"];
-    let mut files = std::env::split_paths(&path).flat_map(|folder| names.map(|n| folder.join(n)));
-    files.find(|file| file.is_file())
-}
 
 /// A server that ends with the test.
 struct Server {
@@ -140,7 +124,7 @@ fn run_commands(folder: &Path, commands: &[Value]) {
 
 #[test]
 fn the_page_shows_what_the_library_computes() {
-    let Some(chromium) = browser() else {
+    let Some(chromium) = find_driven_chromium() else {
         eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
         return;
     };
@@ -188,7 +172,7 @@ fn the_page_shows_what_the_library_computes() {
 /// The exported page needs no server: all panels are drawn from what it holds.
 #[test]
 fn an_exported_page_opens_from_a_file() {
-    let Some(chromium) = browser() else {
+    let Some(chromium) = find_driven_chromium() else {
         eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
         return;
     };

@@ -2,6 +2,8 @@
 
 mod anisotropic;
 mod batch;
+#[path = "../support/browsers.rs"]
+mod browsers;
 #[path = "../support/anisotropic.rs"]
 mod brushed;
 mod cells;

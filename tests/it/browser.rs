@@ -6,18 +6,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::browsers::{find_chromium, find_driven_chromium};
 use crate::page::{comparison_page, full};
-
-/// A Chromium: `CHROMIUM`, or one in `PATH`.
-fn chromium() -> Option<PathBuf> {
-    if let Some(path) = std::env::var_os("CHROMIUM").filter(|p| !p.is_empty()) {
-        return Some(path.into());
-    }
-    let path = std::env::var_os("PATH")?;
-    let names = ["chromium", "chromium-browser", "google-chrome"];
-    let mut files = std::env::split_paths(&path).flat_map(|folder| names.map(|n| folder.join(n)));
-    files.find(|f| f.is_file())
-}
 
 fn browse(chromium: &Path, folder: &Path, arguments: &[String], page: &Path) {
     let output = Command::new(chromium)
@@ -64,7 +54,7 @@ fn pixels(path: &Path) -> (usize, Vec<[u8; 3]>) {
 
 #[test]
 fn a_browser_shows_and_prints_it() {
-    let Some(chromium) = chromium() else {
+    let Some(chromium) = find_chromium() else {
         eprintln!("skipped: no Chromium in CHROMIUM or PATH");
         return;
     };
@@ -122,11 +112,7 @@ fn inspect(chromium: &Path, page: &str, folder: &Path, widths: &[&str]) -> Vec<S
 /// Also: what is meant to be found is found.
 #[test]
 fn it_can_be_read_at_every_width_and_in_the_dark() {
-    let found = Command::new("node")
-        .args(["-e", "require('playwright-core')"])
-        .output()
-        .is_ok_and(|o| o.status.success());
-    let (Some(chromium), true) = (chromium(), found) else {
+    let Some(chromium) = find_driven_chromium() else {
         eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
         return;
     };

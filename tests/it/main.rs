@@ -8,6 +8,8 @@ mod architecture;
 mod baselines;
 mod batches;
 mod browser;
+#[path = "../support/browsers.rs"]
+mod browsers;
 mod bsdf;
 mod cell_formats;
 mod compare;
