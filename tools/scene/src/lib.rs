@@ -5,6 +5,7 @@
 //! profile of a jar, displaced sphere → MeshData ┘→ Shape → merlkit::render::ObjectSpec
 //! ```
 //!
+//! [`read_scene`] reads a scene file to a [`SceneDescription`], whose [`SceneDescription::build`] gives what the renderer takes.
 //! A [`MeshData`] is plain vertices and faces, as a file or a formula gives them. A [`TriangleMesh`] is checked and ready to be
 //! intersected. It can be placed several times without a copy, as an [`Instance`].
 //!
@@ -30,18 +31,29 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod convexity;
+mod description;
 mod displaced;
+mod formats;
 mod hierarchy;
 mod instance;
 mod mesh;
 mod mesh_data;
+mod object_table;
+mod placing;
 mod quad;
 mod revolution;
+mod scene_fault;
+mod scene_file;
 mod triangle;
 
+pub use description::{
+    BuiltScene, CameraEntry, LightEntry, ObjectEntry, SceneDescription, ShapeEntry, SurfaceEntry,
+};
 pub use displaced::displace_sphere;
+pub use formats::{MeshFormat, parse_mesh, read_mesh};
 pub use instance::Instance;
 pub use mesh::{Shading, Sides, TriangleMesh};
 pub use mesh_data::MeshData;
 pub use quad::Quad;
 pub use revolution::{jar_profile, revolve, smooth_profile};
+pub use scene_file::read_scene;

@@ -1,5 +1,8 @@
 //! Triangle meshes, ready to be intersected.
 
+use std::collections::HashSet;
+use std::fmt;
+
 use glam::DVec3;
 use merlkit::render::{Intersection, Ray, Shape};
 use merlkit::{Error, Result};
@@ -32,12 +35,12 @@ pub enum Shading {
 }
 
 /// Vertices up to which they all count for [`Shape::support`]; of larger meshes the corners of their box do.
-const MOST_EXTREMES: usize = 4096;
+const MOST_EXTREMES: usize = 256;
 
 /// An opaque surface of triangles.
 ///
 /// See the crate's documentation for an example.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct TriangleMesh {
     /// In the order of the hierarchy.
     triangles: Vec<[DVec3; 3]>,
@@ -191,6 +194,26 @@ impl Shape for TriangleMesh {
     }
 }
 
+/// What it is, and a number that follows from all of its coordinates: a text that is short, and differs between meshes.
+impl fmt::Debug for TriangleMesh {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // h ← (h xor bits)·prime (Fowler, Noll and Vo).
+        let mut hash = 0xcbf2_9ce4_8422_2325u64;
+        for point in self.triangles.iter().chain(&self.normals).flatten() {
+            for coordinate in point.to_array() {
+                hash = (hash ^ coordinate.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
+                hash ^= hash >> 29;
+            }
+        }
+        out.debug_struct("TriangleMesh")
+            .field("faces", &self.triangles.len())
+            .field("sides", &self.sides)
+            .field("smooth", &!self.normals.is_empty())
+            .field("hash", &format_args!("{hash:016x}"))
+            .finish()
+    }
+}
+
 /// Whether the corners of a triangle span an area that is more than rounding.
 fn has_area([a, b, c]: [DVec3; 3]) -> bool {
     let longest = (b - a).length().max((c - a).length());
@@ -210,8 +233,14 @@ fn bound(points: &[DVec3]) -> [DVec3; 2] {
 /// All corners, or where they are many those of their box.
 fn find_extremes(triangles: &[[DVec3; 3]]) -> Vec<DVec3> {
     let mut corners = triangles.concat();
-    if corners.len() <= MOST_EXTREMES {
-        return corners;
+    // Corners of neighbours are one point. Six triangles meet in most of them.
+    if corners.len() <= 6 * MOST_EXTREMES {
+        let mut known = HashSet::new();
+        let mut different = corners.clone();
+        different.retain(|corner| known.insert(corner.to_array().map(f64::to_bits)));
+        if different.len() <= MOST_EXTREMES {
+            return different;
+        }
     }
     let ends = bound(&corners);
     corners.clear();
