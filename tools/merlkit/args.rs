@@ -37,7 +37,7 @@ const INVALID_PARTS: &[(&str, InvalidPart)] = &[
 ];
 
 /// How the cells of a table are read of which some channels are unusable.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct Invalid {
     /// Reject a whole table cell if one channel is invalid, or only that channel [default: cell]
     #[arg(long, value_name = "cell|channel", hide_possible_values = true, value_parser = named(INVALID_PARTS))]
@@ -72,7 +72,7 @@ const CELL_FORMATS: &[(&str, CellFormat)] = &[
 ];
 
 /// How the tables of materials are read and kept, apart from the lookup rule.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct TableOptions {
     #[command(flatten)]
     invalid: Invalid,

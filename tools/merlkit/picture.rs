@@ -81,6 +81,7 @@ impl Picture<'_> {
             ("table".into(), cells.join(", ")),
             ("effects".into(), format!("{:?}", self.effects)),
             ("spheres".into(), format!("{:?}", scene.spheres)),
+            ("objects".into(), format!("{:?}", scene.objects)),
             ("floor".into(), format!("{:?}", scene.floor)),
             ("lights".into(), format!("{:?}", scene.lights)),
             ("camera".into(), format!("{:?}", scene.camera)),
