@@ -96,7 +96,7 @@ fn plans_are_explained() {
     );
 }
 
-/// A mesh file is found beside the scene, and another room than that of quads is the same room.
+/// A mesh file is searched in the folder of the scene, and its floor gives the picture of the quad.
 #[test]
 fn a_mesh_file_is_the_room_of_quads() {
     let folder = tempfile::tempdir().unwrap();

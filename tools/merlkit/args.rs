@@ -271,6 +271,15 @@ pub fn byte_count(argument: &str) -> Result<usize, String> {
     }
 }
 
+/// A number of stops.
+pub fn stops(argument: &str) -> Result<f32, String> {
+    argument
+        .parse()
+        .ok()
+        .filter(|ev: &f32| ev.is_finite())
+        .ok_or_else(|| "expected a finite number of stops".into())
+}
+
 /// "1024x512" as two counts, neither of them 0.
 pub fn size(argument: &str) -> Result<(usize, usize), String> {
     let parts = argument.split_once(['x', 'X', '×']);

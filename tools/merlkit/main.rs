@@ -24,6 +24,7 @@ mod sampler_args;
 mod scene_args;
 mod scene_input;
 mod sky;
+mod strategy_args;
 mod table;
 mod tiles;
 mod version;

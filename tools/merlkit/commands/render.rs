@@ -11,9 +11,7 @@ use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
-use merlkit::render::{
-    Budget, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings, SceneSpec, Strategy,
-};
+use merlkit::render::{Budget, PlanRequest, Refinement, RenderSettings, SceneSpec};
 use merlkit::sampler::SamplerSpec;
 use merlkit_scene::read_scene;
 
@@ -29,6 +27,7 @@ use crate::resumable::{self, Resumable};
 use crate::sampler_args;
 use crate::scene_args::SceneOptions;
 use crate::scene_input::{SceneInput, find_scene_file};
+use crate::strategy_args::read_strategy;
 use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
 use crate::{args, batch, output, table};
 
@@ -115,7 +114,7 @@ pub struct Args {
     #[command(flatten, next_help_heading = "Picture")]
     frames: FrameOptions,
     /// Exposure of the PNG in stops [default: 0]
-    #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = stops)]
+    #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = args::stops)]
     exposure: f32,
     /// Finish a picture that Ctrl-C interrupted; the bytes are those of an uninterrupted run
     #[arg(help_heading = "Picture", long)]
@@ -208,27 +207,38 @@ fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
     if is_single {
         resumable::check_files(&files, output::overwrite(args.force), args.resume)?;
     }
-    check_samplers(&pictures)?;
+    for picture in &pictures {
+        picture.check_sampler()?;
+    }
     if args.explain {
         for sheet in explain_plans(&pictures) {
             output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
         }
     }
-    let refinement = match &pictures[..] {
-        [picture] if is_single => Resumable {
-            picture,
-            files: &files,
-            overwrite: output::overwrite(args.force),
-            resume: args.resume,
-        }
-        .render()?,
-        _ => match args.frames.count() {
+    let refinement = match is_single {
+        true => draw_alone(args, &pictures[0], &files)?,
+        false => match args.frames.count() {
             Some(count) => draw_frames(args, &pictures, &grid, &files, &mut sums, count)?,
             None => draw_apart(args, pictures, &grid, &files, &mut sums)?,
         },
     };
     report(args, &grid, &settings, refinement.as_ref(), start)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Draws one picture, which can be interrupted at any time.
+fn draw_alone(
+    args: &Args,
+    picture: &Picture<'_>,
+    files: &Files,
+) -> Result<Option<Refinement>, Failure> {
+    let work = Resumable {
+        picture,
+        files,
+        overwrite: output::overwrite(args.force),
+        resume: args.resume,
+    };
+    work.render()
 }
 
 /// Prints what was written, and how far the picture came.
@@ -265,20 +275,6 @@ fn report(
             _ => Ok(()),
         }
     })
-}
-
-/// Before the work: samplers that can't be built for the materials are refused.
-fn check_samplers(pictures: &[Picture<'_>]) -> Result<(), Error> {
-    for picture in pictures {
-        let plan = EffectPlan::for_scene(&picture.scene, picture.effects);
-        if !plan.is_on(Effect::Directions) {
-            continue;
-        }
-        for material in picture.materials {
-            picture.sampler.check_supports(&material.facts()?)?;
-        }
-    }
-    Ok(())
 }
 
 /// Draws each sphere by itself and puts them together.
@@ -370,14 +366,6 @@ fn draw_frames(
         Ok(folder.read_refinement(&tiles)?)
     })?;
     Ok(drawn.flatten())
-}
-
-fn stops(argument: &str) -> Result<f32, String> {
-    argument
-        .parse()
-        .ok()
-        .filter(|ev: &f32| ev.is_finite())
-        .ok_or_else(|| "expected a finite number of stops".into())
 }
 
 /// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
@@ -517,27 +505,6 @@ fn finish_scene(
     spec.mirrors = args::find_mirrors(materials)?;
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces.unwrap_or(BOUNCES);
-    spec.strategy = strategy(args)?;
+    spec.strategy = read_strategy(&args.strategy, args.heuristic, args.candidates)?;
     Ok(spec)
-}
-
-fn strategy(args: &Args) -> Result<Strategy, Error> {
-    match (args.strategy.as_str(), args.heuristic, args.candidates) {
-        (name, Some(_), _) if name != "mis" => Err(no_effect(name, "--heuristic", "mis")),
-        (name, _, Some(_)) if name != "ris" => Err(no_effect(name, "--candidates", "ris")),
-        ("light", ..) => Ok(Strategy::Light),
-        ("brdf", ..) => Ok(Strategy::Brdf),
-        ("ris", _, candidates) => Ok(Strategy::Ris {
-            candidates: candidates.unwrap_or(Strategy::CANDIDATES),
-        }),
-        (_, heuristic, _) => Ok(Strategy::Mis(heuristic.unwrap_or_default())),
-    }
-}
-
-/// The error for an option that belongs to the strategy `wanted` only.
-fn no_effect(strategy: &str, option: &str, wanted: &str) -> Error {
-    Error::argument(
-        format!("{option} has no effect with --strategy {strategy}"),
-        format!("omit it, or pass --strategy {wanted}"),
-    )
 }
