@@ -21,7 +21,7 @@ use merlkit_scene::{
 };
 
 /// Pictures of each kind, in turn; the fastest of a kind counts.
-const REPEATS: usize = 5;
+const REPEATS: usize = 3;
 
 fn main() {
     let folder = std::env::temp_dir().join(format!("merlkit-scenes-{}", std::process::id()));
@@ -63,8 +63,11 @@ fn cpu_seconds() -> f64 {
     // Fields 14 and 15 are times in user and system mode, in hundredths of a second; the name before them may hold blanks.
     let after_name = stat.rsplit(')').next().unwrap_or_default();
     let fields: Vec<&str> = after_name.split_whitespace().collect();
-    let ticks = |i: usize| fields[i].parse::<f64>().expect("a number");
-    (ticks(11) + ticks(12)) / 100.0
+    let mut ticks = 0.0;
+    for field in &fields[11..=12] {
+        ticks += field.parse::<f64>().expect("a number");
+    }
+    ticks / 100.0
 }
 
 fn measure_plans() {
@@ -80,7 +83,7 @@ fn measure_plans() {
         let mut least = [f64::INFINITY; 2];
         for _ in 0..REPEATS {
             for (scene, least) in scenes.iter().zip(&mut least) {
-                *least = least.min(draw(scene, size, 32));
+                *least = least.min(draw(scene, size, 16));
             }
         }
         let [planned, all] = least;

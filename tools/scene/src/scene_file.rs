@@ -198,7 +198,8 @@ fn add_object(
     Ok(())
 }
 
-fn read_light(table: &LightTable, folder: &Path) -> core::result::Result<LightEntry, SceneFault> {
+/// Refuses an unknown kind, keys that it has no meaning for, and the lack of those that it needs.
+fn check_light_keys(table: &LightTable) -> core::result::Result<(), SceneFault> {
     let given = [
         ("corner", table.corner.is_some()),
         ("edge_u", table.edge_u.is_some()),
@@ -226,7 +227,11 @@ fn read_light(table: &LightTable, folder: &Path) -> core::result::Result<LightEn
         &given,
         keys,
         keys,
-    )?;
+    )
+}
+
+fn read_light(table: &LightTable, folder: &Path) -> core::result::Result<LightEntry, SceneFault> {
+    check_light_keys(table)?;
     let light = match table.kind.as_str() {
         "area" => LightSpec::Area(Area {
             corner: vector(table.corner),

@@ -22,11 +22,12 @@ const MOST_DEPTH: usize = 256;
 
 /// All triangles of the default scene. Buffers are in the file, or in others of `folder`.
 pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<MeshData, Complaint> {
-    let gltf = Gltf::from_slice(bytes).map_err(|error| {
+    let (json, blob) = split_chunks(bytes)?;
+    let gltf = Gltf::from_slice(json).map_err(|error| {
         let what = format!("a glTF file with a fault ({error})");
         Complaint::new(what, "name a glTF 2.0 file without required extensions")
     })?;
-    let buffers = load_buffers(&gltf.document, gltf.blob.as_deref(), folder)?;
+    let buffers = load_buffers(&gltf.document, blob, folder)?;
     let scene = gltf.default_scene().or_else(|| gltf.scenes().next());
     let scene = scene
         .ok_or_else(|| Complaint::new("a glTF file without a scene", "export it with a scene"))?;
@@ -53,6 +54,39 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<MeshData, Complaint> 
         }
     }
     Ok(data)
+}
+
+/// The JSON of a file, and the buffer that follows it in a binary one: a header of 12 bytes, and chunks that begin with their
+/// length and their kind.
+fn split_chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Complaint> {
+    let Some(mut rest) = bytes.strip_prefix(b"glTF") else {
+        return Ok((bytes, None));
+    };
+    rest = rest.get(8..).unwrap_or_default();
+    let (mut json, mut blob) = (None, None);
+    while let Some((head, content)) = rest.split_first_chunk::<8>() {
+        let [a, b, c, d, kind @ ..] = *head;
+        let length = u32::from_le_bytes([a, b, c, d]) as usize;
+        let Some((chunk, after)) = content.split_at_checked(length) else {
+            let what = format!("a binary glTF file that ends within a chunk of {length} bytes");
+            return Err(Complaint::new(what, "name a file that is complete"));
+        };
+        match &kind {
+            b"JSON" => json = json.or(Some(chunk)),
+            b"BIN\0" => blob = blob.or(Some(chunk)),
+            // Other chunks may be there, and have no meaning here.
+            _ => {}
+        }
+        rest = after;
+    }
+    // A file within a file would be read without these checks.
+    match json.filter(|json| !json.starts_with(b"glTF")) {
+        Some(json) => Ok((json, blob)),
+        None => Err(Complaint::new(
+            "a binary glTF file without JSON",
+            "name a file that is complete",
+        )),
+    }
 }
 
 /// The buffers, each at least as long as the file says.
