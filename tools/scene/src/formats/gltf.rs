@@ -1,5 +1,6 @@
 //! glTF 2.0: the triangles of its default scene, where its nodes put them.
 
+use std::fmt::Display;
 use std::path::{Component, Path};
 
 use base64::Engine;
@@ -7,8 +8,9 @@ use base64::prelude::BASE64_STANDARD;
 use glam::{DMat4, DVec3, Mat4};
 use gltf::accessor::{DataType, Dimensions};
 use gltf::buffer::Source;
+use gltf::json::Root;
 use gltf::mesh::Mode;
-use gltf::{Accessor, Document, Gltf, Primitive, Semantic};
+use gltf::{Accessor, Document, Primitive, Semantic};
 use merlkit::files::RegularFile;
 
 use super::{Complaint, MOST_BYTES, MOST_FACES, too_many_faces};
@@ -23,12 +25,11 @@ const MOST_DEPTH: usize = 256;
 /// All triangles of the default scene. Buffers are in the file, or in others of `folder`.
 pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<MeshData, Complaint> {
     let (json, blob) = split_chunks(bytes)?;
-    let gltf = Gltf::from_slice(json).map_err(|error| {
-        let what = format!("a glTF file with a fault ({error})");
-        Complaint::new(what, "name a glTF 2.0 file without required extensions")
-    })?;
-    let buffers = load_buffers(&gltf.document, blob, folder)?;
-    let scene = gltf.default_scene().or_else(|| gltf.scenes().next());
+    let document = read_document(json)?;
+    let buffers = load_buffers(&document, blob, folder)?;
+    let scene = document
+        .default_scene()
+        .or_else(|| document.scenes().next());
     let scene = scene
         .ok_or_else(|| Complaint::new("a glTF file without a scene", "export it with a scene"))?;
     let mut data = MeshData::default();
@@ -56,6 +57,26 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<MeshData, Complaint> 
     Ok(data)
 }
 
+/// The structure of a file, validated.
+fn read_document(json: &[u8]) -> Result<Document, Complaint> {
+    let root: Root = gltf::json::deserialize::from_slice(json).map_err(|e| explain(&e))?;
+    // The validation looks these accessors up before it knows that they are there.
+    for mesh in &root.meshes {
+        for primitive in &mesh.primitives {
+            let mut accessors = primitive.attributes.values();
+            if accessors.any(|accessor| accessor.value() >= root.accessors.len()) {
+                return Err(explain(&"a primitive names an accessor that is not there"));
+            }
+        }
+    }
+    Document::from_json(root).map_err(|error| explain(&error))
+}
+
+fn explain(error: &dyn Display) -> Complaint {
+    let what = format!("a glTF file with a fault ({error})");
+    Complaint::new(what, "name a glTF 2.0 file without required extensions")
+}
+
 /// The JSON of a file, and the buffer that follows it in a binary one: a header of 12 bytes, and chunks that begin with their
 /// length and their kind.
 fn split_chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Complaint> {
@@ -79,8 +100,7 @@ fn split_chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Complaint> {
         }
         rest = after;
     }
-    // A file within a file would be read without these checks.
-    match json.filter(|json| !json.starts_with(b"glTF")) {
+    match json {
         Some(json) => Ok((json, blob)),
         None => Err(Complaint::new(
             "a binary glTF file without JSON",
