@@ -17,7 +17,6 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Complaint> {
         triangulate: true,
         ignore_points: true,
         ignore_lines: true,
-        ..LoadOptions::default()
     };
     let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, leave_materials)
         .map_err(|error| {
