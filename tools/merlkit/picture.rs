@@ -8,7 +8,7 @@ use merlkit::image::{Image, write_exr, write_png};
 use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::merl::LookupRule;
 use merlkit::material::{Loaded, Material};
-use merlkit::render::{PlanRequest, RenderSettings, Scene, SceneSpec, Surface};
+use merlkit::render::{Effect, EffectPlan, PlanRequest, RenderSettings, Scene, SceneSpec, Surface};
 use merlkit::sampler::SamplerSpec;
 
 use crate::args;
@@ -53,6 +53,21 @@ impl Picture<'_> {
         Ok(scene)
     }
 
+    /// Refuses, before the work, a sampler that can't be built for a material.
+    ///
+    /// # Errors
+    /// As [`SamplerSpec::check_supports`].
+    pub fn check_sampler(&self) -> Result<(), Error> {
+        let plan = EffectPlan::for_scene(&self.scene, self.effects);
+        if !plan.is_on(Effect::Directions) {
+            return Ok(());
+        }
+        for material in self.materials {
+            self.sampler.check_supports(&material.facts()?)?;
+        }
+        Ok(())
+    }
+
     /// A bar that counts pixels.
     pub fn progress(&self) -> Progress {
         Progress::new("rendering", self.pixels())
@@ -81,6 +96,7 @@ impl Picture<'_> {
             ("table".into(), cells.join(", ")),
             ("effects".into(), format!("{:?}", self.effects)),
             ("spheres".into(), format!("{:?}", scene.spheres)),
+            ("objects".into(), format!("{:?}", scene.objects)),
             ("floor".into(), format!("{:?}", scene.floor)),
             ("lights".into(), format!("{:?}", scene.lights)),
             ("camera".into(), format!("{:?}", scene.camera)),

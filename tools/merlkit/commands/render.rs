@@ -1,6 +1,6 @@
 //! `merlkit render`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -11,34 +11,36 @@ use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
-use merlkit::render::{
-    Budget, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings, SceneSpec, Strategy,
-};
+use merlkit::render::{Budget, PlanRequest, Refinement, RenderSettings, SceneSpec};
 use merlkit::sampler::SamplerSpec;
+use merlkit_scene::read_scene;
 
 use crate::camera_args::CameraOptions;
 use crate::explanation::explain_plans;
 use crate::failure::{Failure, Outcome};
 use crate::frames::{FrameOptions, Movie};
 use crate::grid::{Cell, Grid};
+use crate::path_counts::{error_reached, paths_a_pixel};
 use crate::picture::{Files, Picture};
 use crate::provenance::Checksums;
 use crate::resumable::{self, Resumable};
 use crate::sampler_args;
 use crate::scene_args::SceneOptions;
+use crate::scene_input::{SceneInput, find_scene_file};
+use crate::strategy_args::read_strategy;
 use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
 use crate::{args, batch, output, table};
 
 /// Path-trace a sphere of each material to NAME.exr (linear RGB) and NAME.png (sRGB)
 // Without a second paragraph the help has one line or two for each option, instead of three or more.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 #[command(
     after_help = "Each sphere is drawn alone, so that its pixels don't depend on the other materials. Only the effects that the scene needs are computed; \
                   --explain prints which, and why. The same command gives the same bytes on any number of threads.\n\n\
                   Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, built-in names or formulas; one sphere each
+    /// MERL binaries, .bsdf files, built-in names or formulas, one sphere each; or one scene file (.toml)
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// How values between the samples of a table are interpolated [default: floor]
@@ -57,8 +59,8 @@ pub struct Args {
     #[arg(help_heading = "Scene", long = "ground")]
     ground: bool,
     /// Maximum number of surfaces on a path; 1 gives direct light only [default: 8]
-    #[arg(help_heading = "Scene", long = "bounces", value_name = "N", default_value_t = 8, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..))]
-    bounces: u32,
+    #[arg(help_heading = "Scene", long = "bounces", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    bounces: Option<u32>,
     /// Print whether each effect is on or off, and why
     #[arg(help_heading = "Effects", long)]
     explain: bool,
@@ -69,8 +71,8 @@ pub struct Args {
     #[arg(help_heading = "Sampling", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT, hide_default_value = true)]
     sampler: SamplerSpec,
     /// Paths per pixel [default: 64]
-    #[arg(help_heading = "Sampling", long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u64).range(1..))]
-    spp: u64,
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    spp: Option<u64>,
     /// Spend the paths where the first of them found noise; needs --spp 16 or more
     #[arg(help_heading = "Sampling", long, conflicts_with = "target_error")]
     adaptive: bool,
@@ -112,7 +114,7 @@ pub struct Args {
     #[command(flatten, next_help_heading = "Picture")]
     frames: FrameOptions,
     /// Exposure of the PNG in stops [default: 0]
-    #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = stops)]
+    #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = args::stops)]
     exposure: f32,
     /// Finish a picture that Ctrl-C interrupted; the bytes are those of an uninterrupted run
     #[arg(help_heading = "Picture", long)]
@@ -140,51 +142,103 @@ const POINTS: [(&str, PointSet); 3] = [
     ("sobol", PointSet::Sobol),
     ("lattice", PointSet::Lattice),
 ];
+/// Paths per pixel and surfaces on a path, where nothing is said.
+const SPP: u64 = 64;
+const BOUNCES: u32 = 8;
 /// Paths per pixel that a target error may take, where nothing is said.
 const MAX_SPP: u64 = 4096;
 /// The floor's reflectance: a mid grey.
 pub const GREY: f32 = 0.35;
 
 pub fn run(args: &Args) -> Outcome {
+    let Some(path) = find_scene_file(&args.materials)? else {
+        return draw(args, None);
+    };
+    let mut args = args.clone();
+    let scene = args.read_scene(&path)?;
+    draw(&args, Some(&scene))
+}
+
+impl Args {
+    /// Reads a scene file. What the command line leaves open, the file says.
+    fn read_scene(&mut self, path: &Path) -> Result<SceneInput, Error> {
+        if self.together || self.columns.is_some() {
+            let what = "--together and --columns have no effect on a scene file";
+            return Err(Error::argument(what, "omit them"));
+        }
+        let mut scene = read_scene(path)?;
+        self.scene.override_file(&mut scene)?;
+        self.camera.override_file(&mut scene.camera)?;
+        self.size = self.size.or(scene.size.map(|[w, h]| (w, h)));
+        // A target error says how many paths there are.
+        if self.target_error.is_none() {
+            self.spp = self.spp.or(scene.spp);
+        }
+        self.bounces = self.bounces.or(scene.bounces);
+        SceneInput::build(path, &scene)
+    }
+}
+
+/// Draws a sphere of each material, or a scene.
+fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
     let start = Instant::now();
     let files = Files::named(&args.output);
-    let names = batch::expand_folders(&args.materials)?;
-    let grid = lay_out(args, names.len())?;
+    let names = match scene {
+        Some(scene) => scene.spec.materials.clone(),
+        None => batch::expand_folders(&args.materials)?,
+    };
+    // A scene is one tile.
+    let grid = lay_out(args, if scene.is_some() { 1 } else { names.len() })?;
     let settings = settings(args, grid.tile)?;
     settings.check()?;
-    let materials = match args.together {
+    let materials = match args.together && scene.is_none() {
         // Equal names are one material of the scene.
         true => args::resolve(&SceneSpec::row(&names, 1.0).materials, &args.tables)?,
         false => args::resolve(&names, &args.tables)?,
     };
     let mut sums = Checksums::default();
     let files = files.with_provenance(&materials, &mut sums)?;
-    let pictures = describe(args, &names, &materials, settings)?;
+    let files = match scene {
+        Some(scene) => scene.sign(files),
+        None => files,
+    };
+    let pictures = describe(args, scene, &names, &materials, settings)?;
     let is_single = pictures.len() == 1 && args.frames.count().is_none();
     if is_single {
         resumable::check_files(&files, output::overwrite(args.force), args.resume)?;
     }
-    check_samplers(&pictures)?;
+    for picture in &pictures {
+        picture.check_sampler()?;
+    }
     if args.explain {
         for sheet in explain_plans(&pictures) {
             output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
         }
     }
-    let refinement = match &pictures[..] {
-        [picture] if is_single => Resumable {
-            picture,
-            files: &files,
-            overwrite: output::overwrite(args.force),
-            resume: args.resume,
-        }
-        .render()?,
-        _ => match args.frames.count() {
+    let refinement = match is_single {
+        true => draw_alone(args, &pictures[0], &files)?,
+        false => match args.frames.count() {
             Some(count) => draw_frames(args, &pictures, &grid, &files, &mut sums, count)?,
             None => draw_apart(args, pictures, &grid, &files, &mut sums)?,
         },
     };
     report(args, &grid, &settings, refinement.as_ref(), start)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Draws one picture, which can be interrupted at any time.
+fn draw_alone(
+    args: &Args,
+    picture: &Picture<'_>,
+    files: &Files,
+) -> Result<Option<Refinement>, Failure> {
+    let work = Resumable {
+        picture,
+        files,
+        overwrite: output::overwrite(args.force),
+        resume: args.resume,
+    };
+    work.render()
 }
 
 /// Prints what was written, and how far the picture came.
@@ -221,20 +275,6 @@ fn report(
             _ => Ok(()),
         }
     })
-}
-
-/// Before the work: samplers that can't be built for the materials are refused.
-fn check_samplers(pictures: &[Picture<'_>]) -> Result<(), Error> {
-    for picture in pictures {
-        let plan = EffectPlan::for_scene(&picture.scene, picture.effects);
-        if !plan.is_on(Effect::Directions) {
-            continue;
-        }
-        for material in picture.materials {
-            picture.sampler.check_supports(&material.facts()?)?;
-        }
-    }
-    Ok(())
 }
 
 /// Draws each sphere by itself and puts them together.
@@ -328,50 +368,6 @@ fn draw_frames(
     Ok(drawn.flatten())
 }
 
-/// How many paths per pixel has; of a target error the mean, and with those that only served decisions.
-fn paths_a_pixel(
-    settings: &RenderSettings,
-    pixels: usize,
-    refinement: Option<&Refinement>,
-) -> String {
-    match (settings.budget, refinement) {
-        (Budget::Even(paths), _) => paths.to_string(),
-        (Budget::Adaptive(paths), _) => format!("about {paths}"),
-        (Budget::ToError { most, .. }, None) => format!("at most {most}"),
-        (Budget::ToError { .. }, Some(refinement)) => {
-            let kept = refinement.paths as f64 / pixels as f64;
-            let traced = refinement.traced as f64 / pixels as f64;
-            format!("{kept:.1} (traced: {traced:.1})")
-        }
-    }
-}
-
-/// The error that was estimated, and whether all tiles came down to the target.
-fn error_reached(refinement: &Refinement, most: u64) -> String {
-    let worst = refinement.tiles.iter().map(|t| t.error).fold(0.0, f64::max);
-    let tiles = refinement.tiles.len();
-    let short = refinement.tiles.iter().filter(|t| !t.reached).count();
-    let errors = format!(
-        "estimated relative error {:.2} %, worst tile {:.2} %",
-        100.0 * refinement.error(),
-        100.0 * worst
-    );
-    match short {
-        0 => format!("{errors}; all {tiles} tiles with objects have stopped"),
-        _ => format!(
-            "{errors}; {short} of {tiles} tiles did not reach the target: raise --max-spp {most}"
-        ),
-    }
-}
-
-fn stops(argument: &str) -> Result<f32, String> {
-    argument
-        .parse()
-        .ok()
-        .filter(|ev: &f32| ev.is_finite())
-        .ok_or_else(|| "expected a finite number of stops".into())
-}
-
 /// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
 const SOBOL_FROM: u64 = 512;
 
@@ -417,13 +413,14 @@ fn lay_out(args: &Args, spheres: usize) -> Result<Grid, Error> {
 
 /// Settings of each tile.
 fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, Error> {
+    let spp = args.spp.unwrap_or(SPP);
     let budget = match args.target_error {
         Some(error) => Budget::ToError {
             error,
             most: args.max_spp.unwrap_or(MAX_SPP),
         },
-        None if args.adaptive => Budget::Adaptive(args.spp),
-        None => Budget::Even(args.spp),
+        None if args.adaptive => Budget::Adaptive(spp),
+        None => Budget::Even(spp),
     };
     let points = match (args.points, args.target_error) {
         (Some(PointSet::Lattice), Some(_)) => {
@@ -434,7 +431,7 @@ fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, 
             ));
         }
         (None, Some(_)) => PointSet::Sobol,
-        (None, None) if args.spp >= SOBOL_FROM => PointSet::Sobol,
+        (None, None) if spp >= SOBOL_FROM => PointSet::Sobol,
         (points, _) => points.unwrap_or(PointSet::Lattice),
     };
     Ok(RenderSettings {
@@ -450,11 +447,12 @@ fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, 
 /// if they are together.
 fn describe<'a>(
     args: &'a Args,
+    scene: Option<&SceneInput>,
     names: &[String],
     materials: &'a [Material],
     settings: RenderSettings,
 ) -> Result<Vec<Picture<'a>>, Error> {
-    let tiles: Vec<(&[String], &[Material])> = match args.together {
+    let tiles: Vec<(&[String], &[Material])> = match args.together || scene.is_some() {
         true => vec![(names, materials)],
         false => {
             let names = names.iter().map(std::slice::from_ref);
@@ -466,7 +464,10 @@ fn describe<'a>(
     let mut pictures = Vec::with_capacity(tiles.len());
     for (names, materials) in tiles {
         pictures.push(Picture {
-            scene: describe_scene(args, names, materials, &settings)?,
+            scene: match scene {
+                Some(scene) => finish_scene(args, scene.spec.clone(), materials)?,
+                None => describe_row(args, names, materials, &settings)?,
+            },
             effects: match args.all_effects {
                 true => PlanRequest::Everything,
                 false => PlanRequest::AsNeeded,
@@ -482,39 +483,28 @@ fn describe<'a>(
 }
 
 /// A scene of the spheres of some materials.
-fn describe_scene(
+fn describe_row(
     args: &Args,
     names: &[String],
     materials: &[Material],
     settings: &RenderSettings,
 ) -> Result<SceneSpec, Error> {
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
-    spec.mirrors = args::find_mirrors(materials)?;
     args.scene.apply(&mut spec)?;
     spec.camera = args.camera.aim(spec.camera);
+    finish_scene(args, spec, materials)
+}
+
+/// Puts into a scene what rows of spheres and scene files have in common.
+fn finish_scene(
+    args: &Args,
+    mut spec: SceneSpec,
+    materials: &[Material],
+) -> Result<SceneSpec, Error> {
+    args.scene.apply_settings(&mut spec);
+    spec.mirrors = args::find_mirrors(materials)?;
     spec.floor = args.ground.then_some(GREY);
-    spec.depth = args.bounces;
-    spec.strategy = strategy(args)?;
+    spec.depth = args.bounces.unwrap_or(BOUNCES);
+    spec.strategy = read_strategy(&args.strategy, args.heuristic, args.candidates)?;
     Ok(spec)
-}
-
-fn strategy(args: &Args) -> Result<Strategy, Error> {
-    match (args.strategy.as_str(), args.heuristic, args.candidates) {
-        (name, Some(_), _) if name != "mis" => Err(no_effect(name, "--heuristic", "mis")),
-        (name, _, Some(_)) if name != "ris" => Err(no_effect(name, "--candidates", "ris")),
-        ("light", ..) => Ok(Strategy::Light),
-        ("brdf", ..) => Ok(Strategy::Brdf),
-        ("ris", _, candidates) => Ok(Strategy::Ris {
-            candidates: candidates.unwrap_or(Strategy::CANDIDATES),
-        }),
-        (_, heuristic, _) => Ok(Strategy::Mis(heuristic.unwrap_or_default())),
-    }
-}
-
-/// The error for an option that belongs to the strategy `wanted` only.
-fn no_effect(strategy: &str, option: &str, wanted: &str) -> Error {
-    Error::argument(
-        format!("{option} has no effect with --strategy {strategy}"),
-        format!("omit it, or pass --strategy {wanted}"),
-    )
 }
