@@ -34,6 +34,7 @@ mod sheet;
 mod shell;
 mod study;
 mod tasks;
+mod thesis;
 mod unlucky;
 mod usage;
 mod widths;
