@@ -98,19 +98,29 @@ pub fn run(args: &Args) -> Outcome {
         written.map_err(|e| Error::io(&page, "write", e))
     })?;
     if let Some(json) = &args.json {
-        let results = ThesisDocument {
-            plan: &bench.plan,
-            begun: &begun,
-            experiments: &exhibits,
-        };
-        json.write(overwrite, |out| {
-            write_json(out, "thesis", &provenance, &results)
-        })?;
+        write_results(json, overwrite, &bench, &exhibits, &provenance)?;
     }
     if args.json != Some(Destination::Stdout) {
         print(&exhibits, &bench, &page)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn write_results(
+    json: &Destination,
+    overwrite: Overwrite,
+    bench: &ThesisBench,
+    exhibits: &[Exhibit],
+    provenance: &Provenance,
+) -> Result<(), Failure> {
+    let results = ThesisDocument {
+        plan: &bench.plan,
+        begun: bench.pieces.begun(),
+        experiments: exhibits,
+    };
+    json.write(overwrite, |out| {
+        write_json(out, "thesis", provenance, &results)
+    })
 }
 
 /// The experiments of these names, each once; all without names.

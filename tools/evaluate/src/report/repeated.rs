@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Sheet;
-use crate::thesis::{Entry, Exhibit, ResultTable, ThesisPlan};
+use crate::thesis::{Exhibit, ResultCell, ResultTable, ThesisPlan};
 
 /// What `merlkit thesis --json` writes.
 #[derive(Clone, Debug, Serialize)]
@@ -28,11 +28,11 @@ pub fn result_sheet(result: &ResultTable) -> Sheet {
     sheet
 }
 
-fn write_entry(entry: &Entry) -> String {
+fn write_entry(entry: &ResultCell) -> String {
     match entry {
-        Entry::Number(number) => write_number(*number),
-        Entry::Words(words) => words.clone(),
-        Entry::Missing => "–".into(),
+        ResultCell::Number(number) => write_number(*number),
+        ResultCell::Words(words) => words.clone(),
+        ResultCell::Missing => "–".into(),
     }
 }
 

@@ -55,7 +55,12 @@ struct VariantCost {
     draw_ns: f64,
 }
 
-fn measure(plan: &ThesisPlan, subject: &Subject, on: Optimisations, n_max: f64) -> Result<VariantCost> {
+fn measure(
+    plan: &ThesisPlan,
+    subject: &Subject,
+    on: Optimisations,
+    n_max: f64,
+) -> Result<VariantCost> {
     let material = subject.load()?;
     let function = DiscFunction {
         brdf: &**material.brdf(),
@@ -105,8 +110,7 @@ pub(super) fn ablation(bench: &mut ThesisBench) -> Result<Exhibit> {
         let mut base = None;
         for (k, (name, on, n_max)) in VARIANTS.into_iter().enumerate() {
             let key = format!("6.3/{}/{k}", subject.name);
-            let cost: VariantCost =
-                bench.piece(&key, |plan| measure(plan, &subject, on, n_max))?;
+            let cost: VariantCost = bench.piece(&key, |plan| measure(plan, &subject, on, n_max))?;
             if on == ALL {
                 base = Some(cost);
             }
@@ -131,13 +135,18 @@ pub(super) fn ablation(bench: &mut ThesisBench) -> Result<Exhibit> {
             ]);
         }
     }
+    Ok(describe_ablation(&bench.plan, largest, table))
+}
+
+/// What section 6.3 is, with its results.
+fn describe_ablation(plan: &ThesisPlan, largest: [f64; 3], table: ResultTable) -> Exhibit {
     let [trim, image, single] = largest.map(write_ratio);
-    Ok(Exhibit {
+    Exhibit {
         name: "6.3".into(),
         title: "Section 6.3: the disc's optimisations, switched off one at a time".into(),
         method: format!(
             "Algorithms 12 to 15 as a program of their own: image of {}² pixels, four subdivisions, {} draws, CPU time of one thread.",
-            bench.plan.image, bench.plan.draws
+            plan.image, plan.draws
         ),
         differences: "The machine, and the BRDFs: the thesis doesn't say which its 6.3.4 timed. Where two of its algorithms are in error, the intended one \
                       runs: the search stops at the child that was chosen, and trims take the side that is nearer to the axis."
@@ -152,5 +161,5 @@ pub(super) fn ablation(bench: &mut ThesisBench) -> Result<Exhibit> {
         ],
         tables: vec![table],
         pictures: Vec::new(),
-    })
+    }
 }

@@ -6,7 +6,7 @@ use merlkit::sampler::SamplerSpec;
 
 use super::bench::published_disc;
 use super::plan::ThesisPlan;
-use super::stage::Contender;
+use super::stage::SceneSampler;
 use super::subjects::factorisation;
 
 /// Fraction of cosine draws that keeps the factored BRDF from leaving out directions.
@@ -63,8 +63,8 @@ impl Way {
         subject: &str,
         material: &Loaded,
         plan: &ThesisPlan,
-    ) -> Result<Contender> {
-        Ok(Contender {
+    ) -> Result<SceneSampler> {
+        Ok(SceneSampler {
             name: self.name(),
             specs: vec![self.spec(subject, material, plan)?],
             candidates: 1,

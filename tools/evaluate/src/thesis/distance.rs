@@ -148,9 +148,7 @@ fn simplify(y: &[f64], tolerance: f64, measure: Measure) -> Vec<usize> {
         // A vertical distance d is d/√(1 + s²) across a chord of the slope s.
         let across = match measure {
             Measure::Vertical => 1.0,
-            Measure::Perpendicular | Measure::Normalised => {
-                1.0 / (slope / step).hypot(1.0)
-            }
+            Measure::Perpendicular | Measure::Normalised => 1.0 / (slope / step).hypot(1.0),
         };
         let (mut worst, mut most) = (first, 0.0);
         for (i, value) in y.iter().enumerate().take(last).skip(first + 1) {
@@ -267,7 +265,12 @@ pub(super) fn search(bench: &mut ThesisBench) -> Result<Exhibit> {
         row.push(nickel_over_paint(&subjects, &counts, i, most.1).into());
         table.push(row);
     }
-    Ok(Exhibit {
+    Ok(describe_search(&best, table))
+}
+
+/// What the search is, with its results.
+fn describe_search(best: &(f64, String), table: ResultTable) -> Exhibit {
+    Exhibit {
         name: "distance".into(),
         title: "Tables 5.10 and 6.23: which compression gives the thesis's order of materials".into(),
         method: "CDFs of f_r·cosθ over half vectors at equal steps of both angles, compressed by Douglas and Peucker's algorithm: three measures \
@@ -283,7 +286,7 @@ pub(super) fn search(bench: &mut ThesisBench) -> Result<Exhibit> {
         ],
         tables: vec![table],
         pictures: Vec::new(),
-    })
+    }
 }
 
 /// How many times the points of yellow paint nickel keeps.

@@ -12,7 +12,7 @@ use merlkit::points::{PointSet, Stream};
 use merlkit::sampler::{AdaptiveDisc, Cell, Sampler};
 
 use super::bench::{ThesisBench, build, published_disc};
-use super::exhibit::{Entry, Exhibit, ResultTable, write_ratio};
+use super::exhibit::{Exhibit, ResultCell, ResultTable, write_ratio};
 use super::quadtrees::viewer;
 use super::subjects::{Subject, factorisation, measured, model, models};
 use crate::measure::cost::{TimedBatch, costs};
@@ -61,12 +61,17 @@ pub(super) fn rejections(bench: &mut ThesisBench) -> Result<Exhibit> {
             let (sampler, _) = build(&material, &factorisation(subject.name, 0.0)?)?;
             let mut lost = Vec::new();
             for degrees in ANGLES {
-                lost.push(lost_percent(sampler.as_dyn(), degrees, FIGURE_DRAWS, plan.seed));
+                lost.push(lost_percent(
+                    sampler.as_dyn(),
+                    degrees,
+                    FIGURE_DRAWS,
+                    plan.seed,
+                ));
             }
             Ok(lost)
         })?;
-        let mut row = vec![Entry::from(subject.name)];
-        row.extend(lost.iter().map(|&percent| Entry::from(percent)));
+        let mut row = vec![ResultCell::from(subject.name)];
+        row.extend(lost.iter().map(|&percent| ResultCell::from(percent)));
         table.push(row);
     }
     let ward: [Vec<f64>; 2] = bench.piece("5.5/lobes", |plan| {
@@ -83,16 +88,28 @@ pub(super) fn rejections(bench: &mut ThesisBench) -> Result<Exhibit> {
         "Percent of draws lost by other ways to draw half vectors for Ward's BRDF",
         &heading,
     );
-    for (name, lost) in ["Ward's own lobe, α 0.2", "uniform half vectors"].iter().zip(&ward) {
-        let mut row = vec![Entry::from(*name)];
-        row.extend(lost.iter().map(|&percent| Entry::from(percent)));
+    for (name, lost) in ["Ward's own lobe, α 0.2", "uniform half vectors"]
+        .iter()
+        .zip(&ward)
+    {
+        let mut row = vec![ResultCell::from(*name)];
+        row.extend(lost.iter().map(|&percent| ResultCell::from(percent)));
         others.push(row);
     }
+    Ok(describe_rejections(
+        bench.plan.draws,
+        &ward,
+        vec![table, others],
+    ))
+}
+
+/// What figure 5.2 is, with its results.
+fn describe_rejections(draws: usize, ward: &[Vec<f64>; 2], tables: Vec<ResultTable>) -> Exhibit {
     let printed = 100.0 * (1.0 - FIGURE_KEPT / FIGURE_DRAWS as f64);
-    Ok(Exhibit {
+    Exhibit {
         name: "5.5".into(),
         title: "Section 5.5, figure 5.2: rejections of the factored BRDF".into(),
-        method: format!("{FIGURE_DRAWS} draws at each angle, without a cosine part; the other ways with {} draws.", bench.plan.draws),
+        method: format!("{FIGURE_DRAWS} draws at each angle, without a cosine part; the other ways with {} draws.", draws),
         differences: "The thesis doesn't say the viewer's angle of its figure. Its factorisation has 16 azimuths of the viewer.".into(),
         findings: vec![format!(
             "The thesis keeps 827 of 2500 draws for Ward's BRDF: {printed:.0} % are lost. That many are lost by half vectors that are uniform over \
@@ -100,9 +117,9 @@ pub(super) fn rejections(bench: &mut ThesisBench) -> Result<Exhibit> {
              method.",
             ward[1][1], ward[0][1]
         )],
-        tables: vec![table, others],
+        tables,
         pictures: Vec::new(),
-    })
+    }
 }
 
 /// How well counts of leaves follow their probabilities.
@@ -179,7 +196,9 @@ fn count_leaves(sampler: &Sampler, draws: usize, seed: u64) -> LeafCounts {
     let wo = viewer(45.0);
     let mut found = 0;
     for index in 0..draws as u64 {
-        let drawn = sampler.as_dyn().sample(wo, PointSet::Random.point(seed, index, 0));
+        let drawn = sampler
+            .as_dyn()
+            .sample(wo, PointSet::Random.point(seed, index, 0));
         if let Some(drawn) = drawn
             && let Some(cell) = find_cell(&cells, drawn.wi)
         {
@@ -237,7 +256,10 @@ struct SharedDraws<'a> {
 
 impl TimedBatch for SharedDraws<'_> {
     fn run(&self, round: u64) -> usize {
-        black_box(self.sampler.draw_stratified(viewer(45.0), self.count, round));
+        black_box(
+            self.sampler
+                .draw_stratified(viewer(45.0), self.count, round),
+        );
         self.count
     }
 }
@@ -249,7 +271,13 @@ const DIRECTIONS: [usize; 4] = [25, 100, 400, 2500];
 pub(super) fn one_descent(bench: &mut ThesisBench) -> Result<Exhibit> {
     let mut table = ResultTable::new(
         "Nanoseconds of a draw: N by one descent against N single draws",
-        &["BRDF", "N", "one descent, ns", "single, ns", "single over one descent"],
+        &[
+            "BRDF",
+            "N",
+            "one descent, ns",
+            "single, ns",
+            "single over one descent",
+        ],
     );
     let mut ratios = Vec::new();
     for subject in drawn_subjects()? {

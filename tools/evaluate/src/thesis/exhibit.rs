@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A cell of a table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Entry {
+pub enum ResultCell {
     /// A number in the unit of its column.
     Number(f64),
     /// Words.
@@ -14,7 +14,7 @@ pub enum Entry {
     Missing,
 }
 
-impl From<f64> for Entry {
+impl From<f64> for ResultCell {
     fn from(value: f64) -> Self {
         if value.is_finite() {
             Self::Number(value)
@@ -24,25 +24,25 @@ impl From<f64> for Entry {
     }
 }
 
-impl From<usize> for Entry {
+impl From<usize> for ResultCell {
     fn from(value: usize) -> Self {
         Self::Number(value as f64)
     }
 }
 
-impl From<Option<f64>> for Entry {
+impl From<Option<f64>> for ResultCell {
     fn from(value: Option<f64>) -> Self {
         value.map_or(Self::Missing, Self::from)
     }
 }
 
-impl From<&str> for Entry {
+impl From<&str> for ResultCell {
     fn from(words: &str) -> Self {
         Self::Words(words.to_owned())
     }
 }
 
-impl From<String> for Entry {
+impl From<String> for ResultCell {
     fn from(words: String) -> Self {
         Self::Words(words)
     }
@@ -56,7 +56,7 @@ pub struct ResultTable {
     /// Names of the columns, with units; the thesis's begin with "thesis".
     pub heading: Vec<String>,
     /// The cells, as many in each row as in the heading.
-    pub rows: Vec<Vec<Entry>>,
+    pub rows: Vec<Vec<ResultCell>>,
 }
 
 impl ResultTable {
@@ -70,25 +70,25 @@ impl ResultTable {
     }
 
     /// Adds a row.
-    pub(super) fn push(&mut self, row: Vec<Entry>) {
+    pub(super) fn push(&mut self, row: Vec<ResultCell>) {
         debug_assert_eq!(row.len(), self.heading.len(), "{row:?}");
         self.rows.push(row);
     }
 
     /// Adds the arithmetic means of all columns whose cells are numbers.
     pub(super) fn push_mean(&mut self) {
-        let mut means = vec![Entry::from(format!("mean of {}", self.rows.len()))];
+        let mut means = vec![ResultCell::from(format!("mean of {}", self.rows.len()))];
         for column in 1..self.heading.len() {
             let mut numbers = Vec::new();
             for row in &self.rows {
-                if let Entry::Number(number) = row[column] {
+                if let ResultCell::Number(number) = row[column] {
                     numbers.push(number);
                 }
             }
             let is_whole = numbers.len() == self.rows.len();
             means.push(match is_whole {
-                true => Entry::from(mean(&numbers)),
-                false => Entry::Missing,
+                true => ResultCell::from(mean(&numbers)),
+                false => ResultCell::Missing,
             });
         }
         self.rows.push(means);
@@ -193,9 +193,9 @@ mod tests {
         table.push(vec!["y".into(), 3.0.into(), 2.0.into()]);
         table.push_mean();
         let expected = vec![
-            Entry::from("mean of 2"),
-            Entry::Number(2.0),
-            Entry::Missing,
+            ResultCell::from("mean of 2"),
+            ResultCell::Number(2.0),
+            ResultCell::Missing,
         ];
         assert_eq!(table.rows[2], expected);
     }

@@ -11,25 +11,24 @@ use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::render::{Camera, ObjectSpec, SceneSpec, Shape};
 use merlkit::sampler::SamplerSpec;
 use merlkit_scene::{
-    Instance, Quad, Shading, Sides, TriangleMesh, displace_sphere, jar_profile, revolve,
-    smooth_profile,
+    Instance, Quad, Shading, Sides, TriangleMesh, jar_profile, revolve, smooth_profile,
 };
 
 use super::bench::ThesisBench;
 use super::contenders::{CANDIDATES, Way};
-use super::exhibit::{Entry, Exhibit, ResultTable, write_ratio};
+use super::exhibit::{Exhibit, ResultTable, Thumbnail};
 use super::plan::ThesisPlan;
 use super::published::{PublishedTable, published_number};
 use super::ranking::{compare_errors, describe_references};
 use super::spheres::{REFERENCE, thumbnails};
-use super::stage::{Contender, Stage};
+use super::stage::{SceneSampler, StagePiece, ThesisScene};
 use super::subjects::{Subject, models};
 
 /// What is said of every scene with meshes.
-const UNKNOWN_FILES: &str = "The thesis's files are not available.";
+pub(super) const UNKNOWN_FILES: &str = "The thesis's files are not available.";
 
 /// A scene without objects, seen by a camera.
-fn empty_scene(names: &[String], camera: Camera, depth: u32) -> SceneSpec {
+pub(super) fn empty_scene(names: &[String], camera: Camera, depth: u32) -> SceneSpec {
     let mut spec = SceneSpec::row(names, 1.0);
     spec.spheres.clear();
     spec.camera = camera;
@@ -57,7 +56,7 @@ const WALLS: [([f64; 3], [f64; 3], [f64; 3], usize); 5] = [
 const COLOURS: [&str; 3] = ["0.63/0.065/0.05", "0.725/0.71/0.68", "0.14/0.45/0.09"];
 
 /// Cornell's room without blocks, of one BRDF in three colours.
-fn room(subject: &Subject, plan: &ThesisPlan) -> Result<Stage> {
+fn room(subject: &Subject, plan: &ThesisPlan) -> Result<ThesisScene> {
     let mut materials = Vec::new();
     let mut names = Vec::new();
     for colour in COLOURS {
@@ -84,7 +83,7 @@ fn room(subject: &Subject, plan: &ThesisPlan) -> Result<Stage> {
         edge_v: DVec3::new(0.0, 0.0, 105.0),
         radiance: Rgb::new(17.0, 12.0, 4.0),
     })];
-    Ok(Stage {
+    Ok(ThesisScene {
         spec,
         size: [plan.side; 2],
         materials,
@@ -99,12 +98,12 @@ fn contend(
     subject: &str,
     materials: &[Loaded],
     plan: &ThesisPlan,
-) -> Result<Contender> {
+) -> Result<SceneSampler> {
     let mut specs = Vec::new();
     for material in materials {
         specs.push(way.spec(subject, material, plan)?);
     }
-    Ok(Contender {
+    Ok(SceneSampler {
         name: candidates.map_or(way.name(), |resampled| resampled.1),
         specs,
         candidates: candidates.map_or(1, |resampled| resampled.0),
@@ -135,7 +134,8 @@ pub(super) fn scene_1(bench: &mut ThesisBench) -> Result<Exhibit> {
         pieces.push((subject.name, piece));
     }
     let names = ROOM_WAYS.map(Way::name);
-    let caption = "Table 6.8: mean relative error in percent, by samples per pixel, mean over the BRDFs";
+    let caption =
+        "Table 6.8: mean relative error in percent, by samples per pixel, mean over the BRDFs";
     let (errors, mut findings) =
         compare_errors("6.8", caption, &names, &pieces, &bench.plan.samples);
     findings.push(
@@ -144,49 +144,75 @@ pub(super) fn scene_1(bench: &mut ThesisBench) -> Result<Exhibit> {
             .into(),
     );
     findings.push(describe_references(&pieces));
+    let times = room_times(&pieces, bench.plan.most_samples());
+    let shown = thumbnails(&pieces, &[pieces.last().map_or("", |piece| piece.0)]);
+    Ok(describe_scene_1(
+        bench.plan.side,
+        pieces.len(),
+        findings,
+        vec![errors, times],
+        shown,
+    ))
+}
+
+/// Table 6.7: seconds over those of uniform directions.
+fn room_times(pieces: &[(&str, StagePiece)], most: u64) -> ResultTable {
     let mut times = ResultTable::new(
         "Table 6.7: seconds over those of uniform directions at the most samples; the thesis's of drawing, ours of drawing alone and of rendering",
-        &["sampler", "thesis, drawing", "ours, drawing", "ours, rendering"],
+        &[
+            "sampler",
+            "thesis, drawing",
+            "ours, drawing",
+            "ours, rendering",
+        ],
     );
-    let most = bench.plan.most_samples();
     let row = most.to_string();
     let mut sums = Vec::new();
-    for name in names {
+    for name in ROOM_WAYS.map(Way::name) {
         let (mut draw, mut whole) = (0.0, 0.0);
-        for (_, piece) in &pieces {
+        for (_, piece) in pieces {
             if let Some(result) = piece.find(name, most) {
                 draw += result.draw_ns;
                 whole += result.seconds.cpu;
             }
         }
         sums.push([draw, whole]);
-        let printed = |name| published_number("6.7", &row, name);
         times.push(vec![
             name.into(),
-            printed(name)
-                .zip(printed("uniform"))
+            published_number("6.7", &row, name)
+                .zip(published_number("6.7", &row, "uniform"))
                 .map(|(one, base)| one / base)
                 .into(),
             (draw / sums[0][0]).into(),
             (whole / sums[0][1]).into(),
         ]);
     }
-    Ok(Exhibit {
+    times
+}
+
+/// What scene 1 is, with its results.
+fn describe_scene_1(
+    side: usize,
+    count: usize,
+    findings: Vec<String>,
+    tables: Vec<ResultTable>,
+    pictures: Vec<Thumbnail>,
+) -> Exhibit {
+    Exhibit {
         name: "scene-1".into(),
         title: "Scene 1, tables 6.7 and 6.8: Cornell's room without blocks".into(),
         method: format!(
             "Five walls of one BRDF in three colours, light from a rectangle under the ceiling and from one bounce, {0} × {0} pixels, BRDF directions \
              alone, {1} of the 16 BRDFs.",
-            bench.plan.side,
-            pieces.len()
+            side, count
         ),
         differences: "The thesis's room has 1000 triangles and the same walls; its depth of paths is not printed, and its resolution is 256 × 256. Colours and \
                       light are Cornell's. Its reference is the mean over all samplers."
             .into(),
         findings,
-        tables: vec![errors, times],
-        pictures: thumbnails(&pieces, &[pieces.last().map_or("", |piece| piece.0)]),
-    })
+        tables,
+        pictures,
+    }
 }
 
 /// A jar that rests on y = 0, about 1 high.
@@ -205,7 +231,7 @@ fn jar(plan: &ThesisPlan) -> Result<Arc<dyn Shape>> {
 const JAR_STEP: f64 = 1.1;
 
 /// Jars side by side, each of its material, without lights.
-fn jars(materials: Vec<Loaded>, size: [usize; 2], plan: &ThesisPlan) -> Result<Stage> {
+fn jars(materials: Vec<Loaded>, size: [usize; 2], plan: &ThesisPlan) -> Result<ThesisScene> {
     let names: Vec<String> = materials.iter().map(|m| m.name().to_owned()).collect();
     let aspect = size[0] as f64 / size[1] as f64;
     let width = JAR_STEP * materials.len() as f64 + 0.3;
@@ -231,7 +257,7 @@ fn jars(materials: Vec<Loaded>, size: [usize; 2], plan: &ThesisPlan) -> Result<S
             material,
         });
     }
-    Ok(Stage {
+    Ok(ThesisScene {
         spec,
         size,
         materials,
@@ -249,40 +275,68 @@ const JARS: [(&str, &str); 3] = [
     ("blinn", "blinn:n=100,ks=1,kd=0.67"),
 ];
 /// Who draws there.
-const JAR_WAYS: [Way; 4] = [Way::Uniform, Way::LobeSphere, Way::Factored, Way::Disc];
+pub(super) const JAR_WAYS: [Way; 4] = [Way::Uniform, Way::LobeSphere, Way::Factored, Way::Disc];
+
+/// What the three jars come to.
+fn jars_piece(bench: &mut ThesisBench) -> Result<StagePiece> {
+    bench.piece("scene-4", |plan| {
+        let materials = load_named(&JARS)?;
+        let mut stage = jars(materials, [plan.side * 5 / 2, plan.side * 11 / 10], plan)?;
+        stage.spec.lights = vec![stage.spec.light("area")?];
+        let contenders = contend_named(&JARS, &stage.materials, plan)?;
+        stage.compare(&contenders, plan)
+    })
+}
+
+/// Materials of a scene by our texts.
+pub(super) fn load_named(named: &[(&str, &str)]) -> Result<Vec<Loaded>> {
+    let mut materials = Vec::new();
+    for (_, text) in named {
+        materials.push(Material::resolve(text)?.load(LookupRule::Floor)?);
+    }
+    Ok(materials)
+}
+
+/// The samplers of scenes 3 and 4, for materials with the thesis's names.
+pub(super) fn contend_named(
+    named: &[(&str, &str)],
+    materials: &[Loaded],
+    plan: &ThesisPlan,
+) -> Result<Vec<SceneSampler>> {
+    let mut contenders = Vec::new();
+    for way in JAR_WAYS {
+        let mut specs: Vec<SamplerSpec> = Vec::new();
+        for ((name, _), material) in named.iter().zip(materials) {
+            specs.push(way.spec(name, material, plan)?);
+        }
+        contenders.push(SceneSampler {
+            name: way.name(),
+            specs,
+            candidates: 1,
+            samples: plan.samples.clone(),
+        });
+    }
+    Ok(contenders)
+}
 
 /// Scene 4: three jars.
 pub(super) fn scene_4(bench: &mut ThesisBench) -> Result<Exhibit> {
-    let piece = bench.piece("scene-4", |plan| {
-        let mut materials = Vec::new();
-        for (_, text) in JARS {
-            materials.push(Material::resolve(text)?.load(LookupRule::Floor)?);
-        }
-        let mut stage = jars(materials, [plan.side * 5 / 2, plan.side * 11 / 10], plan)?;
-        stage.spec.lights = vec![stage.spec.light("area")?];
-        let mut contenders = Vec::new();
-        for way in JAR_WAYS {
-            let mut specs: Vec<SamplerSpec> = Vec::new();
-            for ((name, _), material) in JARS.iter().zip(&stage.materials) {
-                specs.push(way.spec(name, material, plan)?);
-            }
-            contenders.push(Contender {
-                name: way.name(),
-                specs,
-                candidates: 1,
-                samples: plan.samples.clone(),
-            });
-        }
-        stage.compare(&contenders, plan)
-    })?;
+    let piece = jars_piece(bench)?;
     let pieces = [("three jars", piece)];
     let names = JAR_WAYS.map(Way::name);
-    let caption = "Mean relative error in percent by samples per pixel; the thesis's is its table 6.17";
+    let caption =
+        "Mean relative error in percent by samples per pixel; the thesis's is its table 6.17";
     let (errors, mut findings) =
         compare_errors("6.17", caption, &names, &pieces, &bench.plan.samples);
     let mut text = ResultTable::new(
         "The thesis's text: 400 samples against 10,000; ours at the most samples",
-        &["sampler", "thesis, s", "thesis, error %", "ours, CPU s", "ours, error %"],
+        &[
+            "sampler",
+            "thesis, s",
+            "thesis, error %",
+            "ours, CPU s",
+            "ours, error %",
+        ],
     );
     for (name, row) in names.into_iter().zip([Some(0), Some(1), None, Some(2)]) {
         let printed = row.map_or([None; 2], |row| text_row("scene-4", row));
@@ -301,7 +355,20 @@ pub(super) fn scene_4(bench: &mut ThesisBench) -> Result<Exhibit> {
             .into(),
     );
     findings.push(describe_references(&pieces));
-    Ok(Exhibit {
+    Ok(describe_scene_4(
+        findings,
+        vec![errors, text],
+        thumbnails(&pieces, &["three jars"]),
+    ))
+}
+
+/// What scene 4 is, with its results.
+fn describe_scene_4(
+    findings: Vec<String>,
+    tables: Vec<ResultTable>,
+    pictures: Vec<Thumbnail>,
+) -> Exhibit {
+    Exhibit {
         name: "scene-4".into(),
         title: "Scene 4, tables 6.15 to 6.17: three jars".into(),
         method: "Three jars of Beard and Maxwell's, He's and Blinn's BRDFs under a square light, with shadows and one bounce, BRDF directions alone."
@@ -311,13 +378,13 @@ pub(super) fn scene_4(bench: &mut ThesisBench) -> Result<Exhibit> {
              table 6.17 is a mean over 16 BRDFs, and the text and the tables of this scene exchange the samplers' seconds."
         ),
         findings,
-        tables: vec![errors, text],
-        pictures: thumbnails(&pieces, &["three jars"]),
-    })
+        tables,
+        pictures,
+    }
 }
 
 /// Seconds and percent of a place's row, counted from 0, in the figures of the text.
-fn text_row(place: &str, row: usize) -> [Option<f64>; 2] {
+pub(super) fn text_row(place: &str, row: usize) -> [Option<f64>; 2] {
     let rows = PublishedTable::find("text").map_or_else(Vec::new, |t| t.rows());
     let found = rows.iter().filter(|cells| cells[0] == place).nth(row);
     found.map_or([None; 2], |cells| {
@@ -357,7 +424,8 @@ pub(super) fn scene_6(bench: &mut ThesisBench) -> Result<Exhibit> {
         "adaptive_disc",
         "adaptive_disc_ris",
     ];
-    let caption = "Table 6.22: mean relative error in percent, by samples per pixel, mean over the BRDFs";
+    let caption =
+        "Table 6.22: mean relative error in percent, by samples per pixel, mean over the BRDFs";
     let (errors, mut findings) =
         compare_errors("6.22", caption, &names, &pieces, &bench.plan.samples);
     findings.push(
@@ -381,129 +449,5 @@ pub(super) fn scene_6(bench: &mut ThesisBench) -> Result<Exhibit> {
         findings,
         tables: vec![errors],
         pictures: thumbnails(&pieces, &[pieces.last().map_or("", |piece| piece.0)]),
-    })
-}
-
-/// Floor, wall and object of scene 3.
-const DRAGON: [(&str, &str); 3] = [
-    ("oren", "oren:s=0.83,r=0.8"),
-    ("strauss", "strauss:s=0.3,m=0.1,ks=0.2,kd=0.6"),
-    ("lafortune", "lafortune:n=46,kp=0.5,Cx=-1,Cy=-1,Cz=1"),
-];
-
-/// A displaced sphere on a floor before a wall.
-fn dragon(plan: &ThesisPlan) -> Result<Stage> {
-    let mut materials = Vec::new();
-    let mut names = Vec::new();
-    for (name, text) in DRAGON {
-        materials.push(Material::resolve(text)?.load(LookupRule::Floor)?);
-        names.push(name.to_owned());
-    }
-    let target = DVec3::new(0.0, 1.0, 0.0);
-    let camera = Camera {
-        eye: target + DVec3::new(0.0, 1.2, 6.0),
-        target,
-        vertical_angle: 32f64.to_radians(),
-    };
-    let mut spec = empty_scene(&names, camera, 2);
-    let floor = Quad::new(
-        DVec3::new(-4.0, 0.0, -2.0),
-        DVec3::new(0.0, 0.0, 6.0),
-        DVec3::new(8.0, 0.0, 0.0),
-    )?;
-    let wall = Quad::new(
-        DVec3::new(-4.0, 0.0, -2.0),
-        DVec3::new(8.0, 0.0, 0.0),
-        DVec3::new(0.0, 5.0, 0.0),
-    )?;
-    let steps = if plan.quick { 24 } else { 120 };
-    let data = displace_sphere(0.8, 0.2, steps, 7)?;
-    let mesh: Arc<dyn Shape> = Arc::new(TriangleMesh::build(&data, Sides::Both, Shading::Flat)?);
-    let lifted = Instance::new(
-        mesh,
-        DAffine3::from_translation(DVec3::new(0.0, 1.0, 0.0)),
-    )?;
-    let shapes: [Arc<dyn Shape>; 3] = [Arc::new(floor), Arc::new(wall), Arc::new(lifted)];
-    for (material, shape) in shapes.into_iter().enumerate() {
-        spec.objects.push(ObjectSpec { shape, material });
-    }
-    spec.lights = vec![spec.light("area")?];
-    Ok(Stage {
-        spec,
-        size: [plan.side; 2],
-        materials,
-        reference: REFERENCE.parse()?,
-    })
-}
-
-/// Scene 3: seconds of four samplers with a large mesh.
-pub(super) fn scene_3(bench: &mut ThesisBench) -> Result<Exhibit> {
-    let piece = bench.piece("scene-3", |plan| {
-        let stage = dragon(plan)?;
-        let mut contenders = Vec::new();
-        for way in JAR_WAYS {
-            let mut specs: Vec<SamplerSpec> = Vec::new();
-            for ((name, _), material) in DRAGON.iter().zip(&stage.materials) {
-                specs.push(way.spec(name, material, plan)?);
-            }
-            contenders.push(Contender {
-                name: way.name(),
-                specs,
-                candidates: 1,
-                samples: plan.samples.clone(),
-            });
-        }
-        stage.compare(&contenders, plan)
-    })?;
-    let mut table = ResultTable::new(
-        "Seconds, and over those of uniform directions; ours at the most samples",
-        &[
-            "sampler",
-            "thesis, s",
-            "thesis, ratio",
-            "ours, CPU s",
-            "ours, ratio",
-            "ours, error %",
-        ],
-    );
-    let most = bench.plan.most_samples();
-    let uniform = piece.find(Way::Uniform.name(), most).map(|r| r.seconds.cpu);
-    let printed_uniform = text_row("scene-3", 0)[0];
-    for (row, way) in JAR_WAYS.into_iter().enumerate() {
-        let ours = piece.find(way.name(), most);
-        let printed = text_row("scene-3", row)[0];
-        let seconds = ours.map(|r| r.seconds.cpu);
-        table.push(vec![
-            Entry::from(way.name()),
-            printed.into(),
-            printed.zip(printed_uniform).map(|(a, b)| a / b).into(),
-            seconds.into(),
-            seconds.zip(uniform).map(|(a, b)| a / b).into(),
-            ours.map(|r| 100.0 * r.error).into(),
-        ]);
-    }
-    let disc = piece.find(Way::Disc.name(), most).map(|r| r.seconds.cpu);
-    let mut findings = Vec::new();
-    findings.extend(disc.zip(uniform).map(|(disc, uniform)| {
-        format!(
-            "The disc's picture takes 4.37 times as long as that of uniform directions in the thesis, {} times here.",
-            write_ratio(disc / uniform)
-        )
-    }));
-    let pieces = [("displaced sphere", piece)];
-    findings.push(describe_references(&pieces));
-    Ok(Exhibit {
-        name: "scene-3".into(),
-        title: "Scene 3: a large mesh on a floor before a wall".into(),
-        method: format!(
-            "A displaced sphere of Lafortune's BRDF (n 46), a floor of Oren and Nayar's and a wall of Strauss's, under a square light with one bounce, {most} \
-             samples."
-        ),
-        differences: format!(
-            "{UNKNOWN_FILES} Its mesh is a scanned dragon of 200,000 faces. The parameters of the wall and the diffuse part of the dragon are not printed."
-        ),
-        findings,
-        tables: vec![table],
-        pictures: thumbnails(&pieces, &["displaced sphere"]),
     })
 }

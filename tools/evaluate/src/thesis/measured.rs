@@ -98,6 +98,21 @@ struct Compressed {
     compressed: BuildCost,
 }
 
+/// A material's piece of table 5.10.
+fn compressed_cost(bench: &mut ThesisBench, subject: &Subject) -> Result<Compressed> {
+    bench.piece(&format!("5.10/{}", subject.name), |plan| {
+        let material = subject.load()?;
+        let tables = plan.tables;
+        let whole = format!("cascade-cdf:published-uniform,tables={tables}").parse()?;
+        let compressed = format!("cascade-cdf:published,tables={tables},cells=256x32").parse()?;
+        Ok(Compressed {
+            tables,
+            whole: build(&material, &whole)?.1,
+            compressed: build(&material, &compressed)?.1,
+        })
+    })
+}
+
 /// Table 5.10: compressed CDFs of 20 materials.
 pub(super) fn compression(bench: &mut ThesisBench) -> Result<Exhibit> {
     let mut table = ResultTable::new(
@@ -116,18 +131,7 @@ pub(super) fn compression(bench: &mut ThesisBench) -> Result<Exhibit> {
     let (mut theirs, mut ours) = (Vec::new(), Vec::new());
     for subject in measured("5.10") {
         let name = subject.name;
-        let cost: Compressed = bench.piece(&format!("5.10/{name}"), |plan| {
-            let material = subject.load()?;
-            let tables = plan.tables;
-            let whole = format!("cascade-cdf:published-uniform,tables={tables}").parse()?;
-            let compressed =
-                format!("cascade-cdf:published,tables={tables},cells=256x32").parse()?;
-            Ok(Compressed {
-                tables,
-                whole: build(&material, &whole)?.1,
-                compressed: build(&material, &compressed)?.1,
-            })
-        })?;
+        let cost = compressed_cost(bench, &subject)?;
         let tables = cost.tables as f64;
         let kb = published_number("5.10", name, "compressed_kb");
         let each = cost.compressed.bytes as f64 / KB / tables;
@@ -149,18 +153,33 @@ pub(super) fn compression(bench: &mut ThesisBench) -> Result<Exhibit> {
     }
     table.push_mean();
     let correlation = rank_correlation(&theirs, &ours);
-    Ok(Exhibit {
+    Ok(describe_compression(
+        bench.plan.tables,
+        vec![order_finding(correlation, 20)],
+        vec![table],
+    ))
+}
+
+/// What table 5.10 is, with its results.
+fn describe_compression(
+    tables_built: usize,
+    findings: Vec<String>,
+    tables: Vec<ResultTable>,
+) -> Exhibit {
+    Exhibit {
         name: "5.10".into(),
         title: "Table 5.10: compressed cascade CDFs of 20 measured materials".into(),
         method: format!(
             "cascade-cdf:published,cells=256x32 with {} tables and the tolerance 0.001, against the same without compression.",
-            bench.plan.tables
+            tables_built
         ),
-        differences: format!("{NETWORKS} The thesis gives no tolerance and no measure of distance."),
-        findings: vec![order_finding(correlation, 20)],
-        tables: vec![table],
+        differences: format!(
+            "{NETWORKS} The thesis gives no tolerance and no measure of distance."
+        ),
+        findings,
+        tables,
         pictures: Vec::new(),
-    })
+    }
 }
 
 /// What a rank correlation of compressed sizes says.
@@ -191,7 +210,10 @@ fn measured_costs(bench: &mut ThesisBench, subject: &Subject) -> Result<Measured
         let [whole, compressed] = published_specs(plan)?;
         let (whole, whole_cost) = build(&material, &whole)?;
         let (compressed, compressed_cost) = build(&material, &compressed)?;
-        let (disc, disc_cost) = build(&material, &published_disc([plan.trees, plan.image], &material, "")?)?;
+        let (disc, disc_cost) = build(
+            &material,
+            &published_disc([plan.trees, plan.image], &material, "")?,
+        )?;
         let (uniform, _) = build(&material, &"cosine".parse()?)?;
         let samplers: Vec<&dyn DirectionSampler> = [&uniform, &whole, &compressed, &disc]
             .map(Sampler::as_dyn)
@@ -210,7 +232,36 @@ fn measured_costs(bench: &mut ThesisBench, subject: &Subject) -> Result<Measured
 
 /// Table 6.23: seconds and KB of the measured materials.
 pub(super) fn costs(bench: &mut ThesisBench) -> Result<Exhibit> {
-    let mut discs = ResultTable::new(
+    let mut all = Vec::new();
+    for subject in measured("6.23") {
+        all.push((subject.name, measured_costs(bench, &subject)?));
+    }
+    let (mut discs, mut compressed) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
+    for (name, costs) in &all {
+        discs[0].extend(published_number("6.23", name, "adaptive_disc_kb"));
+        discs[1].push(costs.trees.published_kb());
+        compressed[0].extend(published_number("6.23", name, "compressed_cdf_kb"));
+        compressed[1].push(costs.compressed.bytes as f64);
+    }
+    let correlation = rank_correlation(&discs[0], &discs[1]);
+    let ratio = mean(&discs[0]) / (DISC_TREES * mean(&discs[1]));
+    let findings = vec![
+        format!(
+            "Disc: rank correlation of KB with the thesis's over its 11 materials {}; its mean is {} times ours at the same bytes a \
+             subdivision.",
+            correlation.map_or("none".into(), |c| format!("{c:.2}")),
+            write_ratio(ratio)
+        ),
+        order_finding(rank_correlation(&compressed[0], &compressed[1]), 11),
+        "Compressing takes the thesis 2500 s, but 119.78 and 113.56 s for two of its materials: another resolution, perhaps.".into(),
+    ];
+    let tables = vec![disc_table(&all), cdf_table(&all)];
+    Ok(describe_costs(&bench.plan, findings, tables))
+}
+
+/// The discs of table 6.23.
+fn disc_table(all: &[(&str, MeasuredCosts)]) -> ResultTable {
+    let mut table = ResultTable::new(
         "The disc: KB (1024 bytes) of 60 trees and seconds a tree. Ours are CPU seconds.",
         &[
             "material",
@@ -224,7 +275,29 @@ pub(super) fn costs(bench: &mut ThesisBench) -> Result<Exhibit> {
             "ours, s a tree",
         ],
     );
-    let mut cdfs = ResultTable::new(
+    for (name, costs) in all {
+        let trees = costs.trees.count();
+        table.push(vec![
+            (*name).into(),
+            published_number("6.23", name, "adaptive_disc_kb").into(),
+            (DISC_TREES * costs.trees.published_kb()).into(),
+            (costs.disc.bytes as f64 / KB * DISC_TREES / trees).into(),
+            costs.trees.subdivisions.into(),
+            costs.trees.nodes().into(),
+            costs.trees.leaves.into(),
+            published_number("6.23", name, "adaptive_disc_s")
+                .map(|s| s / DISC_TREES)
+                .into(),
+            (costs.disc.seconds.cpu / trees).into(),
+        ]);
+    }
+    table.push_mean();
+    table
+}
+
+/// The cascade CDFs of table 6.23.
+fn cdf_table(all: &[(&str, MeasuredCosts)]) -> ResultTable {
+    let mut table = ResultTable::new(
         "Cascade CDFs: KB (1024 bytes) and seconds a table. Ours are CPU seconds.",
         &[
             "material",
@@ -238,70 +311,46 @@ pub(super) fn costs(bench: &mut ThesisBench) -> Result<Exhibit> {
             "ours, compressed, s",
         ],
     );
-    let mut pairs = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
-    for subject in measured("6.23") {
-        let name = subject.name;
-        let costs = measured_costs(bench, &subject)?;
-        let trees = costs.trees.count();
-        let printed = |column| published_number("6.23", name, column);
-        let disc_kb = printed("adaptive_disc_kb");
-        pairs[0].extend(disc_kb);
-        pairs[1].push(costs.trees.published_kb());
-        discs.push(vec![
-            name.into(),
-            disc_kb.into(),
-            (DISC_TREES * costs.trees.published_kb()).into(),
-            (costs.disc.bytes as f64 / KB * DISC_TREES / trees).into(),
-            costs.trees.subdivisions.into(),
-            costs.trees.nodes().into(),
-            costs.trees.leaves.into(),
-            printed("adaptive_disc_s").map(|s| s / DISC_TREES).into(),
-            (costs.disc.seconds.cpu / trees).into(),
-        ]);
-        let compressed_kb = printed("compressed_cdf_kb");
-        pairs[2].extend(compressed_kb);
-        pairs[3].push(costs.compressed.bytes as f64);
-        let a_table = |column| printed(column).map(|value| value / CDF_TABLES);
+    for (name, costs) in all {
         let tables = costs.tables as f64;
-        cdfs.push(vec![
-            name.into(),
-            a_table("uniform_cdf_kb").into(),
+        table.push(vec![
+            (*name).into(),
+            printed_a_table(name, "uniform_cdf_kb").into(),
             (costs.whole.bytes as f64 / KB / tables).into(),
-            a_table("compressed_cdf_kb").into(),
+            printed_a_table(name, "compressed_cdf_kb").into(),
             (costs.compressed.bytes as f64 / KB / tables).into(),
-            a_table("uniform_cdf_s").into(),
+            printed_a_table(name, "uniform_cdf_s").into(),
             (costs.whole.seconds.cpu / tables).into(),
-            a_table("compressed_cdf_s").into(),
+            printed_a_table(name, "compressed_cdf_s").into(),
             (costs.compressed.seconds.cpu / tables).into(),
         ]);
     }
-    discs.push_mean();
-    cdfs.push_mean();
-    let disc = rank_correlation(&pairs[0], &pairs[1]);
-    let ratio = mean(&pairs[0]) / (DISC_TREES * mean(&pairs[1]));
-    let findings = vec![
-        format!(
-            "Disc: rank correlation of KB with the thesis's over its 11 materials {}; its mean is {} times ours at the same bytes a \
-             subdivision.",
-            disc.map_or("none".into(), |c| format!("{c:.2}")),
-            write_ratio(ratio)
-        ),
-        order_finding(rank_correlation(&pairs[2], &pairs[3]), 11),
-        "Compressing takes the thesis 2500 s, but 119.78 and 113.56 s for two of its materials: another resolution, perhaps.".into(),
-    ];
-    Ok(Exhibit {
+    table.push_mean();
+    table
+}
+
+/// A figure of table 6.23 for each of its CDFs' tables.
+fn printed_a_table(name: &str, column: &str) -> Option<f64> {
+    published_number("6.23", name, column).map(|value| value / CDF_TABLES)
+}
+
+/// What table 6.23 is, with its results.
+fn describe_costs(plan: &ThesisPlan, findings: Vec<String>, tables: Vec<ResultTable>) -> Exhibit {
+    Exhibit {
         name: "6.23".into(),
         title: "Table 6.23: seconds and memory for 11 measured materials".into(),
         method: format!(
             "The presets `published` of the disc ({} trees, image of {}² pixels, four subdivisions) and of the cascade CDF ({} tables; {} × {} \
              cells before compression).",
-            bench.plan.trees, bench.plan.image, bench.plan.tables, bench.plan.cells[0], bench.plan.cells[1]
+            plan.trees, plan.image, plan.tables, plan.cells[0], plan.cells[1]
         ),
-        differences: format!("{NETWORKS} The machine. The disc's depth of four subdivisions is inferred from the thesis's bytes."),
+        differences: format!(
+            "{NETWORKS} The machine. The disc's depth of four subdivisions is inferred from the thesis's bytes."
+        ),
         findings,
-        tables: vec![discs, cdfs],
+        tables,
         pictures: Vec::new(),
-    })
+    }
 }
 
 /// Columns of table 6.24, and what they are called here.

@@ -10,7 +10,9 @@ mod distance;
 mod draws;
 mod exhibit;
 mod experiment;
+mod gallery;
 mod measured;
+mod mesh_scene;
 mod pieces;
 mod plan;
 mod printed_tree;
@@ -22,7 +24,7 @@ mod stage;
 mod subjects;
 
 pub use bench::ThesisBench;
-pub use exhibit::{Entry, Exhibit, ResultTable, Thumbnail};
+pub use exhibit::{Exhibit, ResultCell, ResultTable, Thumbnail};
 pub use experiment::Experiment;
 pub use pieces::PieceFolder;
 pub use plan::ThesisPlan;

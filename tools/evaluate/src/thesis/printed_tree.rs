@@ -241,17 +241,30 @@ mod tests {
         };
         let whole = PrintedTree::build(&function, limits, ALL);
         let untrimmed = PrintedTree::build(&function, limits, Optimisations { trim: false, ..ALL });
-        let direct = PrintedTree::build(&function, limits, Optimisations { image: false, ..ALL });
+        let direct = PrintedTree::build(
+            &function,
+            limits,
+            Optimisations {
+                image: false,
+                ..ALL
+            },
+        );
         // A constant fills π/4 of the square: 1.25 < 4/π divides the rim to the end if it isn't trimmed.
         assert!(untrimmed.subdivisions > 2 * whole.subdivisions.max(1));
         assert_eq!(direct.subdivisions, whole.subdivisions);
         assert_eq!(whole.evaluations, 64 * 64);
         assert!(direct.evaluations > whole.evaluations);
         // A draw of a constant takes V/I trials.
-        let flat = TreeLimits { n_max: 4.0, ..limits };
+        let flat = TreeLimits {
+            n_max: 4.0,
+            ..limits
+        };
         let root = PrintedTree::build(&function, flat, ALL);
         assert_eq!(root.subdivisions, 0);
         let trials = root.draw(40_000, &mut Stream::new(1)) as f64 / 40_000.0;
-        assert!((trials - 4.0 / std::f64::consts::PI).abs() < 0.02, "{trials}");
+        assert!(
+            (trials - 4.0 / std::f64::consts::PI).abs() < 0.02,
+            "{trials}"
+        );
     }
 }

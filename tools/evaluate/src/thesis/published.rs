@@ -117,9 +117,7 @@ const fn published(number: &'static str, csv: &'static str) -> PublishedTable {
 impl PublishedTable {
     /// The table of that number.
     pub fn find(number: &str) -> Option<&'static Self> {
-        PUBLISHED_TABLES
-            .iter()
-            .find(|table| table.number == number)
+        PUBLISHED_TABLES.iter().find(|table| table.number == number)
     }
 
     /// The names of its columns, the first of which names the rows.
@@ -193,10 +191,7 @@ mod tests {
         assert_eq!(column.len(), 16);
         assert!((sum / 16.0 - 22.47).abs() < 0.005, "{}", sum / 16.0);
         assert_eq!(published_number("6.6", "he", "disc_kb"), Some(2407.25));
-        assert_eq!(
-            published_number("text", "scene-5", "seconds"),
-            Some(6.11)
-        );
+        assert_eq!(published_number("text", "scene-5", "seconds"), Some(6.11));
         assert_eq!(published_number("6.6", "nickel", "disc_kb"), None);
     }
 

@@ -8,7 +8,7 @@ use merlkit::geometry::spherical;
 use super::bench::{
     BuildCost, KB, ThesisBench, TreeCounts, build, published_disc, subdivisions_of_kb,
 };
-use super::exhibit::{Entry, Exhibit, ResultTable, mean, rank_correlation, write_ratio};
+use super::exhibit::{Exhibit, ResultCell, ResultTable, mean, rank_correlation, write_ratio};
 use super::plan::ThesisPlan;
 use super::published::{PublishedTable, published_number};
 use super::subjects::{Subject, factorisation, models};
@@ -26,7 +26,10 @@ struct ModelCosts {
 fn model_costs(bench: &mut ThesisBench, subject: &Subject) -> Result<ModelCosts> {
     bench.piece(&format!("model/{}", subject.name), |plan| {
         let material = subject.load()?;
-        let (sampler, disc) = build(&material, &published_disc([plan.trees, plan.image], &material, "")?)?;
+        let (sampler, disc) = build(
+            &material,
+            &published_disc([plan.trees, plan.image], &material, "")?,
+        )?;
         let (_, factored) = build(&material, &factorisation(subject.name, 0.0)?)?;
         let trees = TreeCounts::new(&sampler)?;
         Ok(ModelCosts {
@@ -71,8 +74,7 @@ pub(super) fn precomputation(bench: &mut ThesisBench) -> Result<Exhibit> {
         ]);
     }
     table.push_mean();
-    let seconds = |name: &str| trees.iter().find(|t| t.0 == name).map_or(0.0, |t| t.1);
-    let ours = seconds("he") / seconds("oren");
+    let ours = find_seconds(&trees, "he") / find_seconds(&trees, "oren");
     let published = PublishedTable::find("6.4").map_or_else(Vec::new, |t| t.column("disc_60qt_s"));
     let published: Vec<f64> = published.into_iter().flatten().collect();
     let found: Vec<f64> = trees.iter().map(|t| t.1).collect();
@@ -88,7 +90,22 @@ pub(super) fn precomputation(bench: &mut ThesisBench) -> Result<Exhibit> {
     findings.push(
         "The means that the thesis prints (62.58 and 94.69 s) are not those of its rows (60.67 and 89.56 s).".into(),
     );
-    Ok(Exhibit {
+    Ok(describe_precomputation(bench, findings, table))
+}
+
+/// Seconds a tree of a model.
+fn find_seconds(trees: &[(&str, f64)], name: &str) -> f64 {
+    let found = trees.iter().find(|tree| tree.0 == name);
+    found.map_or(f64::NAN, |tree| tree.1)
+}
+
+/// What table 6.4 is, with its results.
+fn describe_precomputation(
+    bench: &ThesisBench,
+    findings: Vec<String>,
+    table: ResultTable,
+) -> Exhibit {
+    Exhibit {
         name: "6.4".into(),
         title: "Table 6.4: seconds of precomputation for the 16 BRDFs".into(),
         method: method(bench),
@@ -98,7 +115,7 @@ pub(super) fn precomputation(bench: &mut ThesisBench) -> Result<Exhibit> {
         findings,
         tables: vec![table],
         pictures: Vec::new(),
-    })
+    }
 }
 
 /// How discs as published are built here.
@@ -112,6 +129,31 @@ fn method(bench: &ThesisBench) -> String {
 
 /// Table 6.6: KB of the disc and of the factored BRDF.
 pub(super) fn memory(bench: &mut ThesisBench) -> Result<Exhibit> {
+    let mut all = Vec::new();
+    let (mut theirs, mut ours) = (Vec::new(), Vec::new());
+    for subject in models() {
+        let costs = model_costs(bench, &subject)?;
+        theirs.extend(published_number("6.6", subject.name, "disc_kb"));
+        ours.push(60.0 * costs.trees.published_kb());
+        all.push((subject.name, costs));
+    }
+    let mut findings = vec![
+        "The thesis finds the factored BRDF three times as large as the disc because it counts the matrix Y. Its factors alone are smaller \
+         than most of its discs, as ours are."
+            .into(),
+    ];
+    if let Some(correlation) = rank_correlation(&theirs, &ours) {
+        findings.push(format!(
+            "Rank correlation of the disc's KB with the thesis's over the 16 models: {correlation:.2}. Its Ashikhmin and Oren are never \
+             subdivided; for Ashikhmin the printed algorithm gives many subdivisions, so the thesis's program differed from it."
+        ));
+    }
+    let tables = vec![disc_table(&all), factors_table(&all)];
+    Ok(describe_memory(bench, findings, tables))
+}
+
+/// The discs of table 6.6.
+fn disc_table(all: &[(&str, ModelCosts)]) -> ResultTable {
     let mut table = ResultTable::new(
         "The disc: KB (1024 bytes) of 60 trees, at the thesis's 558 bytes a subdivision and in our format",
         &[
@@ -125,7 +167,27 @@ pub(super) fn memory(bench: &mut ThesisBench) -> Result<Exhibit> {
             "ours, own bytes, KB",
         ],
     );
-    let mut factors = ResultTable::new(
+    for (name, costs) in all {
+        let kb = published_number("6.6", name, "disc_kb");
+        let own = costs.disc.bytes as f64 / KB * 60.0 / costs.trees.count();
+        table.push(vec![
+            (*name).into(),
+            kb.into(),
+            kb.map(|kb| subdivisions_of_kb(kb / 60.0)).into(),
+            costs.trees.subdivisions.into(),
+            costs.trees.nodes().into(),
+            costs.trees.leaves.into(),
+            (60.0 * costs.trees.published_kb()).into(),
+            own.into(),
+        ]);
+    }
+    table.push_mean();
+    table
+}
+
+/// The factored BRDFs of table 6.6.
+fn factors_table(all: &[(&str, ModelCosts)]) -> ResultTable {
+    let mut table = ResultTable::new(
         "The factored BRDF: the thesis's KB are mainly the matrix that is factored, 8 bytes a number",
         &[
             "BRDF",
@@ -135,28 +197,11 @@ pub(super) fn memory(bench: &mut ThesisBench) -> Result<Exhibit> {
             "ours, KB",
         ],
     );
-    let (mut theirs, mut ours) = (Vec::new(), Vec::new());
-    for subject in models() {
-        let name = subject.name;
-        let costs = model_costs(bench, &subject)?;
-        let kb = published_number("6.6", name, "disc_kb").unwrap_or(f64::NAN);
-        let own = costs.disc.bytes as f64 / KB * 60.0 / costs.trees.count();
-        theirs.push(kb);
-        ours.push(60.0 * costs.trees.published_kb());
-        table.push(vec![
-            name.into(),
-            kb.into(),
-            subdivisions_of_kb(kb / 60.0).into(),
-            costs.trees.subdivisions.into(),
-            costs.trees.nodes().into(),
-            costs.trees.leaves.into(),
-            (60.0 * costs.trees.published_kb()).into(),
-            own.into(),
-        ]);
+    for (name, costs) in all {
         let whole = published_number("6.6", name, "factored_kb");
         let matrix = matrix_kb(name);
-        factors.push(vec![
-            name.into(),
+        table.push(vec![
+            (*name).into(),
             whole.into(),
             matrix.into(),
             whole.zip(matrix).map(|(w, m)| w - m).into(),
@@ -164,19 +209,16 @@ pub(super) fn memory(bench: &mut ThesisBench) -> Result<Exhibit> {
         ]);
     }
     table.push_mean();
-    factors.push_mean();
-    let mut findings = vec![
-        "The thesis finds the factored BRDF three times as large as the disc because it counts the matrix Y. Its factors alone are smaller \
-         than most of its discs, as ours are."
-            .into(),
-    ];
-    if let Some(correlation) = rank_correlation(&theirs, &ours) {
-        findings.push(format!(
-            "Rank correlation of the disc's KB with the thesis's over the 16 models: {correlation:.2}. Its Ashikhmin and Oren are never \
-             subdivided; for Ashikhmin the printed algorithm gives many subdivisions, so the thesis's program differed from it."
-        ));
-    }
-    Ok(Exhibit {
+    table
+}
+
+/// What table 6.6 is, with its results.
+fn describe_memory(
+    bench: &ThesisBench,
+    findings: Vec<String>,
+    tables: Vec<ResultTable>,
+) -> Exhibit {
+    Exhibit {
         name: "6.6".into(),
         title: "Table 6.6: memory of the disc and of the factored BRDF".into(),
         method: method(bench),
@@ -184,9 +226,9 @@ pub(super) fn memory(bench: &mut ThesisBench) -> Result<Exhibit> {
                       need no subdivision at the rim. Ours are counted for as many trees as were built and scaled to 60."
             .into(),
         findings,
-        tables: vec![table, factors],
+        tables,
         pictures: Vec::new(),
-    })
+    }
 }
 
 /// KB of the thesis's matrix: uTh·uPh·pTh·pPh numbers of 8 bytes.
@@ -221,11 +263,12 @@ pub(super) fn memory_by_trials(bench: &mut ThesisBench) -> Result<Exhibit> {
         heading.push(format!("ours, {n_max}"));
     }
     let names: Vec<&str> = heading.iter().map(String::as_str).collect();
-    let caption = "KB (1024 bytes) of one quadtree by n_max, ours at the thesis's 558 bytes a subdivision";
+    let caption =
+        "KB (1024 bytes) of one quadtree by n_max, ours at the thesis's 558 bytes a subdivision";
     let mut table = ResultTable::new(caption, &names);
     let mut costs: [Vec<NMaxCost>; 4] = Default::default();
     for subject in models() {
-        let mut row = vec![Entry::from(subject.name)];
+        let mut row = vec![ResultCell::from(subject.name)];
         for (i, (n_max, column)) in N_MAX.into_iter().enumerate() {
             let cost = tree_cost(bench, &subject, n_max)?;
             row.push(published_number("6.5", subject.name, column).into());
@@ -270,7 +313,10 @@ fn tree_cost(bench: &mut ThesisBench, subject: &Subject, n_max: &str) -> Result<
     bench.piece(&format!("6.5/{}/{n_max}", subject.name), |plan| {
         let material = subject.load()?;
         let more = format!(",depth=8,n-max={n_max}");
-        let (sampler, _) = build(&material, &published_disc([3, image_side(plan)], &material, &more)?)?;
+        let (sampler, _) = build(
+            &material,
+            &published_disc([3, image_side(plan)], &material, &more)?,
+        )?;
         let times = call_times(&[sampler.as_dyn()], plan.timed_calls, plan.seed);
         Ok(NMaxCost {
             trees: TreeCounts::new(&sampler)?,
@@ -314,7 +360,7 @@ fn is_falling(table: &ResultTable) -> bool {
     for row in &table.rows {
         let mut before = f64::INFINITY;
         for cell in row.iter().skip(2).step_by(2) {
-            if let Entry::Number(kb) = cell {
+            if let ResultCell::Number(kb) = cell {
                 falls &= *kb <= before;
                 before = *kb;
             }

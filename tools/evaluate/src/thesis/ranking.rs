@@ -1,6 +1,6 @@
 //! Errors of several samplers over several materials, next to a table of the thesis.
 
-use super::exhibit::{Entry, ResultTable, mean, rank_correlation, write_order, write_ratio};
+use super::exhibit::{ResultCell, ResultTable, mean, rank_correlation, write_order, write_ratio};
 use super::published::{PublishedTable, published_number};
 use super::stage::StagePiece;
 
@@ -36,7 +36,7 @@ pub(super) fn compare_errors(
     let columns: Vec<&str> = heading.iter().map(String::as_str).collect();
     let mut table = ResultTable::new(caption, &columns);
     for name in names {
-        let mut row = vec![Entry::from(*name)];
+        let mut row = vec![ResultCell::from(*name)];
         for &n in samples {
             row.push(printed_error(published, name, n).into());
             row.push(mean_error(pieces, name, n).map(|e| 100.0 * e).into());
@@ -80,11 +80,7 @@ fn describe_order(
 }
 
 /// How our errors fall, against 1/√N.
-fn describe_fall(
-    names: &[&str],
-    pieces: &[(&str, StagePiece)],
-    samples: &[u64],
-) -> Option<String> {
+fn describe_fall(names: &[&str], pieces: &[(&str, StagePiece)], samples: &[u64]) -> Option<String> {
     let (first, last) = (*samples.first()?, *samples.last()?);
     let mut falls = Vec::new();
     for name in names {

@@ -10,22 +10,22 @@ use merlkit::sampler::SamplerSpec;
 
 use super::bench::{KB, ThesisBench, published_disc};
 use super::contenders::{Way, disc};
-use super::exhibit::{Entry, Exhibit, ResultTable, Thumbnail, mean, write_ratio};
+use super::exhibit::{Exhibit, ResultCell, ResultTable, Thumbnail, mean, write_ratio};
 use super::plan::ThesisPlan;
 use super::published::published_number;
 use super::ranking::{compare_errors, describe_levels, describe_references};
-use super::stage::{Contender, Stage, StagePiece};
+use super::stage::{SceneSampler, StagePiece, ThesisScene};
 use super::subjects::{Subject, measured, models};
 
 /// The reference's sampler for analytic BRDFs: half of the draws follow the cosine, and directions towards the light do the rest.
 pub(super) const REFERENCE: &str = "lobe:ggx,parameters=0.2/0.2/0.5";
 
 /// One sphere under an area light, direct light only.
-fn sphere_stage(subject: &Subject, plan: &ThesisPlan) -> Result<Stage> {
+fn sphere_stage(subject: &Subject, plan: &ThesisPlan) -> Result<ThesisScene> {
     let mut spec = SceneSpec::row(&[subject.name.to_owned()], 1.0);
     spec.lights = vec![spec.light("area")?];
     spec.depth = 1;
-    Ok(Stage {
+    Ok(ThesisScene {
         spec,
         size: [plan.side; 2],
         materials: vec![subject.load()?],
@@ -122,10 +122,17 @@ pub(super) fn thumbnails(pieces: &[(&str, StagePiece)], shown: &[&str]) -> Vec<T
 fn disc_by_model(pieces: &[(&str, StagePiece)]) -> ResultTable {
     let mut table = ResultTable::new(
         "Table 6.10: mean relative error of the disc in percent, for each BRDF",
-        &["BRDF", "thesis, 1", "ours, 1", "thesis, 25", "ours, 25", "thesis, 10⁶"],
+        &[
+            "BRDF",
+            "thesis, 1",
+            "ours, 1",
+            "thesis, 25",
+            "ours, 25",
+            "thesis, 10⁶",
+        ],
     );
     for (name, piece) in pieces {
-        let mut row = vec![Entry::from(*name)];
+        let mut row = vec![ResultCell::from(*name)];
         for (samples, column) in [(1, "n1"), (25, "n25")] {
             row.push(published_number("6.10", name, column).into());
             let ours = piece.find(Way::Disc.name(), samples);
@@ -144,7 +151,7 @@ fn draw_ratios(pieces: &[(&str, StagePiece)]) -> ResultTable {
         "Table 6.13: time of drawing over that of uniform directions; the thesis's at 2500 samples, ours of a draw measured alone, mean over the BRDFs",
         &["sampler", "thesis, ratio", "ours, ratio", "ours, ns a draw"],
     );
-    let printed = |name| published_number("6.13", name, "n2500");
+    let printed_uniform = published_number("6.13", "uniform", "n2500");
     let uniform = mean_draw(pieces, Way::Uniform);
     for way in [
         Way::Uniform,
@@ -154,7 +161,7 @@ fn draw_ratios(pieces: &[(&str, StagePiece)]) -> ResultTable {
         Way::Disc,
     ] {
         let ours = mean_draw(pieces, way);
-        let ratio = printed(way.name()).zip(printed("uniform"));
+        let ratio = published_number("6.13", way.name(), "n2500").zip(printed_uniform);
         table.push(vec![
             way.name().into(),
             ratio.map(|(one, base)| one / base).into(),
@@ -178,7 +185,7 @@ fn mean_draw(pieces: &[(&str, StagePiece)], way: Way) -> f64 {
 const EXPONENTS: [u32; 6] = [10, 25, 50, 100, 150, 200];
 
 /// Spheres of Lafortune's BRDF with rising exponents under an area light; `kp` is the diffuse part.
-fn exponents_stage(kp: &str, plan: &ThesisPlan) -> Result<Stage> {
+fn exponents_stage(kp: &str, plan: &ThesisPlan) -> Result<ThesisScene> {
     let mut names = Vec::new();
     let mut materials = Vec::new();
     for exponent in EXPONENTS {
@@ -189,7 +196,7 @@ fn exponents_stage(kp: &str, plan: &ThesisPlan) -> Result<Stage> {
     let mut spec = SceneSpec::row(&names, 6.0);
     spec.lights = vec![spec.light("area")?];
     spec.depth = 1;
-    Ok(Stage {
+    Ok(ThesisScene {
         spec,
         size: [6 * plan.side, plan.side],
         materials,
@@ -200,6 +207,24 @@ fn exponents_stage(kp: &str, plan: &ThesisPlan) -> Result<Stage> {
 /// Samples of the disc and of uniform directions: the thesis's, or a quarter of them.
 fn headline_samples(plan: &ThesisPlan) -> [u64; 2] {
     if plan.quick { [25, 625] } else { [100, 2500] }
+}
+
+/// What the spheres of scene 5 come to with a diffuse part.
+fn exponents_piece(bench: &mut ThesisBench, kp: &str) -> Result<StagePiece> {
+    let [few, many] = headline_samples(&bench.plan);
+    bench.piece(&format!("scene-5/{kp}"), |plan| {
+        let stage = exponents_stage(kp, plan)?;
+        let mut discs = Vec::new();
+        for material in &stage.materials {
+            discs.push(disc(material, plan)?);
+        }
+        let uniform = vec!["cosine".parse::<SamplerSpec>()?; discs.len()];
+        let contenders = [
+            contender(Way::Uniform.name(), uniform, vec![few, many]),
+            contender(Way::Disc.name(), discs, vec![few]),
+        ];
+        stage.compare(&contenders, plan)
+    })
 }
 
 /// Scene 5: a hundred samples of the disc against 2500 uniform ones.
@@ -219,19 +244,7 @@ pub(super) fn scene_5(bench: &mut ThesisBench) -> Result<Exhibit> {
     let mut findings = Vec::new();
     let mut pieces = Vec::new();
     for kp in ["0", "0.96"] {
-        let piece = bench.piece(&format!("scene-5/{kp}"), |plan| {
-            let stage = exponents_stage(kp, plan)?;
-            let mut discs = Vec::new();
-            for material in &stage.materials {
-                discs.push(disc(material, plan)?);
-            }
-            let uniform = vec!["cosine".parse::<SamplerSpec>()?; discs.len()];
-            let contenders = [
-                contender(Way::Uniform.name(), uniform, vec![few, many]),
-                contender(Way::Disc.name(), discs, vec![few]),
-            ];
-            stage.compare(&contenders, plan)
-        })?;
+        let piece = exponents_piece(bench, kp)?;
         for result in &piece.results {
             let printed = match (result.name.as_str(), result.samples == few) {
                 ("uniform", true) => 6.11,
@@ -242,7 +255,11 @@ pub(super) fn scene_5(bench: &mut ThesisBench) -> Result<Exhibit> {
                 kp.into(),
                 result.name.as_str().into(),
                 (result.samples as f64).into(),
-                if bench.plan.quick { Entry::Missing } else { printed.into() },
+                if bench.plan.quick {
+                    ResultCell::Missing
+                } else {
+                    printed.into()
+                },
                 result.seconds.cpu.into(),
                 (100.0 * result.error).into(),
             ]);
@@ -252,26 +269,42 @@ pub(super) fn scene_5(bench: &mut ThesisBench) -> Result<Exhibit> {
     }
     findings.push("In the thesis 100 samples of the disc take 43.45 s and 2500 uniform ones 150.54 s, 3.5 times as long, for a picture that it calls worse.".into());
     findings.push(describe_references(&pieces));
-    Ok(Exhibit {
+    Ok(describe_scene_5(
+        &bench.plan,
+        findings,
+        vec![table],
+        thumbnails(&pieces, &["0", "0.96"]),
+    ))
+}
+
+/// What scene 5 is, with its results.
+fn describe_scene_5(
+    plan: &ThesisPlan,
+    findings: Vec<String>,
+    tables: Vec<ResultTable>,
+    pictures: Vec<Thumbnail>,
+) -> Exhibit {
+    let [few, many] = headline_samples(plan);
+    Exhibit {
         name: "scene-5".into(),
         title: "Scene 5, figure 6.19: the disc at few samples against uniform directions at many".into(),
         method: format!(
             "Six unit spheres under a square light, direct light only, {} × {} pixels, {few} samples of our disc and {many} of uniform directions; CPU \
              seconds of rendering.",
-            6 * bench.plan.side,
-            bench.plan.side
+            6 * plan.side,
+            plan.side
         ),
         differences: "The thesis doesn't describe its objects, its light or the diffuse part: both none (kp 0) and that of its table 6.18 (0.96) are tried. A \
                       quick run has a quarter of its samples, in the same ratio."
             .into(),
         findings,
-        tables: vec![table],
-        pictures: thumbnails(&pieces, &["0", "0.96"]),
-    })
+        tables,
+        pictures,
+    }
 }
 
-fn contender(name: &'static str, specs: Vec<SamplerSpec>, samples: Vec<u64>) -> Contender {
-    Contender {
+fn contender(name: &'static str, specs: Vec<SamplerSpec>, samples: Vec<u64>) -> SceneSampler {
+    SceneSampler {
         name,
         specs,
         candidates: 1,
@@ -294,7 +327,7 @@ fn headline(kp: &str, piece: &StagePiece, [few, many]: [u64; 2]) -> Option<Strin
 const ACROSS: usize = 6;
 
 /// Eleven spheres of measured materials in two rows under the studio.
-fn measured_stage(subjects: &[Subject], plan: &ThesisPlan) -> Result<Stage> {
+fn measured_stage(subjects: &[Subject], plan: &ThesisPlan) -> Result<ThesisScene> {
     let size = match plan.quick {
         true => [plan.side * 9 / 2, plan.side * 2],
         false => [450, 200],
@@ -328,7 +361,7 @@ fn measured_stage(subjects: &[Subject], plan: &ThesisPlan) -> Result<Stage> {
     for subject in subjects {
         materials.push(subject.load()?);
     }
-    Ok(Stage {
+    Ok(ThesisScene {
         spec,
         size,
         materials,
@@ -352,9 +385,7 @@ fn measured_specs(name: &str, materials: &[Loaded], plan: &ThesisPlan) -> Result
     for material in materials {
         specs.push(match name {
             "uniform" => "cosine".parse()?,
-            "uniform_cdf" => {
-                format!("cascade-cdf:published-uniform,tables={tables}").parse()?
-            }
+            "uniform_cdf" => format!("cascade-cdf:published-uniform,tables={tables}").parse()?,
             "compressed_cdf" => format!(
                 "cascade-cdf:published,tables={tables},cells={}x{}",
                 cells[0], cells[1]
@@ -380,6 +411,28 @@ pub(super) fn scene_7(bench: &mut ThesisBench) -> Result<Exhibit> {
         }
         stage.compare(&contenders, plan)
     })?;
+    let tables = vec![
+        measured_table(&piece, subjects.len()),
+        errors_by_sphere(&piece, &subjects),
+    ];
+    let mut findings = Vec::new();
+    let mut results = piece.results.iter().collect::<Vec<_>>();
+    results.sort_by(|a, b| a.error.total_cmp(&b.error));
+    findings.extend(results.first().map(|best| {
+        format!(
+            "The least error at 25 samples has {} ({:.1} %). The thesis prints no errors for this scene.",
+            best.name,
+            100.0 * best.error
+        )
+    }));
+    let pieces = [("11 materials", piece)];
+    findings.push(describe_references(&pieces));
+    let pictures = thumbnails(&pieces, &["11 materials"]);
+    Ok(describe_scene_7(&bench.plan, findings, tables, pictures))
+}
+
+/// What each sampler of scene 7 costs a material, and its error.
+fn measured_table(piece: &StagePiece, materials: usize) -> ResultTable {
     let mut table = ResultTable::new(
         "Eleven measured materials at 25 samples: KB (1024 bytes) and seconds a material; ours are CPU seconds",
         &[
@@ -392,13 +445,11 @@ pub(super) fn scene_7(bench: &mut ThesisBench) -> Result<Exhibit> {
             "ours, error %",
         ],
     );
-    let count = subjects.len() as f64;
-    let mut by_material = vec!["material".to_owned()];
+    let count = materials as f64;
     for (name, column) in MEASURED_WAYS {
         let Some(result) = piece.find(name, 25) else {
             continue;
         };
-        by_material.push(name.to_owned());
         table.push(vec![
             name.into(),
             published_number("6.23", "average", &format!("{column}_kb")).into(),
@@ -409,41 +460,45 @@ pub(super) fn scene_7(bench: &mut ThesisBench) -> Result<Exhibit> {
             (100.0 * result.error).into(),
         ]);
     }
-    let heading: Vec<&str> = by_material.iter().map(String::as_str).collect();
+    table
+}
+
+/// Errors of scene 7 for each material.
+fn errors_by_sphere(piece: &StagePiece, subjects: &[Subject]) -> ResultTable {
+    let mut heading = vec!["material"];
+    for result in &piece.results {
+        heading.push(&result.name);
+    }
     let mut errors = ResultTable::new("Mean relative error in percent for each sphere", &heading);
     for (i, subject) in subjects.iter().enumerate() {
-        let mut row = vec![Entry::from(subject.name)];
+        let mut row = vec![ResultCell::from(subject.name)];
         for result in &piece.results {
             row.push(result.errors.get(i).map(|error| 100.0 * error).into());
         }
         errors.push(row);
     }
-    let best = piece
-        .results
-        .iter()
-        .min_by(|a, b| a.error.total_cmp(&b.error));
-    let mut findings = Vec::new();
-    findings.extend(best.map(|best| {
-        format!(
-            "The least error at 25 samples has {} ({:.1} %). The thesis prints no errors for this scene.",
-            best.name,
-            100.0 * best.error
-        )
-    }));
-    let pieces = [("11 materials", piece)];
-    findings.push(describe_references(&pieces));
-    Ok(Exhibit {
+    errors
+}
+
+/// What scene 7 is, with its results.
+fn describe_scene_7(
+    plan: &ThesisPlan,
+    findings: Vec<String>,
+    tables: Vec<ResultTable>,
+    pictures: Vec<Thumbnail>,
+) -> Exhibit {
+    Exhibit {
         name: "scene-7".into(),
         title: "Scene 7, figure 6.22: eleven measured materials".into(),
         method: format!(
             "Eleven unit spheres in the built-in studio, light from the environment alone, {} samples of the reference.",
-            bench.plan.reference_samples
+            plan.reference_samples
         ),
         differences: "The thesis doesn't describe its scene. The built-in materials approximate the measurements that it had. Its KB and seconds are those \
                       of 512 tables or 60 trees."
             .into(),
         findings,
-        tables: vec![table, errors],
-        pictures: thumbnails(&pieces, &["11 materials"]),
-    })
+        tables,
+        pictures,
+    }
 }

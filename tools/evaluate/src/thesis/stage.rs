@@ -22,7 +22,7 @@ use crate::measure::cost::{Seconds, call_times, time};
 use crate::measure::difference::{LIT_FROM, luminance_errors, mean};
 
 /// A scene and its materials.
-pub(super) struct Stage {
+pub(super) struct ThesisScene {
     /// What it shows; the strategy is that of the sampler which is tried.
     pub spec: SceneSpec,
     /// Columns and rows.
@@ -34,7 +34,7 @@ pub(super) struct Stage {
 }
 
 /// A sampler that is tried: its name, what draws from each material, and how many directions a traced one is kept of.
-pub(super) struct Contender {
+pub(super) struct SceneSampler {
     /// The thesis's name, or ours for one that it lacks.
     pub name: &'static str,
     /// One for each material.
@@ -89,12 +89,12 @@ impl StagePiece {
     }
 }
 
-impl Stage {
+impl ThesisScene {
     /// Renders the reference, and every contender's pictures.
     ///
     /// # Errors
     /// Those of building samplers and scenes, and of rendering.
-    pub fn compare(&self, contenders: &[Contender], plan: &ThesisPlan) -> Result<StagePiece> {
+    pub fn compare(&self, contenders: &[SceneSampler], plan: &ThesisPlan) -> Result<StagePiece> {
         // Step 1: the reference, from other random numbers than the contenders'.
         let specs = vec![self.reference.clone(); self.materials.len()];
         let (samplers, _, _) = self.build(&specs)?;
@@ -130,7 +130,11 @@ impl Stage {
                     build_seconds,
                     bytes,
                     draw_ns,
-                    png: if is_last { encode(&film)? } else { String::new() },
+                    png: if is_last {
+                        encode(&film)?
+                    } else {
+                        String::new()
+                    },
                 });
             }
         }
@@ -182,7 +186,10 @@ impl Stage {
     fn surface(&self, samplers: &[Sampler], i: usize, directions: bool) -> Result<Surface> {
         let material = self.materials.get(i);
         let material = material.ok_or_else(|| {
-            Error::argument("a scene with more materials than were loaded", "report this")
+            Error::argument(
+                "a scene with more materials than were loaded",
+                "report this",
+            )
         })?;
         let sampler = samplers.get(i).filter(|_| directions);
         Ok(Surface {

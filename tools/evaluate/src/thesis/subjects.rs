@@ -98,22 +98,25 @@ pub(super) fn measured(table: &str) -> Vec<Subject> {
 /// # Errors
 /// [`Error::Argument`] for a name that the table has not.
 pub(super) fn factorisation(name: &str, floor: f64) -> Result<SamplerSpec> {
-    let table = PublishedTable::find("6.19");
-    let cell = |column| table.and_then(|t| t.cell(name, column)).unwrap_or("0");
-    let axis = if cell("half") == "true" {
-        "half-vector"
-    } else {
-        "wi"
+    let axis = match printed_factor(name, "half")? {
+        "true" => "half-vector",
+        _ => "wi",
     };
     let text = format!(
         "factored:tables={},factors={}x{}/{}x{}/{axis}/{floor}",
-        cell("uTh"),
-        cell("J"),
-        cell("K"),
-        cell("pTh"),
-        cell("pPh"),
+        printed_factor(name, "uTh")?,
+        printed_factor(name, "J")?,
+        printed_factor(name, "K")?,
+        printed_factor(name, "pTh")?,
+        printed_factor(name, "pPh")?,
     );
     text.parse()
+}
+
+/// A cell of table 6.19.
+fn printed_factor(name: &str, column: &str) -> Result<&'static str> {
+    let cell = PublishedTable::find("6.19").and_then(|table| table.cell(name, column));
+    cell.ok_or_else(|| Error::argument(format!("no factorisation of {name}"), "report this"))
 }
 
 #[cfg(test)]

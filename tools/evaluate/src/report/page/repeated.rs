@@ -21,7 +21,11 @@ pub fn thesis_page(
     provenance: &Provenance,
 ) -> String {
     let mut sections = Vec::new();
-    sections.extend(Section::new("findings", "What agrees and what does not", findings(exhibits)));
+    sections.extend(Section::new(
+        "findings",
+        "What agrees and what does not",
+        findings(exhibits),
+    ));
     let mut ids = Vec::with_capacity(exhibits.len());
     for exhibit in exhibits {
         ids.push(format!("experiment-{}", exhibit.name));
