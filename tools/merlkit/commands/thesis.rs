@@ -80,6 +80,7 @@ pub fn run(args: &Args) -> Outcome {
         true => Overwrite::Replace,
         false => overwrite,
     };
+    std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     check_writable(&page, page_overwrite)?;
     let today = provenance.date.clone().unwrap_or_default();
     let pieces = PieceFolder::open(&folder, &plan, &today, args.force)?;

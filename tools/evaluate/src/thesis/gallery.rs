@@ -42,8 +42,11 @@ fn chosen_models(plan: &ThesisPlan) -> Vec<Subject> {
     models().into_iter().step_by(every).collect()
 }
 
+/// A corner, two edges, and the number of a colour.
+type Wall = ([f64; 3], [f64; 3], [f64; 3], usize);
+
 /// Corners and edges of the walls of Cornell's room, in millimetres, each with the number of its colour. Normals point inside.
-const WALLS: [([f64; 3], [f64; 3], [f64; 3], usize); 5] = [
+const WALLS: [Wall; 5] = [
     // Floor, ceiling, back.
     ([0.0, 0.0, 0.0], [0.0, 0.0, 559.2], [556.0, 0.0, 0.0], 1),
     ([0.0, 548.8, 0.0], [556.0, 0.0, 0.0], [0.0, 0.0, 559.2], 1),

@@ -34,8 +34,6 @@ pub struct ThesisPlan {
     pub draws: usize,
     /// Calls of each batch that is timed.
     pub timed_calls: usize,
-    /// A mesh for scene 3 in place of the displaced sphere, by its path.
-    pub mesh: Option<String>,
     /// The processor that times are measured on.
     pub processor: String,
 }
@@ -57,7 +55,6 @@ impl ThesisPlan {
             cells: [1024, 512],
             draws: 100_000,
             timed_calls: 20_000,
-            mesh: None,
             processor: processor.into(),
         }
     }

@@ -79,7 +79,7 @@ pub(super) fn precomputation(bench: &mut ThesisBench) -> Result<Exhibit> {
     let published: Vec<f64> = published.into_iter().flatten().collect();
     let found: Vec<f64> = trees.iter().map(|t| t.1).collect();
     let mut findings = vec![format!(
-        "He's model takes {} times as long as Oren and Nayar's with us, and 10.4 times in the thesis: a ratio that no machine changes.",
+        "He's model takes {} times as long as Oren and Nayar's with us, and 10.4 times in the thesis: a ratio that hardly depends on the machine.",
         write_ratio(ours)
     )];
     if let Some(correlation) = rank_correlation(&published, &found) {

@@ -54,7 +54,10 @@ pub(super) struct StageResult {
     pub samples: u64,
     /// Mean relative error of luminance over lit pixels.
     pub error: f64,
-    /// The same over the pixels of each object, where there are several.
+    /// Root of the mean squared error, each pixel's relative to its square and a hundredth of the picture's squared mean: dark pixels weigh
+    /// less.
+    pub rms: f64,
+    /// [`Self::error`] over the pixels of each object, where there are several.
     pub errors: Vec<f64>,
     /// Seconds to render, without loading and building.
     pub seconds: Seconds,
@@ -121,10 +124,12 @@ impl ThesisScene {
                 let (film, seconds) = self.render(&samplers, strategy, samples, plan.seed)?;
                 let found = luminances(&film);
                 let is_last = contender.samples.last() == Some(&samples);
+                let errors = luminance_errors(&found, &reference);
                 piece.results.push(StageResult {
                     name: contender.name.to_owned(),
                     samples,
-                    error: luminance_errors(&found, &reference).mean_relative,
+                    error: errors.mean_relative,
+                    rms: errors.rel_mse.sqrt(),
                     errors: errors_by_object(&objects, &found, &reference),
                     seconds,
                     build_seconds,
