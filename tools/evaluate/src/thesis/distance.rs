@@ -69,7 +69,7 @@ const LEVELS: [(Level, &str); 4] = [
     (Level::Raw, "sums of f_r"),
 ];
 /// Tolerances in the unit of the distance.
-const TOLERANCES: [f64; 7] = [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0];
+const TOLERANCES: [f64; 8] = [1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.3, 3.0];
 
 /// All readings, with their words.
 fn readings() -> Vec<(Reading, [&'static str; 3])> {
@@ -284,7 +284,7 @@ fn describe_search(best: &(f64, String), largest_ratio: f64, table: ResultTable)
         name: "distance".into(),
         title: "Tables 5.10 and 6.23: which compression gives the thesis's order of materials".into(),
         method: "CDFs of f_r·cosθ over half vectors at equal steps of both angles, compressed by Douglas and Peucker's algorithm: three measures \
-                 of distance, conditionals of each row or of an interval of the marginal, four scales of the curves, seven tolerances."
+                 of distance, conditionals of each row or of an interval of the marginal, four scales of the curves, eight tolerances."
             .into(),
         differences: "The built-in materials approximate the measurements that the thesis had.".into(),
         findings: vec![
