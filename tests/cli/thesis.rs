@@ -117,10 +117,12 @@ fn scenes_have_references_and_ratios() {
     let document = json(&succeeds(run_in(folder.path(), &command, "")));
     let scene = &document["results"]["experiments"][0];
     let rows = scene["tables"][0]["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 6);
+    assert_eq!(rows.len(), 9);
     for row in rows {
-        assert!(row[5].as_f64().unwrap() > 0.0, "{row}");
+        for error in [&row[5], &row[6]] {
+            assert!(error.as_f64().unwrap() > 0.0, "{row}");
+        }
     }
-    // Three pictures and a reference for each of two materials.
-    assert_eq!(scene["pictures"].as_array().unwrap().len(), 6);
+    // A reference and the pictures of two samplers for each of three lights and materials.
+    assert_eq!(scene["pictures"].as_array().unwrap().len(), 9);
 }
