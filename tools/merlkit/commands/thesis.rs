@@ -30,7 +30,7 @@ pub struct Args {
     /// List the experiments and do nothing else
     #[arg(long)]
     list: bool,
-    /// Use fewer trees, cells, pixels and samples: about three minutes for everything on two cores instead of hours
+    /// Use fewer trees, cells, pixels and samples: a few minutes for everything on two idle cores instead of hours
     #[arg(help_heading = "Measurement", long)]
     quick: bool,
     /// Pixels per side of a picture of one object, 4 to 1024 [default: 128; with --quick 40]
