@@ -39,6 +39,7 @@ mod sheet;
 mod shell;
 mod study;
 mod tasks;
+mod thesis;
 mod unlucky;
 mod usage;
 mod widths;

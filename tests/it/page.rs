@@ -453,13 +453,8 @@ fn the_thesis_stands_beside_ours_as_ratios() {
         (last[0].as_str(), last[3].as_str(), last[5].as_str()),
         ("the thesis's mean of 11", "445", "7.42")
     );
-    // 12.31 s of the disc against 2.25 million samples of 300 ns.
-    let row = of("6.24")
-        .rows
-        .iter()
-        .find(|r| r[1] == "adaptive disc")
-        .unwrap();
-    assert_eq!(row[5], "18.24");
+    // Drawing alone is not measured at a lit point.
+    assert!(tables.iter().all(|t| !t.title.contains("6.24")));
     assert!(!of("5.9").rows.is_empty());
     // At 25 samples: 50.27, 51.42, 52.17, 64.41 and 101.85 %; ours half-vector, disc, factored, cosine.
     let ranking = of("6.14");

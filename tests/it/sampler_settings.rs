@@ -161,6 +161,10 @@ fn texts_and_typed_settings_agree() {
         ),
         ("adaptive-disc:published,grid=200", SamplerSpec::new(grid)),
         (
+            "adaptive-disc:published,depth=4",
+            SamplerSpec::new(AdaptiveDiscSettings::as_published()),
+        ),
+        (
             "cascade-cdf:cells=128x64,tolerance=0.002",
             SamplerSpec::new(cells),
         ),

@@ -317,6 +317,8 @@ mod tests {
         );
         let settings = AdaptiveDiscSettings {
             tables: 3,
+            // Leaves as small as the image allows, where points meet chrome's peak.
+            depth: 10,
             ..AdaptiveDiscSettings::as_published()
         };
         let knots = ThetaKnots::new(3, TableChoice::Nearest).unwrap();

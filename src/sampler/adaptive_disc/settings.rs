@@ -102,11 +102,12 @@ impl AdaptiveDiscSettings {
         self.tables.saturating_mul(self.azimuths.unwrap_or(1))
     }
 
-    /// What the thesis used for its tables 6.23 and 6.24.
+    /// What the thesis used for its tables 6.23 and 6.24. It prints a depth of 5; its memory fits trees of five levels with the
+    /// root, which are four subdivisions.
     pub fn as_published() -> Self {
         Self {
             tables: 60,
-            depth: 10,
+            depth: 4,
             waste: 0.0,
             construction: Construction::Grid(800),
             leaves: LeafChoice::Integral,

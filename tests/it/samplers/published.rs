@@ -46,9 +46,12 @@ fn the_published_cascade_is_heavy_tailed_and_ours_is_not() {
 #[test]
 fn the_published_disc_has_a_density_that_is_off() {
     let brdf = measured("chrome");
-    let sampler = SamplerSpec::new(AdaptiveDiscSettings::as_published())
-        .build(&loaded(&brdf))
-        .unwrap();
+    // Ten subdivisions follow chrome's peak as far as the image does, so that what is left are the image's errors.
+    let deep = AdaptiveDiscSettings {
+        depth: 10,
+        ..AdaptiveDiscSettings::as_published()
+    };
+    let sampler = SamplerSpec::new(deep).build(&loaded(&brdf)).unwrap();
     let report = check_sampler(
         &*sampler,
         &*brdf,

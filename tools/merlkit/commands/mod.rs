@@ -23,6 +23,7 @@ mod sample;
 mod samplers;
 mod sheet;
 mod study;
+mod thesis;
 mod tune;
 
 use crate::failure::Outcome;
@@ -52,6 +53,7 @@ pub enum Command {
     Sheet(Box<sheet::Args>),
     Diff(diff::Args),
     Study(study::Args),
+    Thesis(thesis::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -82,6 +84,7 @@ impl Command {
             Self::Sheet(args) => sheet::run(&args),
             Self::Diff(args) => diff::run(&args),
             Self::Study(args) => study::run(&args),
+            Self::Thesis(args) => thesis::run(&args),
             Self::Completions(args) => completions::run(&args, cli),
             Self::Man(args) => man::run(&args, cli),
         }

@@ -31,14 +31,13 @@ impl ThesisTable {
     }
 }
 
-/// The tables for which something was measured: 5.9, 5.10, 6.23, 6.24 and the rankings of 6.14 and 6.22. Materials
+/// The tables for which something was measured: 5.9, 5.10, 6.23 and the rankings of 6.14 and 6.22. Materials
 /// and numbers of samples that the thesis doesn't have are left out.
 pub fn beside_thesis(comparison: &Comparison) -> Vec<ThesisTable> {
     let costs = [
         uniform_memory(comparison),
         compressed(comparison),
         precomputation(comparison),
-        drawing(comparison),
     ];
     costs
         .into_iter()
@@ -54,7 +53,6 @@ struct Ours {
     /// Tables or trees for as many directions; `None` for what is one table for all.
     tables: Option<usize>,
     build_seconds: f64,
-    ns_per_sample: Option<f64>,
 }
 
 impl From<&Curve> for Ours {
@@ -63,7 +61,6 @@ impl From<&Curve> for Ours {
             label,
             table_bytes,
             build_seconds,
-            ns_per_sample,
             ..
         } = c;
         let (table_bytes, build_seconds) = (*table_bytes, *build_seconds);
@@ -72,7 +69,6 @@ impl From<&Curve> for Ours {
             table_bytes,
             tables: count_tables(&c.competitor.spec),
             build_seconds,
-            ns_per_sample: Some(ns_per_sample.ns),
         }
     }
 }
@@ -85,7 +81,6 @@ impl From<&Setting> for Ours {
             table_bytes: s.table_bytes,
             tables: count_tables(&s.knob.spec),
             build_seconds: s.build_seconds,
-            ns_per_sample: None,
         }
     }
 }
@@ -130,7 +125,6 @@ fn counterpart(
             .map(Ours::from)
     };
     match method {
-        "uniform" => curve(&|s| s.name() == "cosine"),
         "uniform CDF" => whole_cdfs(comparison, Some(&material.material))
             .last()
             .map(|s| Ours::from(*s)),
@@ -371,40 +365,6 @@ fn push_published_means(sheet: &mut Sheet) {
         cells[8] = figure(seconds);
         sheet.push(cells);
     }
-}
-
-/// Samples of the picture of table 6.24: 450 × 200 pixels at 25.
-const DRAWN: f64 = 450.0 * 200.0 * 25.0;
-
-fn drawing(comparison: &Comparison) -> Option<ThesisTable> {
-    let mut sheet = Sheet::new(&["material", "method", "ours", "thesis s", "ours s", "ratio"]);
-    for material in &comparison.materials {
-        let mut methods = cost_rows(&material.material).sampling;
-        let disc = methods
-            .iter()
-            .find(|m| m.0 == "adaptive disc")
-            .map(|m| (NEW, m.1));
-        methods.extend(disc);
-        for (method, thesis) in methods {
-            let Some(ours) = counterpart(comparison, material, method) else {
-                continue;
-            };
-            let Some(seconds) = ours.ns_per_sample.map(|ns| ns * 1e-9 * DRAWN) else {
-                continue;
-            };
-            let start = [material.material.clone(), method.into(), ours.label];
-            let figures = [
-                format!("{thesis:.2}"),
-                figure(seconds),
-                ratio(thesis, seconds),
-            ];
-            sheet.push(start.into_iter().chain(figures).collect());
-        }
-    }
-    let note = "The thesis gives the seconds for drawing the directions of a picture of 450 × 200 pixels at 25 samples per pixel. \
-                Ours are for the same number of samples at the lit point on one thread, and do more: they include random numbers, \
-                density, BRDF and light, so ratios are lower bounds. Our cosine sampler is compared with the thesis's uniform directions.";
-    ThesisTable::new("Table 6.24: sampling time", note, sheet)
 }
 
 /// A figure to three digits.

@@ -2,20 +2,11 @@
 
 use serde::Serialize;
 
-/// Tables 5.9, 5.10, 6.23 and 6.24 of R. Montes's thesis.
-const UNIFORM_MEMORY: &str =
-    include_str!("../../../../data/thesis/table_5_9_cascade_uniform_memory.csv");
-const COMPRESSED_MEMORY: &str =
-    include_str!("../../../../data/thesis/table_5_10_cascade_compressed_memory.csv");
-const PRECOMPUTE: &str =
-    include_str!("../../../../data/thesis/table_6_23_precompute_and_memory.csv");
-const SAMPLING: &str = include_str!("../../../../data/thesis/table_6_24_sampling_time.csv");
-/// Tables 6.14 and 6.22: relative errors, percent, of pictures of scenes 2 and 6.
-pub(super) const SCENE_2: &str =
-    include_str!("../../../../data/thesis/table_6_14_sphere2_relative_error_percent.csv");
-pub(super) const SCENE_6: &str = include_str!(
-    "../../../../data/thesis/table_6_22_scene6_environment_relative_error_percent.csv"
-);
+use crate::thesis::published::{
+    TABLE_5_9 as UNIFORM_MEMORY, TABLE_5_10 as COMPRESSED_MEMORY, TABLE_6_23 as PRECOMPUTE,
+    TABLE_6_24 as SAMPLING,
+};
+
 /// Bytes of the thesis's KB.
 pub(super) const THESIS_KB: f64 = 1024.0;
 
@@ -149,6 +140,7 @@ fn row(table: &str, material: &str) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::thesis::published::{TABLE_6_14 as SCENE_2, TABLE_6_22 as SCENE_6};
 
     #[test]
     fn figures_are_those_printed_in_the_thesis() {

@@ -2,9 +2,10 @@
 
 use super::Sheet;
 use super::beside_thesis::{ThesisTable, is_plain_disc};
-use super::thesis::{SCENE_2, SCENE_6, errors_by_samples};
+use super::thesis::errors_by_samples;
 use crate::measure::compare::{Comparison, Competitor, PictureComparison, SceneKind};
 use crate::measure::convergence::Technique;
+use crate::thesis::published::{TABLE_6_14 as SCENE_2, TABLE_6_22 as SCENE_6};
 use merlkit::sampler::{HalfVectorSettings, LobeKind, LobeSettings, SamplerSpec};
 
 /// The thesis's name for a sampler, empty for one that is new; what stands beside it here, and how that is told.

@@ -7,6 +7,7 @@ mod html;
 mod needs;
 mod pictures;
 mod point;
+mod repeated;
 mod run;
 mod settings;
 mod shapes;
@@ -14,6 +15,7 @@ mod thesis;
 mod top;
 
 pub use fits::fit_page;
+pub use repeated::thesis_page;
 
 use crate::measure::compare::Comparison;
 use crate::report::Provenance;
@@ -66,14 +68,18 @@ const STYLE: &str = include_str!("style.css");
 
 /// A part of the page.
 struct Section {
-    id: &'static str,
-    title: &'static str,
+    id: String,
+    title: String,
     body: String,
 }
 
 impl Section {
     /// A part with something in it; `None` for an empty body.
-    fn new(id: &'static str, title: &'static str, body: String) -> Option<Self> {
-        (!body.is_empty()).then_some(Self { id, title, body })
+    fn new(id: &str, title: &str, body: String) -> Option<Self> {
+        (!body.is_empty()).then(|| Self {
+            id: id.to_owned(),
+            title: title.to_owned(),
+            body,
+        })
     }
 }
