@@ -5,27 +5,31 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use merlkit::Error;
-use merlkit::distribution::Heuristic;
 use merlkit::files::Overwrite;
 use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
 use merlkit::render::{
-    Budget, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings, SceneSpec, Strategy,
+    Budget, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings, SceneSpec,
 };
-use merlkit::sampler::SamplerSpec;
+use merlkit_evaluate::report::write_json;
 
 use crate::camera_args::CameraOptions;
 use crate::explanation::explain_plans;
 use crate::failure::{Failure, Outcome};
 use crate::frames::{FrameOptions, Movie};
-use crate::grid::{Cell, Grid};
+use crate::grid::{Cell, Grid, lay_out_spheres};
+use crate::output::Destination;
 use crate::picture::{Files, Picture};
-use crate::provenance::Checksums;
+use crate::provenance::{self, Checksums};
+use crate::render_costs::{CostSummary, RenderCosts};
+use crate::render_summary::{RenderResult, error_reached, paths_a_pixel};
 use crate::resumable::{self, Resumable};
 use crate::sampler_args;
+use crate::sampler_choice::{self, SamplerChoice, assign_samplers, merge_samplers};
 use crate::scene_args::SceneOptions;
+use crate::strategy_args::StrategyOptions;
 use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
 use crate::{args, batch, output, table};
 
@@ -59,15 +63,16 @@ pub struct Args {
     /// Maximum number of surfaces on a path; 1 gives direct light only [default: 8]
     #[arg(help_heading = "Scene", long = "bounces", value_name = "N", default_value_t = 8, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..))]
     bounces: u32,
-    /// Print whether each effect is on or off, and why
+    /// Print whether each effect is on or off, and why; and what loading, building, drawing and tracing took
     #[arg(help_heading = "Effects", long)]
     explain: bool,
     /// Compute every effect, needed or not; the picture is the same within noise
     #[arg(help_heading = "Effects", long)]
     all_effects: bool,
-    /// BRDF sampler, with settings (`merlkit samplers` lists them) [default: half-vector:64KB]
-    #[arg(help_heading = "Sampling", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT, hide_default_value = true)]
-    sampler: SamplerSpec,
+    /// BRDF sampler, with settings (`merlkit samplers` lists them), or a sampler file; once for all materials, or once for each
+    /// [default: half-vector:64KB]
+    #[arg(help_heading = "Sampling", long = "sampler", value_name = sampler_choice::VALUE, default_value = sampler_args::DEFAULT, hide_default_value = true)]
+    samplers: Vec<SamplerChoice>,
     /// Paths per pixel [default: 64]
     #[arg(help_heading = "Sampling", long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u64).range(1..))]
     spp: u64,
@@ -93,16 +98,8 @@ pub struct Args {
         hide_default_value = true
     )]
     seed: u64,
-    /// Sampling of extended lights: of light and BRDF (mis), of one of them, or of one of --candidates from the BRDF (ris)
-    /// [default: mis]
-    #[arg(help_heading = "Sampling", long, value_name = "mis|light|brdf|ris", hide_possible_values = true, default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
-    strategy: String,
-    /// MIS heuristic of --strategy mis [default: power]
-    #[arg(help_heading = "Sampling", long, value_name = "power|balance", hide_possible_values = true, value_parser = args::named(&HEURISTICS))]
-    heuristic: Option<Heuristic>,
-    /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
-    #[arg(help_heading = "Sampling", long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
-    candidates: Option<u32>,
+    #[command(flatten, next_help_heading = "Sampling")]
+    strategy: StrategyOptions,
     /// Size of the whole picture [default: 320 × 360 pixels a sphere; 480 × 360 for one]
     #[arg(help_heading = "Picture", long, value_name = "WxH", value_parser = args::size)]
     size: Option<(usize, usize)>,
@@ -117,7 +114,10 @@ pub struct Args {
     /// Finish a picture that Ctrl-C interrupted; the bytes are those of an uninterrupted run
     #[arg(help_heading = "Picture", long)]
     resume: bool,
-    /// Replace existing pictures [default: refuse]
+    /// Also write what the picture cost as JSON to FILE; with -, to standard output instead of the text [default: none]
+    #[arg(help_heading = "Picture", long, value_name = "FILE|-")]
+    json: Option<Destination>,
+    /// Replace existing files [default: refuse]
     #[arg(help_heading = "Picture", long)]
     force: bool,
     /// Output name without extension; .exr and .png are appended [default: render]
@@ -132,9 +132,6 @@ pub struct Args {
     output: PathBuf,
 }
 
-const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
-const HEURISTICS: [(&str, Heuristic); 2] =
-    [("power", Heuristic::Power), ("balance", Heuristic::Balance)];
 const POINTS: [(&str, PointSet); 3] = [
     ("random", PointSet::Random),
     ("sobol", PointSet::Sobol),
@@ -149,7 +146,13 @@ pub fn run(args: &Args) -> Outcome {
     let start = Instant::now();
     let files = Files::named(&args.output);
     let names = batch::expand_folders(&args.materials)?;
-    let grid = lay_out(args, names.len())?;
+    let grid = match args.together || names.len() == 1 {
+        true => {
+            let (width, height) = args.size.unwrap_or(((320 * names.len()).max(480), 360));
+            Grid::for_tiles(1, None, [width, height])
+        }
+        false => lay_out_spheres(names.len(), args.columns, args.size)?,
+    };
     let settings = settings(args, grid.tile)?;
     settings.check()?;
     let materials = match args.together {
@@ -159,13 +162,21 @@ pub fn run(args: &Args) -> Outcome {
     };
     let mut sums = Checksums::default();
     let files = files.with_provenance(&materials, &mut sums)?;
-    let pictures = describe(args, &names, &materials, settings)?;
+    let samplers = assign_samplers(&args.samplers, &names)?;
+    let costs = (args.explain || args.json.is_some()).then(RenderCosts::default);
+    let mut pictures = describe(args, &names, &materials, samplers, settings)?;
+    for picture in &mut pictures {
+        picture.costs = costs.as_ref();
+    }
     let is_single = pictures.len() == 1 && args.frames.count().is_none();
     if is_single {
         resumable::check_files(&files, output::overwrite(args.force), args.resume)?;
     }
+    if let Some(destination) = &args.json {
+        destination.check(output::overwrite(args.force))?;
+    }
     check_samplers(&pictures)?;
-    if args.explain {
+    if args.explain && args.json != Some(Destination::Stdout) {
         for sheet in explain_plans(&pictures) {
             output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
         }
@@ -183,8 +194,58 @@ pub fn run(args: &Args) -> Outcome {
             None => draw_apart(args, pictures, &grid, &files, &mut sums)?,
         },
     };
-    report(args, &grid, &settings, refinement.as_ref(), start)?;
+    if args.json != Some(Destination::Stdout) {
+        report(args, &grid, &settings, refinement.as_ref(), start)?;
+    }
+    if let Some(costs) = &costs {
+        let summary = costs.summarise(start, rayon::current_num_threads());
+        tell_costs(args, &grid, &materials, &summary)?;
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Prints what the picture cost, or writes it as JSON.
+fn tell_costs(
+    args: &Args,
+    grid: &Grid,
+    materials: &[Material],
+    summary: &CostSummary,
+) -> Result<(), Failure> {
+    if args.explain && args.json != Some(Destination::Stdout) {
+        let sheets = [Some(summary.stage_sheet()), summary.sampler_sheet()];
+        for sheet in sheets.into_iter().flatten() {
+            output::stdout(|out| writeln!(out, "\n{}", table::render(&sheet)))?;
+        }
+    }
+    let Some(destination) = &args.json else {
+        return Ok(());
+    };
+    let [width, height] = grid.size();
+    let result = RenderResult {
+        files: written_files(args),
+        width,
+        height,
+        frames: args.frames.count().unwrap_or(1),
+        costs: summary,
+    };
+    let provenance = provenance::record_timed(args.seed, materials)?;
+    destination.write(output::overwrite(args.force), |out| {
+        write_json(out, "render", &provenance, &result)
+    })
+}
+
+/// The pictures that were written, as the output names them.
+fn written_files(args: &Args) -> Vec<String> {
+    match args.frames.count() {
+        Some(count) => vec![Movie::named(&args.output, count).describe()],
+        None => {
+            let files = Files::named(&args.output);
+            vec![
+                files.exr.display().to_string(),
+                files.png.display().to_string(),
+            ]
+        }
+    }
 }
 
 /// Prints what was written, and how far the picture came.
@@ -196,12 +257,8 @@ fn report(
     start: Instant,
 ) -> Result<(), Failure> {
     output::stdout(|out| {
-        match args.frames.count() {
-            Some(count) => writeln!(out, "{}", Movie::named(&args.output, count).describe())?,
-            None => {
-                let files = Files::named(&args.output);
-                writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
-            }
+        for file in written_files(args) {
+            writeln!(out, "{file}")?;
         }
         let [w, h] = grid.size();
         let pixels = w * h * args.frames.count().unwrap_or(1);
@@ -230,8 +287,8 @@ fn check_samplers(pictures: &[Picture<'_>]) -> Result<(), Error> {
         if !plan.is_on(Effect::Directions) {
             continue;
         }
-        for material in picture.materials {
-            picture.sampler.check_supports(&material.facts()?)?;
+        for (material, sampler) in picture.materials.iter().zip(&picture.samplers) {
+            sampler.check_supports(material)?;
         }
     }
     Ok(())
@@ -253,11 +310,17 @@ fn draw_apart(
     folder.check()?;
     files.check(overwrite)?;
     let mut tiles = Vec::with_capacity(pictures.len());
-    for picture in pictures {
+    let layout = describe_samplers(&pictures);
+    for (number, picture) in pictures.into_iter().enumerate() {
         let key = tile_key(picture.materials, sums)?;
-        tiles.push(Tile::new(&key, "", picture));
+        // One material may be there with several samplers.
+        let variant = match args.samplers.len() {
+            1 => String::new(),
+            _ => format!("-{number}"),
+        };
+        tiles.push(Tile::new(&key, &variant, picture));
     }
-    let drawn = draw_tiles(&folder, &tiles, "", |drawn| {
+    let drawn = draw_tiles(&folder, &tiles, &layout, |drawn| {
         let is_finished = drawn.finished == tiles.len();
         let images = drawn.read(&folder, &tiles)?;
         let cells: Vec<Cell> = images.into_iter().map(Cell::from).collect();
@@ -268,6 +331,13 @@ fn draw_apart(
         Ok(folder.read_refinement(&tiles)?)
     })?;
     Ok(drawn.flatten())
+}
+
+/// The samplers of all pictures as one text.
+fn describe_samplers(pictures: &[Picture<'_>]) -> String {
+    let mut keys: Vec<String> = pictures.iter().map(Picture::sampler_key).collect();
+    keys.dedup();
+    format!("samplers {}", keys.join("; "))
 }
 
 /// A frame of so many, from the tiles of all.
@@ -302,18 +372,27 @@ fn draw_frames(
     };
     movie.check(overwrite)?;
     let mut tiles = Vec::with_capacity(pictures.len() * count);
-    for picture in pictures {
+    for (number, picture) in pictures.iter().enumerate() {
         let key = tile_key(picture.materials, sums)?;
         for frame in 0..count {
             let picture = Picture {
                 scene: args.frames.turn(&picture.scene, frame),
-                ..*picture
+                ..picture.clone()
             };
-            tiles.push(Tile::new(&key, &format!("_{frame:04}"), picture));
+            let variant = match args.samplers.len() {
+                1 => format!("_{frame:04}"),
+                _ => format!("-{number}_{frame:04}"),
+            };
+            tiles.push(Tile::new(&key, &variant, picture));
         }
     }
+    let layout = format!(
+        "{}\n{}",
+        args.frames.describe(),
+        describe_samplers(pictures)
+    );
     let finish = args.scene.finish(args.exposure);
-    let drawn = draw_tiles(&folder, &tiles, &args.frames.describe(), |drawn| {
+    let drawn = draw_tiles(&folder, &tiles, &layout, |drawn| {
         if drawn.finished < tiles.len() {
             return Ok(None);
         }
@@ -328,42 +407,6 @@ fn draw_frames(
     Ok(drawn.flatten())
 }
 
-/// How many paths per pixel has; of a target error the mean, and with those that only served decisions.
-fn paths_a_pixel(
-    settings: &RenderSettings,
-    pixels: usize,
-    refinement: Option<&Refinement>,
-) -> String {
-    match (settings.budget, refinement) {
-        (Budget::Even(paths), _) => paths.to_string(),
-        (Budget::Adaptive(paths), _) => format!("about {paths}"),
-        (Budget::ToError { most, .. }, None) => format!("at most {most}"),
-        (Budget::ToError { .. }, Some(refinement)) => {
-            let kept = refinement.paths as f64 / pixels as f64;
-            let traced = refinement.traced as f64 / pixels as f64;
-            format!("{kept:.1} (traced: {traced:.1})")
-        }
-    }
-}
-
-/// The error that was estimated, and whether all tiles came down to the target.
-fn error_reached(refinement: &Refinement, most: u64) -> String {
-    let worst = refinement.tiles.iter().map(|t| t.error).fold(0.0, f64::max);
-    let tiles = refinement.tiles.len();
-    let short = refinement.tiles.iter().filter(|t| !t.reached).count();
-    let errors = format!(
-        "estimated relative error {:.2} %, worst tile {:.2} %",
-        100.0 * refinement.error(),
-        100.0 * worst
-    );
-    match short {
-        0 => format!("{errors}; all {tiles} tiles with objects have stopped"),
-        _ => format!(
-            "{errors}; {short} of {tiles} tiles did not reach the target: raise --max-spp {most}"
-        ),
-    }
-}
-
 fn stops(argument: &str) -> Result<f32, String> {
     argument
         .parse()
@@ -374,46 +417,6 @@ fn stops(argument: &str) -> Result<f32, String> {
 
 /// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
 const SOBOL_FROM: u64 = 512;
-
-/// Most spheres in a row, where nothing is said.
-const COLUMNS: usize = 5;
-
-/// Pixels of a tile's sides, at least: with fewer, nothing can be seen.
-const LEAST_SIDE: usize = 8;
-
-/// Where the spheres are in the picture. Together they are one tile.
-fn lay_out(args: &Args, spheres: usize) -> Result<Grid, Error> {
-    if args.together || spheres == 1 {
-        let size = args.size.unwrap_or(((320 * spheres).max(480), 360));
-        return Ok(Grid::for_tiles(1, None, [size.0, size.1]));
-    }
-    let columns = args.columns.map_or(COLUMNS, |n| n as usize);
-    let grid = Grid::for_tiles(spheres, Some(columns), [320, 360]);
-    let Some((width, height)) = args.size else {
-        grid.check()?;
-        return Ok(grid);
-    };
-    let (columns, rows) = (grid.columns, grid.rows);
-    if width % columns == 0 && height % rows == 0 {
-        let tile = [width / columns, height / rows];
-        if tile[0].min(tile[1]) < LEAST_SIDE {
-            let [w, h] = tile;
-            return Err(Error::argument(
-                format!("a picture with {w} × {h} pixels for each sphere"),
-                "give a larger --size, or another number of --columns",
-            ));
-        }
-        return Ok(Grid { tile, ..grid });
-    }
-    let wide = width.div_ceil(columns) * columns;
-    let high = height.div_ceil(rows) * rows;
-    Err(Error::argument(
-        format!(
-            "{width} × {height} pixels are no {columns} × {rows} equal tiles, one for each sphere"
-        ),
-        format!("give --size {wide}x{high}, or another number of --columns"),
-    ))
-}
 
 /// Settings of each tile.
 fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, Error> {
@@ -452,19 +455,19 @@ fn describe<'a>(
     args: &'a Args,
     names: &[String],
     materials: &'a [Material],
+    samplers: Vec<SamplerChoice>,
     settings: RenderSettings,
 ) -> Result<Vec<Picture<'a>>, Error> {
-    let tiles: Vec<(&[String], &[Material])> = match args.together {
-        true => vec![(names, materials)],
-        false => {
-            let names = names.iter().map(std::slice::from_ref);
-            names
-                .zip(materials.iter().map(std::slice::from_ref))
-                .collect()
+    let mut tiles: Vec<(&[String], &[Material], Vec<SamplerChoice>)> = Vec::new();
+    if args.together {
+        tiles.push((names, materials, merge_samplers(names, samplers)?));
+    } else {
+        for (i, sampler) in samplers.into_iter().enumerate() {
+            tiles.push((&names[i..=i], &materials[i..=i], vec![sampler]));
         }
-    };
+    }
     let mut pictures = Vec::with_capacity(tiles.len());
-    for (names, materials) in tiles {
+    for (names, materials, samplers) in tiles {
         pictures.push(Picture {
             scene: describe_scene(args, names, materials, &settings)?,
             effects: match args.all_effects {
@@ -473,9 +476,10 @@ fn describe<'a>(
             },
             materials,
             lookup: args.lookup,
-            sampler: &args.sampler,
+            samplers,
             settings,
             finish: args.scene.finish(args.exposure),
+            costs: None,
         });
     }
     Ok(pictures)
@@ -494,27 +498,6 @@ fn describe_scene(
     spec.camera = args.camera.aim(spec.camera);
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces;
-    spec.strategy = strategy(args)?;
+    spec.strategy = args.strategy.resolve()?;
     Ok(spec)
-}
-
-fn strategy(args: &Args) -> Result<Strategy, Error> {
-    match (args.strategy.as_str(), args.heuristic, args.candidates) {
-        (name, Some(_), _) if name != "mis" => Err(no_effect(name, "--heuristic", "mis")),
-        (name, _, Some(_)) if name != "ris" => Err(no_effect(name, "--candidates", "ris")),
-        ("light", ..) => Ok(Strategy::Light),
-        ("brdf", ..) => Ok(Strategy::Brdf),
-        ("ris", _, candidates) => Ok(Strategy::Ris {
-            candidates: candidates.unwrap_or(Strategy::CANDIDATES),
-        }),
-        (_, heuristic, _) => Ok(Strategy::Mis(heuristic.unwrap_or_default())),
-    }
-}
-
-/// The error for an option that belongs to the strategy `wanted` only.
-fn no_effect(strategy: &str, option: &str, wanted: &str) -> Error {
-    Error::argument(
-        format!("{option} has no effect with --strategy {strategy}"),
-        format!("omit it, or pass --strategy {wanted}"),
-    )
 }
