@@ -27,6 +27,7 @@ mod settings;
 mod shape;
 mod spec;
 mod tracer;
+mod visibility;
 
 pub use budget::{Refinement, Rendered, Rendering, Tile, render};
 pub use camera::Camera;

@@ -1,7 +1,8 @@
 //! Which effects a scene calls for, and why.
 
 use super::spec::{SceneSpec, Strategy};
-use crate::light::LightSpec;
+use super::visibility::{may_hide_lights, may_see_one_another};
+use crate::light::{EnvironmentSource, LightSpec};
 
 /// Something the renderer can do, and leaves out where no light depends on it.
 ///
@@ -179,18 +180,32 @@ const fn disabled(why: &'static str) -> Decision {
     Decision { on: false, why }
 }
 
+/// Whether a light is an environment of equal radiance from everywhere.
+fn is_constant(light: &LightSpec) -> bool {
+    matches!(
+        light,
+        LightSpec::Environment(EnvironmentSource::Uniform(_))
+    )
+}
+
 /// What decisions depend on.
 #[derive(Clone, Copy)]
 struct SceneFacts {
     objects: usize,
-    /// Whether there is at most one object, and that is convex: nothing is between its surface and any light.
-    lone_convex: bool,
+    /// Whether something may be between a surface and a light.
+    hides: bool,
+    /// Whether a surface may be seen from a surface.
+    sees: bool,
     /// Whether a light is not dark.
     lit: bool,
     /// Whether one of these has an extent.
     extended: bool,
     /// Whether one of these is an environment.
     environment: bool,
+    /// Whether an environment among them differs between directions.
+    varied: bool,
+    /// Whether all that have an extent are environments that don't.
+    all_constant: bool,
     /// Whether an object is made of a material that reflects mirror directions.
     mirrors: bool,
     depth: u32,
@@ -199,19 +214,16 @@ struct SceneFacts {
 
 impl SceneFacts {
     fn gather(spec: &SceneSpec) -> Self {
-        let shapes = spec.shapes();
-        let lone_convex = match shapes[..] {
-            [] => true,
-            [shape] => shape.is_convex(),
-            _ => false,
-        };
         let shining: Vec<&LightSpec> = spec.lights.iter().filter(|l| !l.is_dark()).collect();
         Self {
-            objects: shapes.len(),
-            lone_convex,
+            objects: spec.shapes().len(),
+            hides: may_hide_lights(spec),
+            sees: may_see_one_another(spec),
             lit: !shining.is_empty(),
             extended: shining.iter().any(|l| !l.is_delta()),
             environment: shining.iter().any(|l| l.is_environment()),
+            varied: shining.iter().any(|l| l.is_environment() && !is_constant(l)),
+            all_constant: shining.iter().all(|l| l.is_delta() || is_constant(l)),
             mirrors: spec.mirrors.iter().any(|&i| spec.uses_material(i)),
             depth: spec.depth,
             strategy: spec.strategy,
@@ -258,6 +270,9 @@ impl SceneFacts {
             (true, Strategy::Brdf | Strategy::Ris { .. }) => {
                 disabled("the strategy draws directions from the BRDF only")
             }
+            (true, Strategy::Mis(_)) if self.all_constant => {
+                disabled("a constant environment is as bright wherever a direction of the BRDF goes")
+            }
             (true, _) => enabled("a light has an extent"),
         }
     }
@@ -265,6 +280,7 @@ impl SceneFacts {
     fn environment_tables(self) -> Decision {
         match (self.environment, self.strategy) {
             (false, _) => disabled("no environment"),
+            (true, _) if !self.varied => disabled("a constant environment needs no tables"),
             (true, Strategy::Brdf | Strategy::Ris { .. }) => {
                 disabled("the strategy draws directions from the BRDF only")
             }
@@ -275,6 +291,7 @@ impl SceneFacts {
     fn mis(self) -> Decision {
         match (self.extended, self.strategy) {
             (false, _) => disabled("delta lights only: one technique"),
+            (true, Strategy::Mis(_)) if !self.light_sampling().on => disabled("one technique"),
             (true, Strategy::Mis(_)) => enabled("two techniques find the same light"),
             (true, _) => disabled("the strategy uses one technique"),
         }
@@ -294,8 +311,10 @@ impl SceneFacts {
     }
 
     fn shadows(self) -> Decision {
-        if self.lone_convex {
+        if !self.hides && self.objects == 1 {
             disabled("one convex object hides no light from itself")
+        } else if !self.hides {
+            disabled("a plane is between each object and all that goes from another to a light")
         } else if self.objects == 1 {
             enabled("an object that is not convex hides light from itself")
         } else {
@@ -304,8 +323,10 @@ impl SceneFacts {
     }
 
     fn interreflection(self) -> Decision {
-        if self.lone_convex {
+        if !self.sees && self.objects == 1 {
             disabled("one convex object does not light itself")
+        } else if !self.sees {
+            disabled("all objects are in one plane")
         } else if self.depth <= 1 {
             disabled("depth 1: direct light only")
         } else if self.objects == 1 {

@@ -68,14 +68,24 @@ struct Object {
     shape: Arc<dyn Shape>,
     /// Asked of the shape once.
     is_convex: bool,
+    /// The largest coordinate of its points; 0 where it is not known.
+    extent: f64,
     /// Position in `surfaces`.
     surface: usize,
 }
 
 impl Object {
     fn new(shape: Arc<dyn Shape>, surface: usize) -> Self {
+        let mut extent = 0f64;
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+            let ends = [shape.support(axis), shape.support(-axis)];
+            for end in ends.into_iter().filter(|end| end.is_finite()) {
+                extent = extent.max(end.abs());
+            }
+        }
         Self {
             is_convex: shape.is_convex(),
+            extent,
             shape,
             surface,
         }
@@ -88,6 +98,10 @@ impl Object {
 /// The origin lies on the surface but for rounding, and the direction, which passes through f32, may point below the tangent
 /// plane by some 10⁻⁷: nearer hits are no other part of the surface.
 const LEAST_RETURN: f64 = 1e-6;
+
+/// The same in units of the object's largest coordinate. Near the origin of space coordinates are small, while what they were
+/// computed from is not: rounding by 10⁻¹⁵ of it, at an angle of 10⁻⁷, is 10⁻⁸.
+const LEAST_RETURN_OF_EXTENT: f64 = 1e-8;
 
 impl Scene {
     /// Plans `spec`'s effects and loads what the plan calls for. `surface(i, directions)` gives material `i` of
@@ -225,7 +239,10 @@ impl Object {
             (false, _) => Some(0.0),
             // A ray never returns to the convex object that it leaves. To another it may, beyond the rounding of its origin.
             (true, true) => None,
-            (true, false) => Some(LEAST_RETURN * origin.abs().max_element()),
+            (true, false) => {
+                let least = LEAST_RETURN * origin.abs().max_element();
+                Some(least.max(LEAST_RETURN_OF_EXTENT * self.extent))
+            }
         }
     }
 }

@@ -65,6 +65,18 @@ pub trait Shape: Debug + Send + Sync {
     /// Whether a ray that leaves the shape outwards never meets it again: the shape then hides no light from itself, and does
     /// not light itself. The renderer relies on it.
     fn is_convex(&self) -> bool;
+
+    /// An upper bound of `along`·p for all points p of the shape; infinite where none is known. With it the plan finds planes
+    /// between objects, so that what can't be in the way is never looked for.
+    fn support(&self, along: DVec3) -> f64 {
+        let _ = along;
+        f64::INFINITY
+    }
+
+    /// The unit normal of the plane that all of the shape lies in, of either sign; `None` for a shape that has a volume.
+    fn plane_normal(&self) -> Option<DVec3> {
+        None
+    }
 }
 
 /// [`Shape::intersect_batch`], ray after ray.
@@ -163,6 +175,10 @@ impl Shape for Sphere {
     fn is_convex(&self) -> bool {
         true
     }
+
+    fn support(&self, along: DVec3) -> f64 {
+        along.dot(self.centre) + self.radius * along.length()
+    }
 }
 
 /// The half space below y = 0.
@@ -189,6 +205,12 @@ impl Shape for Floor {
 
     fn is_convex(&self) -> bool {
         true
+    }
+
+    /// The half space ends upwards only.
+    fn support(&self, along: DVec3) -> f64 {
+        let upwards = along.x == 0.0 && along.z == 0.0 && along.y >= 0.0;
+        if upwards { 0.0 } else { f64::INFINITY }
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::ROOT;
 use crate::layering::sources;
 
-/// The two libraries: names are unique in each.
+/// The libraries: names are unique in each.
 const LIBRARIES: [&str; 2] = ["src", "tools/evaluate/src"];
 /// The command.
 const COMMAND: &str = "tools/merlkit";
