@@ -182,10 +182,7 @@ const fn disabled(why: &'static str) -> Decision {
 
 /// Whether a light is an environment of equal radiance from everywhere.
 fn is_constant(light: &LightSpec) -> bool {
-    matches!(
-        light,
-        LightSpec::Environment(EnvironmentSource::Uniform(_))
-    )
+    matches!(light, LightSpec::Environment(EnvironmentSource::Uniform(_)))
 }
 
 /// What decisions depend on.
@@ -222,7 +219,9 @@ impl SceneFacts {
             lit: !shining.is_empty(),
             extended: shining.iter().any(|l| !l.is_delta()),
             environment: shining.iter().any(|l| l.is_environment()),
-            varied: shining.iter().any(|l| l.is_environment() && !is_constant(l)),
+            varied: shining
+                .iter()
+                .any(|l| l.is_environment() && !is_constant(l)),
             all_constant: shining.iter().all(|l| l.is_delta() || is_constant(l)),
             mirrors: spec.mirrors.iter().any(|&i| spec.uses_material(i)),
             depth: spec.depth,
@@ -270,9 +269,9 @@ impl SceneFacts {
             (true, Strategy::Brdf | Strategy::Ris { .. }) => {
                 disabled("the strategy draws directions from the BRDF only")
             }
-            (true, Strategy::Mis(_)) if self.all_constant => {
-                disabled("a constant environment is as bright wherever a direction of the BRDF goes")
-            }
+            (true, Strategy::Mis(_)) if self.all_constant => disabled(
+                "a constant environment is as bright wherever a direction of the BRDF goes",
+            ),
             (true, _) => enabled("a light has an extent"),
         }
     }

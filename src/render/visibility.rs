@@ -117,12 +117,7 @@ fn measure(shapes: &[&dyn Shape], places: &[LightPlace]) -> f64 {
 }
 
 /// Whether a plane is found that has `other` on one side and all segments from `surface` to the light on the other.
-fn is_beside(
-    other: &dyn Shape,
-    surface: &dyn Shape,
-    place: &LightPlace,
-    tolerance: f64,
-) -> bool {
+fn is_beside(other: &dyn Shape, surface: &dyn Shape, place: &LightPlace, tolerance: f64) -> bool {
     let normals = propose_normals(other, surface, place);
     normals.into_iter().any(|normal| {
         // The plane touches `other`, which is below it: max n·b. Then min n·a and min n·l must not be lower.
