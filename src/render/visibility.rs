@@ -50,7 +50,7 @@ pub(super) fn may_hide_lights(spec: &SceneSpec) -> bool {
     for place in &places {
         for (i, surface) in shapes.iter().enumerate() {
             for (j, other) in shapes.iter().enumerate() {
-                if i != j && !is_beside(*other, *surface, place, tolerance) {
+                if i != j && !is_separated(*other, *surface, place, tolerance) {
                     return true;
                 }
             }
@@ -117,7 +117,12 @@ fn measure(shapes: &[&dyn Shape], places: &[LightPlace]) -> f64 {
 }
 
 /// Whether a plane is found that has `other` on one side and all segments from `surface` to the light on the other.
-fn is_beside(other: &dyn Shape, surface: &dyn Shape, place: &LightPlace, tolerance: f64) -> bool {
+fn is_separated(
+    other: &dyn Shape,
+    surface: &dyn Shape,
+    place: &LightPlace,
+    tolerance: f64,
+) -> bool {
     let normals = propose_normals(other, surface, place);
     normals.into_iter().any(|normal| {
         // The plane touches `other`, which is below it: max n·b. Then min n·a and min n·l must not be lower.

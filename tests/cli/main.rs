@@ -28,6 +28,7 @@ mod reports;
 mod resume;
 mod run;
 mod samplers;
+mod scene_files;
 mod scenes;
 mod schemas;
 mod sheet;

@@ -37,7 +37,7 @@ const INVALID_PARTS: &[(&str, InvalidPart)] = &[
 ];
 
 /// How the cells of a table are read of which some channels are unusable.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct Invalid {
     /// Reject a whole table cell if one channel is invalid, or only that channel [default: cell]
     #[arg(long, value_name = "cell|channel", hide_possible_values = true, value_parser = named(INVALID_PARTS))]
@@ -72,7 +72,7 @@ const CELL_FORMATS: &[(&str, CellFormat)] = &[
 ];
 
 /// How the tables of materials are read and kept, apart from the lookup rule.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct TableOptions {
     #[command(flatten)]
     invalid: Invalid,
@@ -269,6 +269,15 @@ pub fn byte_count(argument: &str) -> Result<usize, String> {
     } else {
         Err("expected a number of bytes above 0, such as 4096, 64KB or 1MB".into())
     }
+}
+
+/// A number of stops.
+pub fn stops(argument: &str) -> Result<f32, String> {
+    argument
+        .parse()
+        .ok()
+        .filter(|ev: &f32| ev.is_finite())
+        .ok_or_else(|| "expected a finite number of stops".into())
 }
 
 /// "1024x512" as two counts, neither of them 0.

@@ -1,14 +1,19 @@
 //! Where the eye is.
 
+use merlkit::Error;
 use merlkit::glam::DVec3;
 use merlkit::render::Camera;
+use merlkit_scene::CameraEntry;
 
 /// Place and angle of the camera.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct CameraOptions {
     /// Position of the eye in radii of a sphere; +y is up, +z to the viewer [default: it frames the spheres]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with_all = ["elevation", "fov"], value_parser = position)]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, conflicts_with = "elevation", value_parser = position)]
     eye: Option<DVec3>,
+    /// The point in the middle of the picture [default: the middle of the spheres, or what the scene says]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = position)]
+    look_at: Option<DVec3>,
     /// Elevation of the eye above the horizon in degrees, -89 to 89 [default: 12.4]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = within::<-89, 89>)]
     elevation: Option<f64>,
@@ -20,8 +25,16 @@ pub struct CameraOptions {
 impl CameraOptions {
     /// The camera that was asked for, where the scene has `framed`.
     pub fn aim(&self, framed: Camera) -> Camera {
+        let framed = Camera {
+            target: self.look_at.unwrap_or(framed.target),
+            ..framed
+        };
         if let Some(eye) = self.eye {
-            return Camera { eye, ..framed };
+            return Camera {
+                eye,
+                vertical_angle: self.fov.map_or(framed.vertical_angle, f64::to_radians),
+                ..framed
+            };
         }
         let Camera {
             eye,
@@ -41,6 +54,23 @@ impl CameraOptions {
             target,
             vertical_angle,
         }
+    }
+}
+
+impl CameraOptions {
+    /// Puts what was said here before what a scene file says.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for an elevation: a scene has a place for the eye.
+    pub fn override_file(&self, camera: &mut CameraEntry) -> Result<(), Error> {
+        if self.elevation.is_some() {
+            let what = "--elevation has no effect on a scene file";
+            return Err(Error::argument(what, "give --eye X,Y,Z"));
+        }
+        camera.eye = self.eye.or(camera.eye);
+        camera.look_at = self.look_at.or(camera.look_at);
+        camera.fov = self.fov.or(camera.fov);
+        Ok(())
     }
 }
 

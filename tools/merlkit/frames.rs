@@ -13,7 +13,7 @@ use crate::picture::Files;
 use crate::scene_args::Finish;
 
 /// How many frames, and what turns.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct FrameOptions {
     /// Draw N frames of a whole turn, 2 to 9999: NAME_000, NAME_001, … as EXR and PNG, or with -o NAME.gif or NAME.apng one file
     #[arg(long, value_name = "N", requires = "turn", value_parser = clap::value_parser!(u32).range(2..=9999))]

@@ -24,6 +24,7 @@ mod resumable;
 mod sampler_args;
 mod sampler_choice;
 mod scene_args;
+mod scene_input;
 mod sky;
 mod strategy_args;
 mod table;

@@ -11,7 +11,7 @@ use merlkit::image::{Image, write_exr, write_png};
 use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::merl::LookupRule;
 use merlkit::material::{Loaded, Material};
-use merlkit::render::{PlanRequest, RenderSettings, Scene, SceneSpec, Surface};
+use merlkit::render::{Effect, EffectPlan, PlanRequest, RenderSettings, Scene, SceneSpec, Surface};
 
 use crate::args;
 use crate::progress::Progress;
@@ -77,6 +77,21 @@ impl Picture<'_> {
         keys.join("; ")
     }
 
+    /// Refuses, before the work, samplers that can't be built for their materials.
+    ///
+    /// # Errors
+    /// As [`SamplerChoice::check_supports`].
+    pub fn check_samplers(&self) -> Result<(), Error> {
+        let plan = EffectPlan::for_scene(&self.scene, self.effects);
+        if !plan.is_on(Effect::Directions) {
+            return Ok(());
+        }
+        for (material, sampler) in self.materials.iter().zip(&self.samplers) {
+            sampler.check_supports(material)?;
+        }
+        Ok(())
+    }
+
     /// A bar that counts pixels.
     pub fn progress(&self) -> Progress {
         Progress::new("rendering", self.pixels())
@@ -105,6 +120,7 @@ impl Picture<'_> {
             ("table".into(), cells.join(", ")),
             ("effects".into(), format!("{:?}", self.effects)),
             ("spheres".into(), format!("{:?}", scene.spheres)),
+            ("objects".into(), format!("{:?}", scene.objects)),
             ("floor".into(), format!("{:?}", scene.floor)),
             ("lights".into(), format!("{:?}", scene.lights)),
             ("camera".into(), format!("{:?}", scene.camera)),

@@ -5,11 +5,12 @@ use merlkit::color::Rgb;
 use merlkit::image::Image;
 use merlkit::light::LightSpec;
 use merlkit::render::SceneSpec;
+use merlkit_scene::{LightEntry, SceneDescription};
 
 /// Lights, background and the limit of paths.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct SceneOptions {
-    #[arg(long = "light", value_name = "LIGHT", default_value = "environment", hide_default_value = true, help = light_help())]
+    #[arg(long = "light", value_name = "LIGHT", help = light_help())]
     lights: Vec<String>,
     /// Turn all lights about the vertical, counter-clockwise as seen from above [default: 0]
     #[arg(
@@ -23,16 +24,20 @@ pub struct SceneOptions {
     rotate: f64,
     /// What is seen past the spheres: the lights (env), nothing (none: alpha in both files), or white, black, grey or #RRGGBB
     /// [default: env]
-    #[arg(long, value_name = "none|COLOUR|env", default_value = "env", hide_default_value = true, value_parser = background)]
-    background: Background,
+    #[arg(long, value_name = "none|COLOUR|env", value_parser = background)]
+    background: Option<Background>,
     /// Scale paths down that carry more than X in a channel: removes fireflies and darkens the picture [default: never]
     #[arg(long, value_name = "X", value_parser = limit)]
     clamp: Option<f64>,
 }
 
+/// The light of a scene that says nothing.
+const DEFAULT_LIGHT: &str = "environment";
+
 /// What is seen past the spheres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Background {
+    #[default]
     Lights,
     Nothing,
     /// Linear.
@@ -45,19 +50,56 @@ impl SceneOptions {
     /// # Errors
     /// As [`SceneSpec::light`].
     pub fn apply(&self, scene: &mut SceneSpec) -> Result<(), Error> {
-        let lights = self.lights.iter().map(|name| scene.light(name));
+        let names = self.light_words(&[DEFAULT_LIGHT.to_owned()]);
+        let lights = names.iter().map(|name| scene.light(name));
         scene.lights = lights.collect::<Result<_, _>>()?;
-        scene.light_turn = self.rotate.to_radians();
-        scene.transparent = self.background != Background::Lights;
-        scene.clamp = self.clamp;
+        self.apply_settings(scene);
         Ok(())
+    }
+
+    /// The words of the lights that were asked for, or others where none were.
+    fn light_words(&self, others: &[String]) -> Vec<String> {
+        match self.lights.is_empty() {
+            true => others.to_vec(),
+            false => self.lights.clone(),
+        }
+    }
+
+    /// Puts what was said here before what a scene file says, and a light into a scene that would have none.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a background of the file that is none.
+    pub fn override_file(&mut self, scene: &mut SceneDescription) -> Result<(), Error> {
+        if !self.lights.is_empty() || scene.lights.is_empty() {
+            let words = self.light_words(&[DEFAULT_LIGHT.to_owned()]);
+            scene.lights = words.into_iter().map(LightEntry::Named).collect();
+        }
+        if self.background.is_none()
+            && let Some(word) = &scene.background
+        {
+            let read = background(word);
+            let what = format!("the scene's background \"{word}\"");
+            self.background = Some(read.map_err(|fix| Error::argument(what, fix))?);
+        }
+        Ok(())
+    }
+
+    /// Puts what was said besides the lights into a scene.
+    pub fn apply_settings(&self, scene: &mut SceneSpec) {
+        scene.light_turn = self.rotate.to_radians();
+        scene.transparent = self.background() != Background::Lights;
+        scene.clamp = self.clamp;
+    }
+
+    fn background(&self) -> Background {
+        self.background.unwrap_or_default()
     }
 
     /// What becomes of the pixels in files.
     pub fn finish(&self, exposure: f32) -> Finish {
         Finish {
             exposure,
-            backdrop: match self.background {
+            backdrop: match self.background() {
                 Background::Colour(colour) => Some(colour),
                 Background::Lights | Background::Nothing => None,
             },
@@ -67,7 +109,7 @@ impl SceneOptions {
 
     /// Radiance of letters that can be read on the background.
     pub fn ink(&self) -> Rgb {
-        match self.background {
+        match self.background() {
             Background::Lights => Rgb::ONE,
             // On paper.
             Background::Nothing => Rgb::ZERO,

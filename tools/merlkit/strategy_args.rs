@@ -7,7 +7,7 @@ use merlkit::render::Strategy;
 use crate::args;
 
 /// A strategy and its settings.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct StrategyOptions {
     /// Sampling of extended lights: of light and BRDF (mis), of one of them, or of one of --candidates from the BRDF (ris)
     /// [default: mis]

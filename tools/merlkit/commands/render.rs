@@ -1,6 +1,6 @@
 //! `merlkit render`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -10,10 +10,9 @@ use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
-use merlkit::render::{
-    Budget, Effect, EffectPlan, PlanRequest, Refinement, RenderSettings, SceneSpec,
-};
+use merlkit::render::{Budget, PlanRequest, Refinement, RenderSettings, SceneSpec};
 use merlkit_evaluate::report::write_json;
+use merlkit_scene::read_scene;
 
 use crate::camera_args::CameraOptions;
 use crate::explanation::explain_plans;
@@ -29,20 +28,21 @@ use crate::resumable::{self, Resumable};
 use crate::sampler_args;
 use crate::sampler_choice::{self, SamplerChoice, assign_samplers, merge_samplers};
 use crate::scene_args::SceneOptions;
+use crate::scene_input::{SceneInput, find_scene_file};
 use crate::strategy_args::StrategyOptions;
 use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
 use crate::{args, batch, output, table};
 
 /// Path-trace a sphere of each material to NAME.exr (linear RGB) and NAME.png (sRGB)
 // Without a second paragraph the help has one line or two for each option, instead of three or more.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 #[command(
     after_help = "Each sphere is drawn alone, so that its pixels don't depend on the other materials. Only the effects that the scene needs are computed; \
                   --explain prints which, and why. The same command gives the same bytes on any number of threads.\n\n\
                   Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, built-in names or formulas; one sphere each
+    /// MERL binaries, .bsdf files, built-in names or formulas, one sphere each; or one scene file (.toml, .grf)
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// How values between the samples of a table are interpolated [default: floor]
@@ -61,8 +61,8 @@ pub struct Args {
     #[arg(help_heading = "Scene", long = "ground")]
     ground: bool,
     /// Maximum number of surfaces on a path; 1 gives direct light only [default: 8]
-    #[arg(help_heading = "Scene", long = "bounces", value_name = "N", default_value_t = 8, hide_default_value = true, value_parser = clap::value_parser!(u32).range(1..))]
-    bounces: u32,
+    #[arg(help_heading = "Scene", long = "bounces", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    bounces: Option<u32>,
     /// Print whether each effect is on or off, and why; and what loading, building, drawing and tracing took
     #[arg(help_heading = "Effects", long)]
     explain: bool,
@@ -71,11 +71,11 @@ pub struct Args {
     all_effects: bool,
     /// BRDF sampler, with settings (`merlkit samplers` lists them), or a sampler file; once for all materials, or once for each
     /// [default: half-vector:64KB]
-    #[arg(help_heading = "Sampling", long = "sampler", value_name = sampler_choice::VALUE, default_value = sampler_args::DEFAULT, hide_default_value = true)]
+    #[arg(help_heading = "Sampling", long = "sampler", value_name = sampler_choice::VALUE)]
     samplers: Vec<SamplerChoice>,
     /// Paths per pixel [default: 64]
-    #[arg(help_heading = "Sampling", long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u64).range(1..))]
-    spp: u64,
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    spp: Option<u64>,
     /// Spend the paths where the first of them found noise; needs --spp 16 or more
     #[arg(help_heading = "Sampling", long, conflicts_with = "target_error")]
     adaptive: bool,
@@ -109,7 +109,7 @@ pub struct Args {
     #[command(flatten, next_help_heading = "Picture")]
     frames: FrameOptions,
     /// Exposure of the PNG in stops [default: 0]
-    #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = stops)]
+    #[arg(help_heading = "Picture", long, value_name = "EV", default_value_t = 0.0, hide_default_value = true, allow_negative_numbers = true, value_parser = args::stops)]
     exposure: f32,
     /// Finish a picture that Ctrl-C interrupted; the bytes are those of an uninterrupted run
     #[arg(help_heading = "Picture", long)]
@@ -137,34 +137,76 @@ const POINTS: [(&str, PointSet); 3] = [
     ("sobol", PointSet::Sobol),
     ("lattice", PointSet::Lattice),
 ];
+/// Paths per pixel and surfaces on a path, where nothing is said.
+const SPP: u64 = 64;
+const BOUNCES: u32 = 8;
 /// Paths per pixel that a target error may take, where nothing is said.
 const MAX_SPP: u64 = 4096;
 /// The floor's reflectance: a mid grey.
 pub const GREY: f32 = 0.35;
 
 pub fn run(args: &Args) -> Outcome {
+    let Some(path) = find_scene_file(&args.materials)? else {
+        return draw(args, None);
+    };
+    let mut args = args.clone();
+    let scene = args.read_scene(&path)?;
+    draw(&args, Some(&scene))
+}
+
+impl Args {
+    /// Reads a scene file. What the command line leaves open, the file says.
+    fn read_scene(&mut self, path: &Path) -> Result<SceneInput, Error> {
+        if self.together || self.columns.is_some() {
+            let what = "--together and --columns have no effect on a scene file";
+            return Err(Error::argument(what, "omit them"));
+        }
+        let mut scene = read_scene(path)?;
+        self.scene.override_file(&mut scene)?;
+        self.camera.override_file(&mut scene.camera)?;
+        self.size = self.size.or(scene.size.map(|[w, h]| (w, h)));
+        // A target error says how many paths there are.
+        if self.target_error.is_none() {
+            self.spp = self.spp.or(scene.spp);
+        }
+        self.bounces = self.bounces.or(scene.bounces);
+        SceneInput::build(path, &scene)
+    }
+}
+
+/// Draws a sphere of each material, or a scene.
+fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
     let start = Instant::now();
     let files = Files::named(&args.output);
-    let names = batch::expand_folders(&args.materials)?;
-    let grid = match args.together || names.len() == 1 {
+    let names = match scene {
+        Some(scene) => scene.spec.materials.clone(),
+        None => batch::expand_folders(&args.materials)?,
+    };
+    // A scene is one tile.
+    let grid = match args.together || scene.is_some() || names.len() == 1 {
         true => {
-            let (width, height) = args.size.unwrap_or(((320 * names.len()).max(480), 360));
+            let spheres = if scene.is_some() { 1 } else { names.len() };
+            let (width, height) = args.size.unwrap_or(((320 * spheres).max(480), 360));
             Grid::for_tiles(1, None, [width, height])
         }
         false => lay_out_spheres(names.len(), args.columns, args.size)?,
     };
     let settings = settings(args, grid.tile)?;
     settings.check()?;
-    let materials = match args.together {
+    let materials = match args.together && scene.is_none() {
         // Equal names are one material of the scene.
         true => args::resolve(&SceneSpec::row(&names, 1.0).materials, &args.tables)?,
         false => args::resolve(&names, &args.tables)?,
     };
     let mut sums = Checksums::default();
     let files = files.with_provenance(&materials, &mut sums)?;
-    let samplers = assign_samplers(&args.samplers, &names)?;
+    let files = match scene {
+        Some(scene) => scene.sign(files),
+        None => files,
+    };
+    let samplers = choose_samplers(args, scene, &names)?;
     let costs = (args.explain || args.json.is_some()).then(RenderCosts::default);
-    let mut pictures = describe(args, &names, &materials, samplers, settings)?;
+    let mut pictures = describe(args, scene, &names, &materials, samplers, settings)?;
     for picture in &mut pictures {
         picture.costs = costs.as_ref();
     }
@@ -175,21 +217,17 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(destination) = &args.json {
         destination.check(output::overwrite(args.force))?;
     }
-    check_samplers(&pictures)?;
+    for picture in &pictures {
+        picture.check_samplers()?;
+    }
     if args.explain && args.json != Some(Destination::Stdout) {
         for sheet in explain_plans(&pictures) {
             output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
         }
     }
-    let refinement = match &pictures[..] {
-        [picture] if is_single => Resumable {
-            picture,
-            files: &files,
-            overwrite: output::overwrite(args.force),
-            resume: args.resume,
-        }
-        .render()?,
-        _ => match args.frames.count() {
+    let refinement = match is_single {
+        true => draw_alone(args, &pictures[0], &files)?,
+        false => match args.frames.count() {
             Some(count) => draw_frames(args, &pictures, &grid, &files, &mut sums, count)?,
             None => draw_apart(args, pictures, &grid, &files, &mut sums)?,
         },
@@ -248,6 +286,38 @@ fn written_files(args: &Args) -> Vec<String> {
     }
 }
 
+/// The sampler of each material: what the command line says, or else the scene, or else the default.
+fn choose_samplers(
+    args: &Args,
+    scene: Option<&SceneInput>,
+    names: &[String],
+) -> Result<Vec<SamplerChoice>, Error> {
+    if !args.samplers.is_empty() {
+        return assign_samplers(&args.samplers, names);
+    }
+    let mut samplers = Vec::with_capacity(names.len());
+    for i in 0..names.len() {
+        let said = scene.and_then(|scene| scene.samplers.get(i)?.as_deref());
+        samplers.push(said.unwrap_or(sampler_args::DEFAULT).parse()?);
+    }
+    Ok(samplers)
+}
+
+/// Draws one picture, which can be interrupted at any time.
+fn draw_alone(
+    args: &Args,
+    picture: &Picture<'_>,
+    files: &Files,
+) -> Result<Option<Refinement>, Failure> {
+    let work = Resumable {
+        picture,
+        files,
+        overwrite: output::overwrite(args.force),
+        resume: args.resume,
+    };
+    work.render()
+}
+
 /// Prints what was written, and how far the picture came.
 fn report(
     args: &Args,
@@ -280,20 +350,6 @@ fn report(
     })
 }
 
-/// Before the work: samplers that can't be built for the materials are refused.
-fn check_samplers(pictures: &[Picture<'_>]) -> Result<(), Error> {
-    for picture in pictures {
-        let plan = EffectPlan::for_scene(&picture.scene, picture.effects);
-        if !plan.is_on(Effect::Directions) {
-            continue;
-        }
-        for (material, sampler) in picture.materials.iter().zip(&picture.samplers) {
-            sampler.check_supports(material)?;
-        }
-    }
-    Ok(())
-}
-
 /// Draws each sphere by itself and puts them together.
 fn draw_apart(
     args: &Args,
@@ -315,7 +371,7 @@ fn draw_apart(
         let key = tile_key(picture.materials, sums)?;
         // One material may be there with several samplers.
         let variant = match args.samplers.len() {
-            1 => String::new(),
+            0 | 1 => String::new(),
             _ => format!("-{number}"),
         };
         tiles.push(Tile::new(&key, &variant, picture));
@@ -380,7 +436,7 @@ fn draw_frames(
                 ..picture.clone()
             };
             let variant = match args.samplers.len() {
-                1 => format!("_{frame:04}"),
+                0 | 1 => format!("_{frame:04}"),
                 _ => format!("-{number}_{frame:04}"),
             };
             tiles.push(Tile::new(&key, &variant, picture));
@@ -407,26 +463,19 @@ fn draw_frames(
     Ok(drawn.flatten())
 }
 
-fn stops(argument: &str) -> Result<f32, String> {
-    argument
-        .parse()
-        .ok()
-        .filter(|ev: &f32| ev.is_finite())
-        .ok_or_else(|| "expected a finite number of stops".into())
-}
-
 /// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
 const SOBOL_FROM: u64 = 512;
 
 /// Settings of each tile.
 fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, Error> {
+    let spp = args.spp.unwrap_or(SPP);
     let budget = match args.target_error {
         Some(error) => Budget::ToError {
             error,
             most: args.max_spp.unwrap_or(MAX_SPP),
         },
-        None if args.adaptive => Budget::Adaptive(args.spp),
-        None => Budget::Even(args.spp),
+        None if args.adaptive => Budget::Adaptive(spp),
+        None => Budget::Even(spp),
     };
     let points = match (args.points, args.target_error) {
         (Some(PointSet::Lattice), Some(_)) => {
@@ -437,7 +486,7 @@ fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, 
             ));
         }
         (None, Some(_)) => PointSet::Sobol,
-        (None, None) if args.spp >= SOBOL_FROM => PointSet::Sobol,
+        (None, None) if spp >= SOBOL_FROM => PointSet::Sobol,
         (points, _) => points.unwrap_or(PointSet::Lattice),
     };
     Ok(RenderSettings {
@@ -453,13 +502,16 @@ fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, 
 /// if they are together.
 fn describe<'a>(
     args: &'a Args,
+    scene: Option<&SceneInput>,
     names: &[String],
     materials: &'a [Material],
     samplers: Vec<SamplerChoice>,
     settings: RenderSettings,
 ) -> Result<Vec<Picture<'a>>, Error> {
     let mut tiles: Vec<(&[String], &[Material], Vec<SamplerChoice>)> = Vec::new();
-    if args.together {
+    if scene.is_some() {
+        tiles.push((names, materials, samplers));
+    } else if args.together {
         tiles.push((names, materials, merge_samplers(names, samplers)?));
     } else {
         for (i, sampler) in samplers.into_iter().enumerate() {
@@ -469,7 +521,10 @@ fn describe<'a>(
     let mut pictures = Vec::with_capacity(tiles.len());
     for (names, materials, samplers) in tiles {
         pictures.push(Picture {
-            scene: describe_scene(args, names, materials, &settings)?,
+            scene: match scene {
+                Some(scene) => finish_scene(args, scene.spec.clone(), materials)?,
+                None => describe_row(args, names, materials, &settings)?,
+            },
             effects: match args.all_effects {
                 true => PlanRequest::Everything,
                 false => PlanRequest::AsNeeded,
@@ -486,18 +541,28 @@ fn describe<'a>(
 }
 
 /// A scene of the spheres of some materials.
-fn describe_scene(
+fn describe_row(
     args: &Args,
     names: &[String],
     materials: &[Material],
     settings: &RenderSettings,
 ) -> Result<SceneSpec, Error> {
     let mut spec = SceneSpec::row(names, settings.width as f64 / settings.height as f64);
-    spec.mirrors = args::find_mirrors(materials)?;
     args.scene.apply(&mut spec)?;
     spec.camera = args.camera.aim(spec.camera);
+    finish_scene(args, spec, materials)
+}
+
+/// Puts into a scene what rows of spheres and scene files have in common.
+fn finish_scene(
+    args: &Args,
+    mut spec: SceneSpec,
+    materials: &[Material],
+) -> Result<SceneSpec, Error> {
+    args.scene.apply_settings(&mut spec);
+    spec.mirrors = args::find_mirrors(materials)?;
     spec.floor = args.ground.then_some(GREY);
-    spec.depth = args.bounces;
+    spec.depth = args.bounces.unwrap_or(BOUNCES);
     spec.strategy = args.strategy.resolve()?;
     Ok(spec)
 }

@@ -212,8 +212,8 @@ fn add_object<'a>(
             return Ok(());
         }
     }
-    let shared = known.iter().find(|(entry, _)| **entry == object.shape);
-    let shape = match shared {
+    let same = known.iter().find(|(entry, _)| **entry == object.shape);
+    let shape = match same {
         Some((_, shape)) => shape.clone(),
         None => {
             let shape = build_shape(&object.shape, built)?;

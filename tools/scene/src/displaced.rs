@@ -1,4 +1,4 @@
-//! A sphere with bumps: a stand-in for a scanned figure, of any number of triangles.
+//! A sphere with bumps: it takes the place of a scanned figure, with any number of triangles.
 
 use std::collections::HashMap;
 

@@ -43,7 +43,7 @@ pub(crate) struct ObjectTable {
     // Any object.
     translate: Option<[f64; 3]>,
     rotate: Option<[f64; 3]>,
-    scale: Option<Scale>,
+    scale: Option<ScaleFactors>,
 }
 
 /// Points of radius and height, or a word.
@@ -64,7 +64,7 @@ enum SidesWord {
 /// One factor, or one for each axis.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(untagged)]
-enum Scale {
+enum ScaleFactors {
     Equal(f64),
     Each([f64; 3]),
 }
@@ -212,8 +212,8 @@ impl ObjectTable {
     /// Where the object is put.
     pub(crate) fn placement(&self) -> Result<DAffine3, SceneFault> {
         let scale = match self.scale {
-            Some(Scale::Equal(factor)) => DVec3::splat(factor),
-            Some(Scale::Each(factors)) => DVec3::from_array(factors),
+            Some(ScaleFactors::Equal(factor)) => DVec3::splat(factor),
+            Some(ScaleFactors::Each(factors)) => DVec3::from_array(factors),
             None => DVec3::ONE,
         };
         let (translate, rotate) = (vector(self.translate), vector(self.rotate));

@@ -99,8 +99,8 @@ mod tests {
             assert_eq!((hit.distance, hit.from_front), (2.0, from_front), "{z}");
             assert!(hit.weights.abs_diff_eq(DVec3::new(0.25, 0.25, 0.5), 1e-15));
         }
-        let beside = ShearedRay::new(DVec3::new(0.6, 0.6, 1.0), DVec3::NEG_Z);
-        assert!(beside.meet(&corners).is_none());
+        let past = ShearedRay::new(DVec3::new(0.6, 0.6, 1.0), DVec3::NEG_Z);
+        assert!(past.meet(&corners).is_none());
         let within = ShearedRay::new(DVec3::new(-1.0, 0.2, 0.0), DVec3::X);
         assert!(within.meet(&corners).is_none());
     }

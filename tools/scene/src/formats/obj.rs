@@ -40,11 +40,15 @@ fn append(data: &mut MeshData, mesh: &Mesh) -> Result<(), Complaint> {
     if data.faces.len() + mesh.indices.len() / 3 > MOST_FACES {
         return Err(too_many_faces());
     }
-    let part = MeshData {
+    let mut part = MeshData {
         vertices: read_vectors(&mesh.positions),
         normals: read_vectors(&mesh.normals),
         faces: mesh.indices.as_chunks().0.to_vec(),
     };
+    // Where only some faces name normals, which vertex has which is not known.
+    if part.normals.len() != part.vertices.len() {
+        part.normals.clear();
+    }
     if data.vertices.is_empty() {
         *data = part;
     } else {
