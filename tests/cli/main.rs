@@ -5,12 +5,14 @@ mod batch;
 #[path = "../support/anisotropic.rs"]
 mod brushed;
 mod cells;
+mod clouds;
 mod compare;
 mod diff;
 mod environments;
 mod eval;
 mod every_material;
 mod fit;
+mod grf;
 #[path = "../support/grids.rs"]
 mod grid_files;
 mod hard;

@@ -14,6 +14,7 @@ mod journal;
 mod labels;
 mod machine;
 mod output;
+mod path_args;
 mod picture;
 mod png_comment;
 mod progress;

@@ -9,7 +9,6 @@ use merlkit::files::Overwrite;
 use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
-use merlkit::points::PointSet;
 use merlkit::render::{Budget, PlanRequest, Refinement, RenderSettings, SceneSpec};
 use merlkit_evaluate::report::write_json;
 use merlkit_scene::read_scene;
@@ -20,6 +19,7 @@ use crate::failure::{Failure, Outcome};
 use crate::frames::{FrameOptions, Movie};
 use crate::grid::{Cell, Grid, lay_out_spheres};
 use crate::output::Destination;
+use crate::path_args::PathOptions;
 use crate::picture::{Files, Picture};
 use crate::provenance::{self, Checksums};
 use crate::render_costs::{CostSummary, RenderCosts};
@@ -73,31 +73,8 @@ pub struct Args {
     /// [default: half-vector:64KB]
     #[arg(help_heading = "Sampling", long = "sampler", value_name = sampler_choice::VALUE)]
     samplers: Vec<SamplerChoice>,
-    /// Paths per pixel [default: 64]
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    spp: Option<u64>,
-    /// Spend the paths where the first of them found noise; needs --spp 16 or more
-    #[arg(help_heading = "Sampling", long, conflicts_with = "target_error")]
-    adaptive: bool,
-    /// Points of each pixel [default: lattice; sobol from --spp 512 and with --target-error]
-    #[arg(help_heading = "Sampling", long, value_name = "random|sobol|lattice", hide_possible_values = true, value_parser = args::named(&POINTS))]
-    points: Option<PointSet>,
-    /// Sample each 16 × 16 tile that shows an object until its estimated relative RMS error is about E: 0.05 or 5%. The halves
-    /// of a tile stop one another, which keeps means unbiased; a finished tile can exceed E somewhat
-    #[arg(help_heading = "Sampling", long, value_name = "E", conflicts_with = "spp", value_parser = args::target_error)]
-    target_error: Option<f64>,
-    /// Maximum paths per pixel with --target-error, at least 16 [default: 4096]
-    #[arg(help_heading = "Sampling", long, value_name = "N", requires = "target_error", value_parser = clap::value_parser!(u64).range(16..))]
-    max_spp: Option<u64>,
-    /// Seed of all random numbers [default: 0]
-    #[arg(
-        help_heading = "Sampling",
-        long,
-        value_name = "K",
-        default_value_t = 0,
-        hide_default_value = true
-    )]
-    seed: u64,
+    #[command(flatten, next_help_heading = "Sampling")]
+    paths: PathOptions,
     #[command(flatten, next_help_heading = "Sampling")]
     strategy: StrategyOptions,
     /// Size of the whole picture [default: 320 × 360 pixels a sphere; 480 × 360 for one]
@@ -132,16 +109,8 @@ pub struct Args {
     output: PathBuf,
 }
 
-const POINTS: [(&str, PointSet); 3] = [
-    ("random", PointSet::Random),
-    ("sobol", PointSet::Sobol),
-    ("lattice", PointSet::Lattice),
-];
-/// Paths per pixel and surfaces on a path, where nothing is said.
-const SPP: u64 = 64;
+/// Surfaces on a path, where nothing is said.
 const BOUNCES: u32 = 8;
-/// Paths per pixel that a target error may take, where nothing is said.
-const MAX_SPP: u64 = 4096;
 /// The floor's reflectance: a mid grey.
 pub const GREY: f32 = 0.35;
 
@@ -166,8 +135,8 @@ impl Args {
         self.camera.override_file(&mut scene.camera)?;
         self.size = self.size.or(scene.size.map(|[w, h]| (w, h)));
         // A target error says how many paths there are.
-        if self.target_error.is_none() {
-            self.spp = self.spp.or(scene.spp);
+        if self.paths.target_error.is_none() {
+            self.paths.spp = self.paths.spp.or(scene.spp);
         }
         self.bounces = self.bounces.or(scene.bounces);
         SceneInput::build(path, &scene)
@@ -191,7 +160,7 @@ fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
         }
         false => lay_out_spheres(names.len(), args.columns, args.size)?,
     };
-    let settings = settings(args, grid.tile)?;
+    let settings = args.paths.settings(grid.tile)?;
     settings.check()?;
     let materials = match args.together && scene.is_none() {
         // Equal names are one material of the scene.
@@ -266,7 +235,7 @@ fn tell_costs(
         frames: args.frames.count().unwrap_or(1),
         costs: summary,
     };
-    let provenance = provenance::record_timed(args.seed, materials)?;
+    let provenance = provenance::record_timed(args.paths.seed, materials)?;
     destination.write(output::overwrite(args.force), |out| {
         write_json(out, "render", &provenance, &result)
     })
@@ -461,41 +430,6 @@ fn draw_frames(
         Ok(folder.read_refinement(&tiles)?)
     })?;
     Ok(drawn.flatten())
-}
-
-/// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
-const SOBOL_FROM: u64 = 512;
-
-/// Settings of each tile.
-fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, Error> {
-    let spp = args.spp.unwrap_or(SPP);
-    let budget = match args.target_error {
-        Some(error) => Budget::ToError {
-            error,
-            most: args.max_spp.unwrap_or(MAX_SPP),
-        },
-        None if args.adaptive => Budget::Adaptive(spp),
-        None => Budget::Even(spp),
-    };
-    let points = match (args.points, args.target_error) {
-        (Some(PointSet::Lattice), Some(_)) => {
-            let what = "a lattice needs a path count that is known in advance";
-            return Err(Error::argument(
-                what,
-                "omit --points lattice or --target-error",
-            ));
-        }
-        (None, Some(_)) => PointSet::Sobol,
-        (None, None) if spp >= SOBOL_FROM => PointSet::Sobol,
-        (points, _) => points.unwrap_or(PointSet::Lattice),
-    };
-    Ok(RenderSettings {
-        width,
-        height,
-        seed: args.seed,
-        points,
-        budget,
-    })
 }
 
 /// The pictures to draw, one for each sphere or one of all together; nothing is loaded. `materials` are those of `names`, each once

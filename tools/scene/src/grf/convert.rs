@@ -102,16 +102,16 @@ impl Builder {
                 "save it as UTF-8",
             )
         })?;
-        let blocks = read_blocks(&name, &text)?;
-        drop(text);
-        let source = Source {
-            name,
-            folder: path.parent().unwrap_or(Path::new("")),
-        };
         self.open_files.push(whole);
-        self.add_blocks(blocks, &source, state.clone())?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        self.add_text(&text, Source { name, folder }, state)?;
         self.open_files.pop();
         Ok(())
+    }
+
+    fn add_text(&mut self, text: &str, source: Source<'_>, state: &State) -> Result<()> {
+        let blocks = read_blocks(&source.name, text)?;
+        self.add_blocks(blocks, &source, state.clone())
     }
 
     fn add_blocks(
@@ -354,4 +354,213 @@ fn has_own_normals(data: &MeshData) -> bool {
         }
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::description::BuiltScene;
+
+    /// The scene of a text, whose includes are relative to the examples.
+    fn read(text: &str) -> Result<SceneDescription> {
+        let mut builder = Builder::default();
+        let source = Source {
+            name: "a.grf".into(),
+            folder: Path::new(EXAMPLES),
+        };
+        builder.add_text(text, source, &State::default())?;
+        Ok(builder.scene)
+    }
+
+    fn fault(text: &str) -> String {
+        read(text).unwrap_err().to_string()
+    }
+
+    const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/thesis/grf");
+
+    /// A triangle with everything that the grammar allows around it.
+    const TRIANGLE: &str = r#"
+params begin dependent view (0, 1, 5.f) end
+light begin (0,2,0) (1,0,0) (0,0,1) rgb (2,1,.5) end
+def a = brdf phong n=20 KS=0.4 kd=0.3 b = brdf diffuse kd=0.2
+    both = brdf combine 0.5 a, 0.25 b  red = rgb (0.8, 0.1, 0.1)
+    trees = pdf adaptive nQT=30 nAnisoQT=1
+begin
+  pdf trees
+  transform scale (2,2,2) rotation (0,0,1.5707963) translation (1,0,0) begin
+    begin mesh use brdf both use color red texture "wood.png"
+    begin vertexs
+      normal (0,0,1) irad (1,1,1) uv (0,1) (0,0,0)
+      normal (0,0,1) begin list ray (0,0,1) irad (1,1,1) end list (1,0,0)
+      normal (0,0,1) (0,1e0d,0)
+    end vertexs begin faces
+      3 0 1 2
+      brdf measured "nickel.binary" pdf hemisphere exp=30 (2,1,0)
+    end faces end mesh
+  end
+end
+"#;
+
+    #[test]
+    fn all_of_the_grammar_is_understood() {
+        let scene = read(TRIANGLE).unwrap();
+        let rgb = "rgb=0.4/0.05/0.05";
+        let second = "diffuse:kd=0.2,rgb=0.2/0.025/0.025";
+        let sum = format!("phong:n=20,KS=0.4,kd=0.3,{rgb}+{second}");
+        assert_eq!(scene.materials, [sum.as_str(), "nickel"]);
+        let samplers: Vec<_> = scene.samplers.iter().map(Option::as_deref).collect();
+        let lobe = "lobe:cosine-hemisphere,parameters=30/30/0.1";
+        assert_eq!(samplers, [Some("adaptive-disc:tables=30"), Some(lobe)]);
+        assert_eq!(scene.camera.eye, Some(DVec3::new(0.0, 1.0, 5.0)));
+        assert_eq!((scene.objects.len(), scene.lights.len()), (2, 2));
+        // Scaled, then turned from x to y, then moved.
+        let moved = scene.objects[0].to_world.transform_point3(DVec3::X);
+        assert!(
+            moved.abs_diff_eq(DVec3::new(1.0, 2.0, 0.0), 1e-6),
+            "{moved}"
+        );
+        let built: BuiltScene = scene.build().unwrap();
+        assert_eq!(built.triangles, 2);
+    }
+
+    #[test]
+    fn the_examples_of_the_thesis_are_read() {
+        let read_file = |name: &str| read_grf(&Path::new(EXAMPLES).join(name)).unwrap();
+        let box_scene = read_file("box.grf");
+        let expected = "ward:sx=0.05,sy=0.3,ks=0.05,kd=0.4,rgb=0.3/0.8/1";
+        assert_eq!(box_scene.materials, [expected]);
+        let built = box_scene.build().unwrap();
+        assert_eq!((built.triangles, built.dropped), (12, 0));
+        // The normals of the corners are not those of four of the sides.
+        let ShapeEntry::Mesh { surface, .. } = &box_scene.objects[0].shape else {
+            panic!("a mesh");
+        };
+        assert_eq!(surface.shading, Shading::Flat);
+        let dragon = read_file("dragon.grf");
+        // Two lamps that shine to both sides; wall, floor and dragon.
+        assert_eq!((dragon.lights.len(), dragon.objects.len()), (4, 3));
+        let ShapeEntry::Mesh { surface, data } = &dragon.objects[2].shape else {
+            panic!("a mesh");
+        };
+        assert_eq!(
+            (surface.shading, data.vertices.len()),
+            (Shading::Smooth, 362)
+        );
+        assert!(dragon.build().is_ok());
+    }
+
+    #[test]
+    fn faults_name_the_line_and_what_to_do() {
+        for (from, to, expected) in [
+            ("3 0 1 2", "3 0 1 3", "line 16: 3 is none of the 3 vertices"),
+            (
+                "use brdf both",
+                "use brdf bath",
+                "no BRDF is called bath here; the names here are a, b",
+            ),
+            ("KS=0.4", "KS=-1", "line 11"),
+            ("use color red", "use color a", "no colour is called a"),
+            (
+                "scale (2,2,2)",
+                "scale (2,0,2)",
+                "line 9: a transformation that leaves no volume",
+            ),
+            ("nQT=30", "trees=30", "adaptive has no parameter trees"),
+            (
+                "(0,0,1) rgb",
+                "(2,0,0) rgb",
+                "line 3: a light without a finite place, area",
+            ),
+            ("nickel.binary", "nickle.binary", "there is no file"),
+            (
+                "(1,0,0)\n      normal (0,0,1) (0",
+                "(1,0)\n (0",
+                "line 13: expected ,, found )",
+            ),
+            (
+                "end mesh\n  end\nend\n",
+                "end mesh\n  end\n",
+                "expected end, found the end of the file",
+            ),
+            ("params", "parems", "line 2: expected begin mesh, light"),
+            (
+                "irad (1,1,1) uv",
+                "emission (1,1,1) uv",
+                "expected a vertex",
+            ),
+            (
+                "use color red",
+                "emission (1,1,1)",
+                "describe the lamp by a light block",
+            ),
+        ] {
+            assert!(TRIANGLE.contains(from), "{from}");
+            let error = fault(&TRIANGLE.replacen(from, to, 1));
+            assert!(error.contains(expected), "{to}: {error}");
+        }
+        let deep = "def a = rgb (1,1,1) begin ".repeat(100_000);
+        assert!(fault(&deep).contains("more than 64 deep"));
+        let many = "light begin (0,0,0) (1,0,0) (0,1,0) end ".repeat(MOST_OBJECTS);
+        assert!(fault(&many).contains("20000 objects"));
+    }
+
+    #[test]
+    fn files_that_include_themselves_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| folder.path().join(name);
+        std::fs::write(file("a.grf"), "include \"b.grf\"").unwrap();
+        std::fs::write(file("b.grf"), "include \"./a.grf\"").unwrap();
+        let error = read_grf(&file("a.grf")).unwrap_err().to_string();
+        assert!(error.contains("includes itself"), "{error}");
+        // Sixteen levels that double: more files than anybody means.
+        for i in 0..16 {
+            let next = format!("include \"c{}.grf\" ", i + 1);
+            std::fs::write(file(&format!("c{i}.grf")), next.repeat(2)).unwrap();
+        }
+        std::fs::write(file("c16.grf"), "").unwrap();
+        let error = read_grf(&file("c0.grf")).unwrap_err().to_string();
+        assert!(error.contains("4096 included files"), "{error}");
+    }
+
+    /// Changes bytes of the examples; `GRF_MUTATIONS` says how often, 2000 times if nothing is said. No scene panics.
+    #[test]
+    fn mutations_never_panic() {
+        let wanted = std::env::var("GRF_MUTATIONS").ok();
+        let count = wanted.and_then(|n| n.parse().ok()).unwrap_or(2000u64);
+        let example = std::fs::read_to_string(Path::new(EXAMPLES).join("box.grf")).unwrap();
+        let (mut state, mut understood) = (1u64, 0);
+        let mut next = |below: usize| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % below
+        };
+        for round in 0..count {
+            let text = if round % 2 == 0 { TRIANGLE } else { &example };
+            let mut bytes = text.as_bytes().to_vec();
+            for _ in 0..=next(3) {
+                let (place, length) = (next(bytes.len()), next(20));
+                let end = (place + length).min(bytes.len());
+                match next(4) {
+                    0 => bytes[place] = b"0123456789.-+e(),=\"/ abdnxyz\n"[next(30)],
+                    1 => drop(bytes.drain(place..end)),
+                    2 => {
+                        let part = bytes[place..end].to_vec();
+                        let at = next(bytes.len());
+                        bytes.splice(at..at, part);
+                    }
+                    _ => bytes.truncate(end.max(1)),
+                }
+                if bytes.is_empty() {
+                    bytes.push(b' ');
+                }
+            }
+            let text = String::from_utf8_lossy(&bytes);
+            if let Ok(scene) = read(&text) {
+                understood += u32::from(scene.build().is_ok());
+            }
+        }
+        // Many changes leave a scene, which was built.
+        assert!(u64::from(understood) > count / 50, "{understood}");
+    }
 }
