@@ -16,7 +16,7 @@ use merlkit::render::{Effect, EffectPlan, PlanRequest, RenderSettings, Scene, Sc
 use crate::args;
 use crate::progress::Progress;
 use crate::provenance::{self, Checksums};
-use crate::render_costs::{RenderCosts, SamplerCost, Stage};
+use crate::render_costs::{CostStage, RenderCosts, UsedSampler};
 use crate::sampler_choice::SamplerChoice;
 use crate::scene_args::Finish;
 use crate::sky::print_notes;
@@ -213,7 +213,7 @@ impl LoadedParts {
                 let start = Instant::now();
                 let loaded = args::load(material, picture.lookup)?;
                 if let Some(costs) = picture.costs {
-                    costs.add(Stage::Loading, start);
+                    costs.add(CostStage::Loading, start);
                 }
                 loaded
             }
@@ -243,7 +243,7 @@ fn build_sampler(
     let Some(costs) = costs else {
         return Ok(sampler);
     };
-    let cost = SamplerCost {
+    let cost = UsedSampler {
         material: loaded.name().to_owned(),
         sampler: choice.label(),
         bytes: sampler.bytes(),

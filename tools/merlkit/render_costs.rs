@@ -30,12 +30,12 @@ struct Stages {
     loading: Duration,
     building: Duration,
     rendering: Duration,
-    samplers: Vec<SamplerCost>,
+    samplers: Vec<UsedSampler>,
 }
 
 /// A sampler that was built or read for a picture.
 #[derive(Clone, Debug, Serialize)]
-pub struct SamplerCost {
+pub struct UsedSampler {
     /// The material.
     pub material: String,
     /// The method with its settings, and the file that it was read from.
@@ -48,7 +48,7 @@ pub struct SamplerCost {
 
 /// A part of a picture's work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum CostStage {
     /// Reading materials and lights.
     Loading,
     /// Tracing paths, with all draws.
@@ -57,16 +57,16 @@ pub enum Stage {
 
 impl RenderCosts {
     /// Adds what a stage took since `start`.
-    pub fn add(&self, stage: Stage, start: Instant) {
+    pub fn add(&self, stage: CostStage, start: Instant) {
         let mut stages = self.lock();
         match stage {
-            Stage::Loading => stages.loading += start.elapsed(),
-            Stage::Rendering => stages.rendering += start.elapsed(),
+            CostStage::Loading => stages.loading += start.elapsed(),
+            CostStage::Rendering => stages.rendering += start.elapsed(),
         }
     }
 
     /// Adds a sampler, whose building took since `start`.
-    pub fn add_sampler(&self, start: Instant, mut cost: SamplerCost) {
+    pub fn add_sampler(&self, start: Instant, mut cost: UsedSampler) {
         let took = start.elapsed();
         cost.building = took.as_secs_f64();
         let mut stages = self.lock();
@@ -162,7 +162,7 @@ pub struct CostSummary {
     /// Densities that were computed.
     pub densities: CallCount,
     /// The samplers.
-    pub samplers: Vec<SamplerCost>,
+    pub samplers: Vec<UsedSampler>,
 }
 
 impl CostSummary {

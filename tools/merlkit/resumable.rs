@@ -14,7 +14,7 @@ use crate::interrupt::StoppableWork;
 use crate::output;
 use crate::picture::{Files, Picture, map_file};
 use crate::provenance;
-use crate::render_costs::Stage;
+use crate::render_costs::CostStage;
 
 /// Shown when a signal comes.
 const STOPPING: &str = "merlkit: stopping once every pixel has the same number of paths (press Ctrl-C again to stop now and discard the picture)";
@@ -73,7 +73,7 @@ impl Resumable<'_> {
         let start = Instant::now();
         let finished = rendering.advance(&|| work.should_stop(), &advance);
         if let Some(costs) = self.picture.costs {
-            costs.add(Stage::Rendering, start);
+            costs.add(CostStage::Rendering, start);
         }
         drop(progress);
         let outcome = if finished {

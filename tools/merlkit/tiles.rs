@@ -17,7 +17,7 @@ use crate::output;
 use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
 use crate::provenance::Checksums;
-use crate::render_costs::Stage;
+use crate::render_costs::CostStage;
 
 /// A picture that becomes a part of a larger one, or a frame: in most cases of one sphere.
 pub struct Tile<'a> {
@@ -239,7 +239,7 @@ impl TileFolder {
         let start = Instant::now();
         let is_finished = rendering.advance(&|| work.should_stop(), &advance);
         if let Some(costs) = picture.costs {
-            costs.add(Stage::Rendering, start);
+            costs.add(CostStage::Rendering, start);
         }
         if !is_finished {
             rendering.save(&partial, &picture.facts())?;

@@ -69,7 +69,7 @@ impl PointCloud {
     /// # Errors
     /// As [`Self::open`].
     pub fn parse(text: &str, name: &str) -> Result<Self> {
-        let mut lines = Lines {
+        let mut lines = CloudLines {
             name,
             lines: text.lines().enumerate(),
             number: 1,
@@ -167,14 +167,14 @@ pub fn viewer_line(theta: f64, phi: f64, units: CloudUnits) -> String {
 }
 
 /// The lines that hold something.
-struct Lines<'a> {
+struct CloudLines<'a> {
     name: &'a str,
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
     /// Of the line that was read last, from 1.
     number: usize,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> CloudLines<'a> {
     fn next(&mut self, expected: &str) -> Result<&'a str> {
         for (index, line) in self.lines.by_ref() {
             self.number = index + 1;
@@ -212,7 +212,7 @@ fn count_lines(bytes: &[u8]) -> usize {
 }
 
 /// `viewer (θ, φ)`.
-fn read_viewer(lines: &mut Lines<'_>) -> Result<[f64; 2]> {
+fn read_viewer(lines: &mut CloudLines<'_>) -> Result<[f64; 2]> {
     let expected = "viewer (theta, phi)";
     let line = lines.next(expected)?;
     let numbers = line.strip_prefix("viewer").and_then(read_bracket);
@@ -226,7 +226,7 @@ fn read_viewer(lines: &mut Lines<'_>) -> Result<[f64; 2]> {
 }
 
 /// `(x,y,z) f`.
-fn read_point(line: &str, lines: &Lines<'_>) -> Result<(DVec3, f64)> {
+fn read_point(line: &str, lines: &CloudLines<'_>) -> Result<(DVec3, f64)> {
     let expected = "(x,y,z) f with finite numbers";
     let Some((numbers, rest)) = read_bracket(line) else {
         return Err(lines.unexpected(expected, line));

@@ -6,7 +6,7 @@ use merlkit::Result;
 use super::attributes::{read_attribute, read_body};
 use super::meshes::read_mesh_block;
 use super::tokens::{Token, Tokens};
-use super::tree::{Block, Definition, LightBlock, TransformStep};
+use super::tree::{Definition, GrfBlock, LightBlock, TransformStep};
 use super::values::{expect_sign, expect_word, read_vec3};
 
 /// How deep blocks may lie in one another.
@@ -18,7 +18,7 @@ const MOST_NESTED: usize = 64;
 ///
 /// # Errors
 /// [`merlkit::Error::Argument`] with the line of what is not in the grammar.
-pub(super) fn read_blocks(name: &str, text: &str) -> Result<Vec<Block>> {
+pub(super) fn read_blocks(name: &str, text: &str) -> Result<Vec<GrfBlock>> {
     let mut tokens = Tokens::new(name, text);
     let blocks = read_list(&mut tokens, 0)?;
     match tokens.next()? {
@@ -31,7 +31,7 @@ pub(super) fn read_blocks(name: &str, text: &str) -> Result<Vec<Block>> {
 }
 
 /// Blocks up to an `end` or the end of the file, neither of which is read.
-fn read_list(tokens: &mut Tokens<'_>, depth: usize) -> Result<Vec<Block>> {
+fn read_list(tokens: &mut Tokens<'_>, depth: usize) -> Result<Vec<GrfBlock>> {
     if depth > MOST_NESTED {
         let what = format!("blocks that lie more than {MOST_NESTED} deep in one another");
         return Err(tokens.fault(what, "nest fewer blocks"));
@@ -45,18 +45,18 @@ fn read_list(tokens: &mut Tokens<'_>, depth: usize) -> Result<Vec<Block>> {
     }
 }
 
-fn read_block(tokens: &mut Tokens<'_>, depth: usize) -> Result<Block> {
+fn read_block(tokens: &mut Tokens<'_>, depth: usize) -> Result<GrfBlock> {
     let before = *tokens;
     let first = tokens.next()?;
     let line = tokens.line();
     match first {
         Token::Word("begin") => {
             expect_word(tokens, "mesh")?;
-            Ok(Block::Mesh(read_mesh_block(tokens, line)?))
+            Ok(GrfBlock::Mesh(read_mesh_block(tokens, line)?))
         }
-        Token::Word("light") => Ok(Block::Light(read_light(tokens, line)?)),
+        Token::Word("light") => Ok(GrfBlock::Light(read_light(tokens, line)?)),
         Token::Word("include") => match tokens.next()? {
-            Token::Text(file) => Ok(Block::Include {
+            Token::Text(file) => Ok(GrfBlock::Include {
                 file: file.to_owned(),
                 line,
             }),
@@ -64,7 +64,7 @@ fn read_block(tokens: &mut Tokens<'_>, depth: usize) -> Result<Block> {
         },
         Token::Word("transform") => {
             let steps = read_steps(tokens)?;
-            Ok(Block::Transform {
+            Ok(GrfBlock::Transform {
                 steps,
                 blocks: read_body_blocks(tokens, depth)?,
                 line,
@@ -72,7 +72,7 @@ fn read_block(tokens: &mut Tokens<'_>, depth: usize) -> Result<Block> {
         }
         Token::Word("def") => {
             let definitions = read_definitions(tokens)?;
-            Ok(Block::Define {
+            Ok(GrfBlock::Define {
                 definitions,
                 blocks: read_body_blocks(tokens, depth)?,
                 line,
@@ -82,7 +82,7 @@ fn read_block(tokens: &mut Tokens<'_>, depth: usize) -> Result<Block> {
         _ => {
             *tokens = before;
             match read_attribute(tokens)? {
-                Some(attribute) => Ok(Block::Attribute(attribute)),
+                Some(attribute) => Ok(GrfBlock::Attribute(attribute)),
                 None => {
                     let found = tokens.next()?;
                     Err(tokens.unexpected(
@@ -96,7 +96,7 @@ fn read_block(tokens: &mut Tokens<'_>, depth: usize) -> Result<Block> {
 }
 
 /// `begin … end`.
-fn read_body_blocks(tokens: &mut Tokens<'_>, depth: usize) -> Result<Vec<Block>> {
+fn read_body_blocks(tokens: &mut Tokens<'_>, depth: usize) -> Result<Vec<GrfBlock>> {
     expect_word(tokens, "begin")?;
     let blocks = read_list(tokens, depth + 1)?;
     expect_word(tokens, "end")?;
@@ -161,11 +161,11 @@ fn read_definitions(tokens: &mut Tokens<'_>) -> Result<Vec<Definition>> {
 }
 
 /// `params begin dependent view (x,y,z) end`.
-fn read_params(tokens: &mut Tokens<'_>) -> Result<Block> {
+fn read_params(tokens: &mut Tokens<'_>) -> Result<GrfBlock> {
     for word in ["begin", "dependent", "view"] {
         expect_word(tokens, word)?;
     }
     let view = read_vec3(tokens)?;
     expect_word(tokens, "end")?;
-    Ok(Block::View(view))
+    Ok(GrfBlock::View(view))
 }

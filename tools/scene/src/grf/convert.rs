@@ -13,8 +13,8 @@ use merlkit::{Error, Result};
 use super::blocks::read_blocks;
 use super::scope::{Looks, Names, compose};
 use super::tokens::fault_in_line;
-use super::tree::{Attribute, Block, LightBlock, MeshBlock};
-use super::words::Fault;
+use super::tree::{Attribute, GrfBlock, LightBlock, MeshBlock};
+use super::words::GrfFault;
 use crate::description::{LightEntry, ObjectEntry, SceneDescription, ShapeEntry, SurfaceEntry};
 use crate::mesh::{Shading, Sides};
 use crate::mesh_data::MeshData;
@@ -38,7 +38,7 @@ const LEAST_COSINE: f64 = 0.2;
 /// one another, and for scenes that are too large.
 pub(crate) fn read_grf(path: &Path) -> Result<SceneDescription> {
     let mut builder = Builder::default();
-    builder.add_file(path, &State::default())?;
+    builder.add_file(path, &BlockState::default())?;
     let mut scene = builder.scene;
     if scene.lights.is_empty() {
         // The scene is to be seen.
@@ -49,7 +49,7 @@ pub(crate) fn read_grf(path: &Path) -> Result<SceneDescription> {
 
 /// What holds for the blocks of a list.
 #[derive(Clone, Default)]
-struct State {
+struct BlockState {
     to_world: DAffine3,
     looks: Looks,
 }
@@ -61,7 +61,7 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn fault(&self, line: usize, (what, fix): Fault) -> Error {
+    fn fault(&self, line: usize, (what, fix): GrfFault) -> Error {
         fault_in_line(&self.name, line, &what, &fix)
     }
 }
@@ -81,7 +81,7 @@ struct Builder {
 }
 
 impl Builder {
-    fn add_file(&mut self, path: &Path, state: &State) -> Result<()> {
+    fn add_file(&mut self, path: &Path, state: &BlockState) -> Result<()> {
         let file = RegularFile::open(path)?;
         let whole = path
             .canonicalize()
@@ -109,36 +109,36 @@ impl Builder {
         Ok(())
     }
 
-    fn add_text(&mut self, text: &str, source: Source<'_>, state: &State) -> Result<()> {
+    fn add_text(&mut self, text: &str, source: Source<'_>, state: &BlockState) -> Result<()> {
         let blocks = read_blocks(&source.name, text)?;
         self.add_blocks(blocks, &source, state.clone())
     }
 
     fn add_blocks(
         &mut self,
-        blocks: Vec<Block>,
+        blocks: Vec<GrfBlock>,
         source: &Source<'_>,
-        mut state: State,
+        mut state: BlockState,
     ) -> Result<()> {
         for block in blocks {
             match block {
-                Block::Mesh(mesh) => self.add_mesh(mesh, source, &state)?,
-                Block::Light(light) => self.add_light(&light, source, &state)?,
-                Block::Include { file, line } => self.include(&file, line, source, &state)?,
-                Block::Transform {
+                GrfBlock::Mesh(mesh) => self.add_mesh(mesh, source, &state)?,
+                GrfBlock::Light(light) => self.add_light(&light, source, &state)?,
+                GrfBlock::Include { file, line } => self.include(&file, line, source, &state)?,
+                GrfBlock::Transform {
                     steps,
                     blocks,
                     line,
                 } => {
                     let to_world = state.to_world * compose(&steps);
                     check_place(to_world).map_err(|fault| source.fault(line, fault))?;
-                    let inner = State {
+                    let inner = BlockState {
                         to_world,
                         looks: state.looks.clone(),
                     };
                     self.add_blocks(blocks, source, inner)?;
                 }
-                Block::Define {
+                GrfBlock::Define {
                     definitions,
                     blocks,
                     line: _,
@@ -147,8 +147,10 @@ impl Builder {
                     self.add_blocks(blocks, source, state.clone())?;
                     self.names.close(before);
                 }
-                Block::Attribute(attribute) => self.apply(&attribute, source, &mut state.looks)?,
-                Block::View(eye) => {
+                GrfBlock::Attribute(attribute) => {
+                    self.apply(&attribute, source, &mut state.looks)?
+                }
+                GrfBlock::View(eye) => {
                     let eye = state.to_world.transform_point3(eye);
                     self.scene.camera.eye = Some(eye);
                 }
@@ -162,7 +164,7 @@ impl Builder {
         file: &str,
         line: usize,
         source: &Source<'_>,
-        state: &State,
+        state: &BlockState,
     ) -> Result<()> {
         self.includes += 1;
         if self.includes > MOST_INCLUDES || self.open_files.len() >= MOST_DEEP {
@@ -186,7 +188,7 @@ impl Builder {
     }
 
     /// Adds an object for each part of a mesh that looks alike.
-    fn add_mesh(&mut self, mesh: MeshBlock, source: &Source<'_>, state: &State) -> Result<()> {
+    fn add_mesh(&mut self, mesh: MeshBlock, source: &Source<'_>, state: &BlockState) -> Result<()> {
         let mut looks = state.looks.clone();
         let mut line = mesh.line;
         for attribute in &mesh.attributes {
@@ -264,7 +266,12 @@ impl Builder {
     }
 
     /// Adds a light that shines to both sides: the thesis does not say to which one.
-    fn add_light(&mut self, light: &LightBlock, source: &Source<'_>, state: &State) -> Result<()> {
+    fn add_light(
+        &mut self,
+        light: &LightBlock,
+        source: &Source<'_>,
+        state: &BlockState,
+    ) -> Result<()> {
         self.count(0, light.line, source)?;
         if light.rgb.min_element() < 0.0 {
             let what = format!("a light of the colour {}", light.rgb);
@@ -301,7 +308,7 @@ impl Builder {
 }
 
 /// Refuses a transformation after which nothing is left, or that leads beyond all numbers.
-fn check_place(to_world: DAffine3) -> core::result::Result<(), Fault> {
+fn check_place(to_world: DAffine3) -> core::result::Result<(), GrfFault> {
     let determinant = to_world.matrix3.determinant();
     if to_world.is_finite() && determinant.is_finite() && determinant != 0.0 {
         return Ok(());
@@ -368,7 +375,7 @@ mod tests {
             name: "a.grf".into(),
             folder: Path::new(EXAMPLES),
         };
-        builder.add_text(text, source, &State::default())?;
+        builder.add_text(text, source, &BlockState::default())?;
         Ok(builder.scene)
     }
 

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use merlkit::material::merl::embedded_names;
 
 use super::tree::{Attribute, AttributeValue, BrdfWords, Definition, ModelWords, TransformStep};
-use super::words::{Fault, formula_text, sampler_text};
+use super::words::{GrfFault, formula_text, sampler_text};
 
 /// The attributes that hold for what follows.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ impl Names {
     ///
     /// # Errors
     /// A colour that has no name of that kind.
-    pub(super) fn apply(&self, attribute: &Attribute, looks: &mut Looks) -> Result<(), Fault> {
+    pub(super) fn apply(&self, attribute: &Attribute, looks: &mut Looks) -> Result<(), GrfFault> {
         match &attribute.value {
             AttributeValue::Rgb(colour) => looks.colour = *colour,
             AttributeValue::NamedRgb(name) => {
@@ -113,7 +113,7 @@ impl Names {
         }
     }
 
-    fn unknown(&self, kind: &str, name: &str) -> Fault {
+    fn unknown(&self, kind: &str, name: &str) -> GrfFault {
         let mut names: Vec<&str> = Vec::new();
         for definition in &self.known {
             names.push(&definition.name);
@@ -129,7 +129,7 @@ impl Names {
     ///
     /// # Errors
     /// A BRDF that is none, and a file that is not there.
-    pub(super) fn material_text(&self, looks: &Looks, folder: &Path) -> Result<String, Fault> {
+    pub(super) fn material_text(&self, looks: &Looks, folder: &Path) -> Result<String, GrfFault> {
         match &looks.brdf {
             BrdfWords::Model(words) => {
                 let text = formula_text(words, looks.colour);
@@ -165,7 +165,7 @@ impl Names {
     ///
     /// # Errors
     /// A sampler that is none.
-    pub(super) fn sampler_text(&self, looks: &Looks) -> Result<Option<String>, Fault> {
+    pub(super) fn sampler_text(&self, looks: &Looks) -> Result<Option<String>, GrfFault> {
         looks.sampler.as_ref().map(sampler_text).transpose()
     }
 }
@@ -175,7 +175,7 @@ fn is_model(name: &str) -> bool {
 }
 
 /// The file of measured values, or the built-in material of its name.
-fn measured_text(file: &str, folder: &Path) -> Result<String, Fault> {
+fn measured_text(file: &str, folder: &Path) -> Result<String, GrfFault> {
     let path = folder.join(file);
     if path.is_file() {
         return Ok(path.display().to_string());

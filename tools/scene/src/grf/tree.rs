@@ -4,7 +4,7 @@ use glam::DVec3;
 
 /// A part of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Block {
+pub(super) enum GrfBlock {
     /// Vertices and faces.
     Mesh(MeshBlock),
     /// A luminous parallelogram.
@@ -21,7 +21,7 @@ pub(super) enum Block {
         /// In the order in which they apply.
         steps: Vec<TransformStep>,
         /// What is moved.
-        blocks: Vec<Block>,
+        blocks: Vec<GrfBlock>,
         /// Where it begins.
         line: usize,
     },
@@ -30,7 +30,7 @@ pub(super) enum Block {
         /// The names and what they mean.
         definitions: Vec<Definition>,
         /// What they hold for.
-        blocks: Vec<Block>,
+        blocks: Vec<GrfBlock>,
         /// Where it begins.
         line: usize,
     },

@@ -7,13 +7,13 @@ use merlkit::SamplerSpec;
 use super::tree::{ModelWords, ParameterValue};
 
 /// What a text can't be made of, and what to do about it.
-pub(super) type Fault = (String, String);
+pub(super) type GrfFault = (String, String);
 
 /// The formula of a BRDF, multiplied by a colour.
 ///
 /// # Errors
 /// A name that is no model, and parameters outside their domains.
-pub(super) fn formula_text(words: &ModelWords, colour: DVec3) -> Result<String, Fault> {
+pub(super) fn formula_text(words: &ModelWords, colour: DVec3) -> Result<String, GrfFault> {
     let mut settings = Vec::new();
     for (key, value) in &words.parameters {
         settings.push(match value {
@@ -45,7 +45,7 @@ const FLOOR: f64 = 0.1;
 ///
 /// # Errors
 /// A name that is no sampler, a parameter that is missing or unknown, and values outside their domains.
-pub(super) fn sampler_text(words: &ModelWords) -> Result<String, Fault> {
+pub(super) fn sampler_text(words: &ModelWords) -> Result<String, GrfFault> {
     let name = words.name.to_ascii_lowercase();
     let mut given = Given {
         words,
@@ -103,7 +103,7 @@ fn azimuths_text(azimuths: f64) -> String {
     }
 }
 
-fn factored_text(given: &mut Given<'_>) -> Result<String, Fault> {
+fn factored_text(given: &mut Given<'_>) -> Result<String, GrfFault> {
     let [u_theta, u_phi, p_theta, p_phi] = [
         given.number("uTh", None)?,
         given.number("uPh", None)?,
@@ -136,7 +136,7 @@ impl Given<'_> {
         found.map(|(_, value)| *value)
     }
 
-    fn number(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, Fault> {
+    fn number(&mut self, key: &'static str, default: Option<f64>) -> Result<f64, GrfFault> {
         match (self.find(key), default) {
             (Some(ParameterValue::Number(number)), _) | (None, Some(number)) => Ok(number),
             _ => Err((
@@ -146,7 +146,7 @@ impl Given<'_> {
         }
     }
 
-    fn flag(&mut self, key: &'static str) -> Result<bool, Fault> {
+    fn flag(&mut self, key: &'static str) -> Result<bool, GrfFault> {
         match self.find(key) {
             None => Ok(false),
             Some(ParameterValue::Flag(flag)) => Ok(flag),
@@ -158,7 +158,7 @@ impl Given<'_> {
     }
 
     /// Refuses parameters that nobody asked for.
-    fn finish(self) -> Result<(), Fault> {
+    fn finish(self) -> Result<(), GrfFault> {
         for (key, _) in &self.words.parameters {
             if !self.used.iter().any(|used| used.eq_ignore_ascii_case(key)) {
                 return Err((
