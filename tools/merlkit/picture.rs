@@ -209,14 +209,7 @@ impl LoadedParts {
         }
         let loaded = match self.material.take() {
             Some((_, loaded)) => loaded,
-            None => {
-                let start = Instant::now();
-                let loaded = args::load(material, picture.lookup)?;
-                if let Some(costs) = picture.costs {
-                    costs.add(CostStage::Loading, start);
-                }
-                loaded
-            }
+            None => load_material(material, picture)?,
         };
         let sampler = match directions {
             true => Some(build_sampler(choice, &loaded, picture.costs)?),
@@ -230,6 +223,23 @@ impl LoadedParts {
         self.surface = Some((surface_key, surface.clone()));
         Ok(surface)
     }
+}
+
+/// The samplers of all pictures as one text.
+pub fn describe_samplers(pictures: &[Picture<'_>]) -> String {
+    let mut keys: Vec<String> = pictures.iter().map(Picture::sampler_key).collect();
+    keys.dedup();
+    format!("samplers {}", keys.join("; "))
+}
+
+/// Loads a material, and counts the time if anybody asks for costs.
+fn load_material(material: &Material, picture: &Picture<'_>) -> Result<Loaded, Error> {
+    let start = Instant::now();
+    let loaded = args::load(material, picture.lookup)?;
+    if let Some(costs) = picture.costs {
+        costs.add(CostStage::Loading, start);
+    }
+    Ok(loaded)
 }
 
 /// The sampler of a material, whose building and calls are measured if anybody asks for costs.

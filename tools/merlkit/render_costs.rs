@@ -150,6 +150,15 @@ pub struct CallCount {
     pub timed: u64,
 }
 
+impl CallCount {
+    fn describe(self) -> String {
+        format!(
+            "{} directions, {} of them timed",
+            self.directions, self.timed
+        )
+    }
+}
+
 /// What a command measured of its own picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct CostSummary {
@@ -170,19 +179,11 @@ impl CostSummary {
     pub fn stage_sheet(&self) -> Sheet {
         let mut sheet = Sheet::new(&["stage", "s", "what is in it"]);
         let seconds = &self.seconds;
-        let timed = |count: CallCount, what: &str| {
-            let CallCount { directions, timed } = count;
-            format!("{directions} {what}, {timed} of them timed")
-        };
         for (name, value, what) in [
             ("loading", seconds.loading, "materials and lights".into()),
             ("building", seconds.building, "samplers".into()),
-            ("drawing", seconds.drawing, timed(self.draws, "directions")),
-            (
-                "densities",
-                seconds.densities,
-                timed(self.densities, "directions"),
-            ),
+            ("drawing", seconds.drawing, self.draws.describe()),
+            ("densities", seconds.densities, self.densities.describe()),
             ("tracing", seconds.tracing, "the rest of rendering".into()),
             ("total", seconds.total, "with the writing of files".into()),
         ] {

@@ -20,7 +20,7 @@ use crate::frames::{FrameOptions, Movie};
 use crate::grid::{Cell, Grid, lay_out_spheres};
 use crate::output::Destination;
 use crate::path_args::PathOptions;
-use crate::picture::{Files, Picture};
+use crate::picture::{Files, Picture, describe_samplers};
 use crate::provenance::{self, Checksums};
 use crate::render_costs::{CostSummary, RenderCosts};
 use crate::render_summary::{RenderResult, error_reached, paths_a_pixel};
@@ -151,15 +151,7 @@ fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
         Some(scene) => scene.spec.materials.clone(),
         None => batch::expand_folders(&args.materials)?,
     };
-    // A scene is one tile.
-    let grid = match args.together || scene.is_some() || names.len() == 1 {
-        true => {
-            let spheres = if scene.is_some() { 1 } else { names.len() };
-            let (width, height) = args.size.unwrap_or(((320 * spheres).max(480), 360));
-            Grid::for_tiles(1, None, [width, height])
-        }
-        false => lay_out_spheres(names.len(), args.columns, args.size)?,
-    };
+    let grid = lay_out(args, scene.is_some(), names.len())?;
     let settings = args.paths.settings(grid.tile)?;
     settings.check()?;
     let materials = match args.together && scene.is_none() {
@@ -183,17 +175,7 @@ fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
     if is_single {
         resumable::check_files(&files, output::overwrite(args.force), args.resume)?;
     }
-    if let Some(destination) = &args.json {
-        destination.check(output::overwrite(args.force))?;
-    }
-    for picture in &pictures {
-        picture.check_samplers()?;
-    }
-    if args.explain && args.json != Some(Destination::Stdout) {
-        for sheet in explain_plans(&pictures) {
-            output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
-        }
-    }
+    check_before(args, &pictures)?;
     let refinement = match is_single {
         true => draw_alone(args, &pictures[0], &files)?,
         false => match args.frames.count() {
@@ -253,6 +235,32 @@ fn written_files(args: &Args) -> Vec<String> {
             ]
         }
     }
+}
+
+/// Where the spheres are in the picture. A scene is one tile.
+fn lay_out(args: &Args, is_scene: bool, spheres: usize) -> Result<Grid, Error> {
+    let spheres = if is_scene { 1 } else { spheres };
+    if args.together || spheres == 1 {
+        let (width, height) = args.size.unwrap_or(((320 * spheres).max(480), 360));
+        return Ok(Grid::for_tiles(1, None, [width, height]));
+    }
+    lay_out_spheres(spheres, args.columns, args.size)
+}
+
+/// Refuses, before the work, JSON that can't be written, and samplers that don't suit their materials. Then prints the plans.
+fn check_before(args: &Args, pictures: &[Picture<'_>]) -> Result<(), Failure> {
+    if let Some(destination) = &args.json {
+        destination.check(output::overwrite(args.force))?;
+    }
+    for picture in pictures {
+        picture.check_samplers()?;
+    }
+    if args.explain && args.json != Some(Destination::Stdout) {
+        for sheet in explain_plans(pictures) {
+            output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
+        }
+    }
+    Ok(())
 }
 
 /// The sampler of each material: what the command line says, or else the scene, or else the default.
@@ -358,13 +366,6 @@ fn draw_apart(
     Ok(drawn.flatten())
 }
 
-/// The samplers of all pictures as one text.
-fn describe_samplers(pictures: &[Picture<'_>]) -> String {
-    let mut keys: Vec<String> = pictures.iter().map(Picture::sampler_key).collect();
-    keys.dedup();
-    format!("samplers {}", keys.join("; "))
-}
-
 /// A frame of so many, from the tiles of all.
 fn compose_frame(
     grid: &Grid,
@@ -377,6 +378,31 @@ fn compose_frame(
         cells.push(Cell::from(folder.read(tile)?));
     }
     grid.compose(&[], &cells)
+}
+
+/// A tile for each sphere and frame, all frames of a sphere before the next one.
+fn list_frames<'a>(
+    args: &Args,
+    pictures: &[Picture<'a>],
+    sums: &mut Checksums,
+    count: usize,
+) -> Result<Vec<Tile<'a>>, Failure> {
+    let mut tiles = Vec::with_capacity(pictures.len() * count);
+    for (number, picture) in pictures.iter().enumerate() {
+        let key = tile_key(picture.materials, sums)?;
+        for frame in 0..count {
+            let picture = Picture {
+                scene: args.frames.turn(&picture.scene, frame),
+                ..picture.clone()
+            };
+            let variant = match args.samplers.len() {
+                0 | 1 => format!("_{frame:04}"),
+                _ => format!("-{number}_{frame:04}"),
+            };
+            tiles.push(Tile::new(&key, &variant, picture));
+        }
+    }
+    Ok(tiles)
 }
 
 /// Draws the spheres of each frame, all frames of a sphere before the next one, which is then not in memory.
@@ -396,21 +422,7 @@ fn draw_frames(
         false => output::overwrite(args.force),
     };
     movie.check(overwrite)?;
-    let mut tiles = Vec::with_capacity(pictures.len() * count);
-    for (number, picture) in pictures.iter().enumerate() {
-        let key = tile_key(picture.materials, sums)?;
-        for frame in 0..count {
-            let picture = Picture {
-                scene: args.frames.turn(&picture.scene, frame),
-                ..picture.clone()
-            };
-            let variant = match args.samplers.len() {
-                0 | 1 => format!("_{frame:04}"),
-                _ => format!("-{number}_{frame:04}"),
-            };
-            tiles.push(Tile::new(&key, &variant, picture));
-        }
-    }
+    let tiles = list_frames(args, pictures, sums, count)?;
     let layout = format!(
         "{}\n{}",
         args.frames.describe(),

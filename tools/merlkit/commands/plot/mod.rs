@@ -290,16 +290,7 @@ impl Args {
     fn check_extras(&self, materials: usize) -> Result<(), Error> {
         match self.kind {
             Kind::Environment => self.sky.check(materials)?,
-            kind if self.sky.are_given() => {
-                return Err(Error::argument(
-                    format!(
-                        "--light, --strategy, --candidates or --phi has no effect on --kind {}",
-                        kind.name()
-                    ),
-                    "omit it, or choose --kind environment",
-                ));
-            }
-            _ => {}
+            kind => self.sky.refuse_elsewhere(kind.name())?,
         }
         if self.cloud.fit.is_some() && self.kind != Kind::Disc {
             return Err(Error::argument(
@@ -391,13 +382,8 @@ impl Args {
         }
         if self.kind == Kind::Environment {
             let sampler = samplers.first().and_then(|built| built.first());
-            let request = SkyRequest {
-                theta: thetas[0],
-                samples: self.samples.unwrap_or(1000) as usize,
-                seed: self.seed.unwrap_or(0),
-                exposure: self.exposure.unwrap_or(0.0),
-            };
-            return self.sky.chart(materials.first().zip(sampler), &request);
+            let subject = materials.first().zip(sampler);
+            return self.sky.chart(subject, &self.sky_request(thetas[0]));
         }
         let (value, scale) = (
             PlottedValue {
@@ -426,6 +412,16 @@ impl Args {
         }
         let sampler = samplers.into_iter().flatten().next();
         self.single_chart(&ChartSubject::new(&materials[0], thetas, sampler))
+    }
+
+    /// What a picture of an environment shows.
+    fn sky_request(&self, theta: f64) -> SkyRequest {
+        SkyRequest {
+            theta,
+            samples: self.samples.unwrap_or(1000) as usize,
+            seed: self.seed.unwrap_or(0),
+            exposure: self.exposure.unwrap_or(0.0),
+        }
     }
 
     /// A picture of one material.

@@ -49,12 +49,19 @@ pub struct SkyRequest {
 const COLUMNS: usize = 512;
 
 impl SkyOptions {
-    /// Whether any was given.
-    pub fn are_given(&self) -> bool {
-        self.light.is_some()
-            || self.strategy.is_some()
-            || self.candidates.is_some()
-            || self.phi.is_some()
+    /// Refuses these options where another kind is plotted.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if any was given.
+    pub fn refuse_elsewhere(&self, kind: &str) -> Result<(), Error> {
+        let words = self.light.is_some() || self.strategy.is_some();
+        if !(words || self.candidates.is_some() || self.phi.is_some()) {
+            return Ok(());
+        }
+        Err(Error::argument(
+            format!("--light, --strategy, --candidates or --phi has no effect on --kind {kind}"),
+            "omit it, or choose --kind environment",
+        ))
     }
 
     /// Whether directions are drawn by a material's sampler.
@@ -140,32 +147,30 @@ impl SkyOptions {
             }
         };
         let draws = sky_draws(&environment, strategy, request.samples, request.seed);
-        let how = match (subject, strategy) {
-            (Some((material, sampler)), SkyStrategy::Ris(..)) => format!(
-                "{} kept of {candidates} from {} of {}",
-                draws.directions.len(),
-                sampler.spec(),
-                material.name()
-            ),
-            (Some((material, sampler)), _) => format!(
-                "{} drawn by {} of {}",
-                draws.directions.len(),
-                sampler.spec(),
-                material.name()
-            ),
-            _ => format!("{} drawn by the light", draws.directions.len()),
-        };
-        let viewer = match subject {
-            Some(_) => format!(", wo at θ = {}°, φ = {phi}°", request.theta),
-            None => String::new(),
-        };
-        sky_chart(
-            word,
-            &environment,
-            &draws,
-            &(how + &viewer),
-            request.exposure,
-        )
+        let mut how = describe_draws(&draws, strategy, subject);
+        if subject.is_some() {
+            how += &format!(", wo at θ = {}°, φ = {phi}°", request.theta);
+        }
+        sky_chart(word, &environment, &draws, &how, request.exposure)
+    }
+}
+
+/// How many directions were drawn, and how.
+fn describe_draws(
+    draws: &SkyDraws,
+    strategy: SkyStrategy<'_>,
+    subject: Option<(&Loaded, &Sampler)>,
+) -> String {
+    let count = draws.directions.len();
+    let Some((material, sampler)) = subject else {
+        return format!("{count} drawn by the light");
+    };
+    let (spec, name) = (sampler.spec(), material.name());
+    match strategy {
+        SkyStrategy::Ris(_, candidates) => {
+            format!("{count} kept of {candidates} from {spec} of {name}")
+        }
+        _ => format!("{count} drawn by {spec} of {name}"),
     }
 }
 

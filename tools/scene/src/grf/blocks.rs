@@ -81,18 +81,18 @@ fn read_block(tokens: &mut Tokens<'_>, depth: usize) -> Result<GrfBlock> {
         Token::Word("params") => read_params(tokens),
         _ => {
             *tokens = before;
-            match read_attribute(tokens)? {
-                Some(attribute) => Ok(GrfBlock::Attribute(attribute)),
-                None => {
-                    let found = tokens.next()?;
-                    Err(tokens.unexpected(
-                        "begin mesh, light, include, transform, def, params or an attribute",
-                        found,
-                    ))
-                }
-            }
+            read_attribute_block(tokens)
         }
     }
+}
+
+fn read_attribute_block(tokens: &mut Tokens<'_>) -> Result<GrfBlock> {
+    if let Some(attribute) = read_attribute(tokens)? {
+        return Ok(GrfBlock::Attribute(attribute));
+    }
+    let found = tokens.next()?;
+    let expected = "begin mesh, light, include, transform, def, params or an attribute";
+    Err(tokens.unexpected(expected, found))
 }
 
 /// `begin … end`.

@@ -69,13 +69,10 @@ impl Names {
     pub(super) fn apply(&self, attribute: &Attribute, looks: &mut Looks) -> Result<(), GrfFault> {
         match &attribute.value {
             AttributeValue::Rgb(colour) => looks.colour = *colour,
-            AttributeValue::NamedRgb(name) => {
-                let is_colour = |value: &AttributeValue| matches!(value, AttributeValue::Rgb(_));
-                match self.find(name, is_colour) {
-                    Some(AttributeValue::Rgb(colour)) => looks.colour = *colour,
-                    _ => return Err(self.unknown("colour", name)),
-                }
-            }
+            AttributeValue::NamedRgb(name) => match self.find(name, is_colour) {
+                Some(AttributeValue::Rgb(colour)) => looks.colour = *colour,
+                _ => return Err(self.unknown("colour", name)),
+            },
             AttributeValue::Brdf(brdf) => looks.brdf = self.resolve_brdf(brdf).clone(),
             AttributeValue::Pdf(words) => looks.sampler = Some(self.resolve_pdf(words).clone()),
             AttributeValue::Texture => {}
@@ -90,7 +87,6 @@ impl Names {
             let BrdfWords::Model(words) = found else {
                 break;
             };
-            let is_brdf = |value: &AttributeValue| matches!(value, AttributeValue::Brdf(_));
             match self.find(&words.name, is_brdf) {
                 Some(AttributeValue::Brdf(meaning)) if words.parameters.is_empty() => {
                     // `ward = brdf ward` means the model.
@@ -106,7 +102,6 @@ impl Names {
     }
 
     fn resolve_pdf<'a>(&'a self, words: &'a ModelWords) -> &'a ModelWords {
-        let is_pdf = |value: &AttributeValue| matches!(value, AttributeValue::Pdf(_));
         match self.find(&words.name, is_pdf) {
             Some(AttributeValue::Pdf(meaning)) if words.parameters.is_empty() => meaning,
             _ => words,
@@ -168,6 +163,18 @@ impl Names {
     pub(super) fn sampler_text(&self, looks: &Looks) -> Result<Option<String>, GrfFault> {
         looks.sampler.as_ref().map(sampler_text).transpose()
     }
+}
+
+fn is_colour(value: &AttributeValue) -> bool {
+    matches!(value, AttributeValue::Rgb(_))
+}
+
+fn is_brdf(value: &AttributeValue) -> bool {
+    matches!(value, AttributeValue::Brdf(_))
+}
+
+fn is_pdf(value: &AttributeValue) -> bool {
+    matches!(value, AttributeValue::Pdf(_))
 }
 
 fn is_model(name: &str) -> bool {
