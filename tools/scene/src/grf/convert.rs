@@ -465,7 +465,7 @@ end
                 "use brdf bath",
                 "no BRDF is called bath here; the names here are a, b",
             ),
-            ("KS=0.4", "KS=-1", "line 11"),
+            ("KS=0.4", "KS=-1", "line 10"),
             ("use color red", "use color a", "no colour is called a"),
             (
                 "scale (2,2,2)",
