@@ -148,7 +148,7 @@ mod tests {
     use super::*;
     use merlkit::color::Rgb;
     use merlkit::light::SkySampling;
-    use merlkit::material::analytic::Lambert;
+    use merlkit::material::analytic::ModelFacts;
     use merlkit::sampler::Cosine;
 
     /// A dim sky with one bright pixel above the horizon.
@@ -171,11 +171,9 @@ mod tests {
     #[test]
     fn light_and_resampling_find_the_spot_that_the_brdf_does_not_know() {
         let environment = spotted();
-        let grey = Lambert {
-            reflectance: Rgb::splat(0.5),
-        };
+        let grey = ModelFacts::brdf("lambert:reflectance=0.5").unwrap();
         let view = SurfaceView {
-            brdf: &grey,
+            brdf: &*grey,
             sampler: &Cosine,
             wo: Vec3::Z,
         };
