@@ -7,6 +7,7 @@ mod browsers;
 #[path = "../support/anisotropic.rs"]
 mod brushed;
 mod cells;
+mod clouds;
 mod compare;
 mod diff;
 mod environments;
@@ -15,6 +16,7 @@ mod every_material;
 mod explore;
 mod explore_page;
 mod fit;
+mod grf;
 #[path = "../support/grids.rs"]
 mod grid_files;
 mod hard;

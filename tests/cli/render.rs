@@ -1,6 +1,6 @@
 //! `render`: strategies and target errors.
 
-use crate::run::{fails, pixels, run, run_in, succeeds};
+use crate::run::{fails, json, pixels, run, run_in, succeeds};
 
 const RENDER: [&str; 5] = ["render", "nickel", "--size", "24x24", "--force"];
 
@@ -304,5 +304,65 @@ fn the_camera_and_the_lights_are_placed() {
         let all = [&["render", "teflon"][..], &options].concat();
         let message = fails(run_in(folder.path(), &all, ""));
         assert!(message.contains(complaint), "{message}");
+    }
+}
+
+/// The stages of a picture are measured, and a sampler from a file draws the pixels of the one that was built.
+#[test]
+fn costs_are_told_and_stored_samplers_draw() {
+    let folder = tempfile::tempdir().unwrap();
+    let in_folder = |command: &str| {
+        let arguments: Vec<&str> = command.split(' ').collect();
+        run_in(folder.path(), &arguments, "")
+    };
+    let quick = "--size 48x16 --spp 2 --force";
+    let [grey, red] = ["lambert:reflectance=0.5", "phong"];
+    for (material, file) in [(grey, "grey"), (red, "red")] {
+        let build = format!("build {material} --sampler half-vector:2KB -o {file}.safetensors");
+        succeeds(in_folder(&build));
+    }
+    let built = format!("render {grey} {red} --sampler half-vector:2KB {quick}");
+    succeeds(in_folder(&built));
+    let expected = pixels(folder.path());
+    let files = "--sampler grey.safetensors --sampler red.safetensors";
+    let stored = format!("render {grey} {red} {files} {quick} --explain --json -");
+    let document = json(&succeeds(in_folder(&stored)));
+    assert!(pixels(folder.path()) == expected);
+    let results = &document["results"];
+    let seconds = |stage: &str| results["seconds"][stage].as_f64().unwrap();
+    let stages = ["loading", "building", "drawing", "densities", "tracing"].map(seconds);
+    assert!(stages.iter().all(|s| *s > 0.0), "{results}");
+    assert!(stages.iter().sum::<f64>() < seconds("total"), "{results}");
+    let bytes = |i: usize| results["samplers"][i]["bytes"].as_u64().unwrap();
+    assert!(bytes(0) > 500 && bytes(1) > 500, "{results}");
+    let drawn = results["draws"]["directions"].as_u64().unwrap();
+    let timed = results["draws"]["timed"].as_u64().unwrap();
+    // A draw at each hit: at most one for each path, and about one in eight of them timed.
+    assert!(drawn <= 48 * 16 * 2 && drawn > 100, "{results}");
+    assert!(timed > 0 && timed < drawn / 2, "{results}");
+    let text = succeeds(in_folder(&format!("{built} --explain")));
+    for word in ["| drawing", "| tracing", "half-vector:2KB"] {
+        assert!(text.contains(word), "{text}");
+    }
+    for (command, complaint) in [
+        (
+            format!("render {red} --sampler grey.safetensors {quick}"),
+            "was built from",
+        ),
+        (
+            format!("render {grey} {red} --sampler grey.safetensors {quick}"),
+            "once for each",
+        ),
+        (
+            format!("render {grey} {red} {red} {files} {quick}"),
+            "2 samplers for 3 materials",
+        ),
+        (
+            format!("render {grey} {grey} {files} --together {quick}"),
+            "two samplers",
+        ),
+    ] {
+        let message = fails(in_folder(&command));
+        assert!(message.contains(complaint), "{command}: {message}");
     }
 }

@@ -163,3 +163,46 @@ impl Canvas {
         }
     }
 }
+/// Most spheres in a row, where nothing is said.
+const COLUMNS: usize = 5;
+
+/// Pixels of a tile's sides, at least: with fewer, nothing can be seen.
+const LEAST_SIDE: usize = 8;
+
+/// Where so many spheres are in a picture, each in a tile of its own: in so many columns, and in a picture of so many pixels, if any
+/// are asked for.
+///
+/// # Errors
+/// [`Error::Argument`] for a size that is no number of equal tiles, and for tiles in which nothing can be seen.
+pub fn lay_out_spheres(
+    spheres: usize,
+    columns: Option<u32>,
+    size: Option<(usize, usize)>,
+) -> Result<Grid, Error> {
+    let columns = columns.map_or(COLUMNS, |n| n as usize);
+    let grid = Grid::for_tiles(spheres, Some(columns), [320, 360]);
+    let Some((width, height)) = size else {
+        grid.check()?;
+        return Ok(grid);
+    };
+    let (columns, rows) = (grid.columns, grid.rows);
+    if width % columns == 0 && height % rows == 0 {
+        let tile = [width / columns, height / rows];
+        if tile[0].min(tile[1]) < LEAST_SIDE {
+            let [w, h] = tile;
+            return Err(Error::argument(
+                format!("a picture with {w} × {h} pixels for each sphere"),
+                "give a larger --size, or another number of --columns",
+            ));
+        }
+        return Ok(Grid { tile, ..grid });
+    }
+    let wide = width.div_ceil(columns) * columns;
+    let high = height.div_ceil(rows) * rows;
+    Err(Error::argument(
+        format!(
+            "{width} × {height} pixels are no {columns} × {rows} equal tiles, one for each sphere"
+        ),
+        format!("give --size {wide}x{high}, or another number of --columns"),
+    ))
+}

@@ -1,23 +1,28 @@
 //! A scene, what its picture depends on, and the files that it becomes.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use merlkit::Error;
+use merlkit::direction_sampler::DirectionSampler;
 use merlkit::files::{Overwrite, RegularFile, check_writable};
 use merlkit::image::{Image, write_exr, write_png};
 use merlkit::light::{EnvironmentSource, LightSpec};
 use merlkit::material::merl::LookupRule;
 use merlkit::material::{Loaded, Material};
 use merlkit::render::{Effect, EffectPlan, PlanRequest, RenderSettings, Scene, SceneSpec, Surface};
-use merlkit::sampler::SamplerSpec;
 
 use crate::args;
 use crate::progress::Progress;
 use crate::provenance::{self, Checksums};
+use crate::render_costs::{CostStage, RenderCosts, UsedSampler};
+use crate::sampler_choice::SamplerChoice;
 use crate::scene_args::Finish;
 use crate::sky::print_notes;
 
 /// A scene and everything its picture depends on.
+#[derive(Clone)]
 pub struct Picture<'a> {
     /// The scene; nothing is loaded.
     pub scene: SceneSpec,
@@ -27,12 +32,14 @@ pub struct Picture<'a> {
     pub materials: &'a [Material],
     /// What tables say between their samples.
     pub lookup: LookupRule,
-    /// How directions are drawn, where any are.
-    pub sampler: &'a SamplerSpec,
+    /// How directions are drawn, where any are; one for each material.
+    pub samplers: Vec<SamplerChoice>,
     /// Size, seed and budget of paths.
     pub settings: RenderSettings,
     /// What becomes of the pixels in files.
     pub finish: Finish,
+    /// Where the costs are counted, if anybody asks for them.
+    pub costs: Option<&'a RenderCosts>,
 }
 
 impl Picture<'_> {
@@ -48,22 +55,39 @@ impl Picture<'_> {
             progress.advance();
             surface
         };
+        let timer = self.begin_loading();
         let scene = Scene::build(&self.scene, self.effects, surface)?;
+        timer.end(self.costs);
         print_notes(scene.light_notes());
         Ok(scene)
     }
 
-    /// Refuses, before the work, a sampler that can't be built for a material.
+    /// Remembers when the loading of a scene begins, and what is counted by then.
+    fn begin_loading(&self) -> LoadingTimer {
+        LoadingTimer {
+            start: Instant::now(),
+            before: self.costs.map(RenderCosts::preparation),
+        }
+    }
+
+    /// The samplers as one text: each of them once, in the order of the materials.
+    pub fn sampler_key(&self) -> String {
+        let mut keys: Vec<String> = self.samplers.iter().map(SamplerChoice::key).collect();
+        keys.dedup();
+        keys.join("; ")
+    }
+
+    /// Refuses, before the work, samplers that can't be built for their materials.
     ///
     /// # Errors
-    /// As [`SamplerSpec::check_supports`].
-    pub fn check_sampler(&self) -> Result<(), Error> {
+    /// As [`SamplerChoice::check_supports`].
+    pub fn check_samplers(&self) -> Result<(), Error> {
         let plan = EffectPlan::for_scene(&self.scene, self.effects);
         if !plan.is_on(Effect::Directions) {
             return Ok(());
         }
-        for material in self.materials {
-            self.sampler.check_supports(&material.facts()?)?;
+        for (material, sampler) in self.materials.iter().zip(&self.samplers) {
+            sampler.check_supports(material)?;
         }
         Ok(())
     }
@@ -90,7 +114,7 @@ impl Picture<'_> {
             cells.push(material.cell_format().name());
         }
         vec![
-            ("sampler".into(), self.sampler.to_string()),
+            ("sampler".into(), self.sampler_key()),
             ("lookup".into(), self.lookup.name().into()),
             ("invalid".into(), invalid.join(", ")),
             ("table".into(), cells.join(", ")),
@@ -118,6 +142,20 @@ impl Picture<'_> {
     }
 }
 
+/// When the loading of a scene began, and what loading and building had taken by then.
+struct LoadingTimer {
+    start: Instant,
+    before: Option<Duration>,
+}
+
+impl LoadingTimer {
+    fn end(self, costs: Option<&RenderCosts>) {
+        if let (Some(costs), Some(before)) = (costs, self.before) {
+            costs.add_lights(self.start, before);
+        }
+    }
+}
+
 /// What the last picture was drawn with. The next one takes the same lights and the same material from here.
 #[derive(Default)]
 pub struct LoadedParts {
@@ -134,10 +172,12 @@ impl LoadedParts {
     pub fn load(&mut self, picture: &Picture<'_>) -> Result<&Scene, Error> {
         let previous = self.scene.take();
         let surface = |i, directions| self.surface(picture, i, directions);
+        let timer = picture.begin_loading();
         let scene = match &previous {
             Some(previous) => previous.build_next(&picture.scene, picture.effects, surface)?,
             None => Scene::build(&picture.scene, picture.effects, surface)?,
         };
+        timer.end(picture.costs);
         if previous.is_none() {
             print_notes(scene.light_notes());
         }
@@ -152,7 +192,8 @@ impl LoadedParts {
     ) -> Result<Surface, Error> {
         let material = &picture.materials[number];
         let key = format!("{:?} {}", material.origin(), picture.lookup.name());
-        let surface_key = format!("{key} {directions} {}", picture.sampler);
+        let choice = &picture.samplers[number];
+        let surface_key = format!("{key} {directions} {}", choice.key());
         if let Some((known, surface)) = &self.surface
             && *known == surface_key
         {
@@ -168,10 +209,10 @@ impl LoadedParts {
         }
         let loaded = match self.material.take() {
             Some((_, loaded)) => loaded,
-            None => args::load(material, picture.lookup)?,
+            None => load_material(material, picture)?,
         };
         let sampler = match directions {
-            true => Some(picture.sampler.build(&loaded)?.shared()),
+            true => Some(build_sampler(choice, &loaded, picture.costs)?),
             false => None,
         };
         let surface = Surface {
@@ -182,6 +223,44 @@ impl LoadedParts {
         self.surface = Some((surface_key, surface.clone()));
         Ok(surface)
     }
+}
+
+/// The samplers of all pictures as one text.
+pub fn describe_samplers(pictures: &[Picture<'_>]) -> String {
+    let mut keys: Vec<String> = pictures.iter().map(Picture::sampler_key).collect();
+    keys.dedup();
+    format!("samplers {}", keys.join("; "))
+}
+
+/// Loads a material, and counts the time if anybody asks for costs.
+fn load_material(material: &Material, picture: &Picture<'_>) -> Result<Loaded, Error> {
+    let start = Instant::now();
+    let loaded = args::load(material, picture.lookup)?;
+    if let Some(costs) = picture.costs {
+        costs.add(CostStage::Loading, start);
+    }
+    Ok(loaded)
+}
+
+/// The sampler of a material, whose building and calls are measured if anybody asks for costs.
+fn build_sampler(
+    choice: &SamplerChoice,
+    loaded: &Loaded,
+    costs: Option<&RenderCosts>,
+) -> Result<Arc<dyn DirectionSampler>, Error> {
+    let start = Instant::now();
+    let sampler = choice.build(loaded)?.shared();
+    let Some(costs) = costs else {
+        return Ok(sampler);
+    };
+    let cost = UsedSampler {
+        material: loaded.name().to_owned(),
+        sampler: choice.label(),
+        bytes: sampler.bytes(),
+        building: 0.0,
+    };
+    costs.add_sampler(start, cost);
+    Ok(costs.meter(sampler))
 }
 
 /// The file of a light that comes from one.

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Instant, SystemTime};
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, RegularFile, check_writable};
@@ -14,6 +14,7 @@ use crate::interrupt::StoppableWork;
 use crate::output;
 use crate::picture::{Files, Picture, map_file};
 use crate::provenance;
+use crate::render_costs::CostStage;
 
 /// Shown when a signal comes.
 const STOPPING: &str = "merlkit: stopping once every pixel has the same number of paths (press Ctrl-C again to stop now and discard the picture)";
@@ -69,7 +70,11 @@ impl Resumable<'_> {
         let work = StoppableWork::begin(STOPPING);
         let progress = self.picture.progress();
         let advance = |pixels| progress.advance_by(pixels);
+        let start = Instant::now();
         let finished = rendering.advance(&|| work.should_stop(), &advance);
+        if let Some(costs) = self.picture.costs {
+            costs.add(CostStage::Rendering, start);
+        }
         drop(progress);
         let outcome = if finished {
             self.write(rendering)

@@ -14,6 +14,8 @@ use crate::picture::Files;
 pub struct SceneInput {
     /// The scene, without the mirrors, the depth and the strategy.
     pub spec: SceneSpec,
+    /// Samplers of its materials, where the file says any.
+    pub samplers: Vec<Option<String>>,
     /// The line of headers that names the file.
     signature: String,
 }
@@ -35,6 +37,7 @@ impl SceneInput {
         let sum = RegularFile::open(path)?.sha256()?;
         Ok(Self {
             spec: built.spec,
+            samplers: scene.samplers.clone(),
             signature: format!("scene: {}, SHA-256 {sum}", path.display()),
         })
     }
@@ -55,9 +58,11 @@ impl SceneInput {
 /// # Errors
 /// [`Error::Argument`] for a scene file that is not alone.
 pub fn find_scene_file(arguments: &[String]) -> Result<Option<PathBuf>, Error> {
-    let is_scene = arguments
-        .iter()
-        .any(|argument| Path::new(argument).extension().is_some_and(|e| e == "toml"));
+    let is_scene = arguments.iter().any(|argument| {
+        Path::new(argument)
+            .extension()
+            .is_some_and(|e| e == "toml" || e == "grf")
+    });
     match (is_scene, arguments) {
         (false, _) => Ok(None),
         (true, [scene]) => Ok(Some(scene.into())),

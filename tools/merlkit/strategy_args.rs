@@ -1,27 +1,46 @@
-//! How light from lights with an extent is found.
+//! How the light of extended lights is found.
 
 use merlkit::Error;
 use merlkit::distribution::Heuristic;
 use merlkit::render::Strategy;
 
-/// The strategy of this name, with the settings that belong to it.
-///
-/// # Errors
-/// [`Error::Argument`] for a setting of another strategy.
-pub fn read_strategy(
-    name: &str,
+use crate::args;
+
+/// A strategy and its settings.
+#[derive(Clone, clap::Args)]
+pub struct StrategyOptions {
+    /// Sampling of extended lights: of light and BRDF (mis), of one of them, or of one of --candidates from the BRDF (ris)
+    /// [default: mis]
+    #[arg(long, value_name = "mis|light|brdf|ris", hide_possible_values = true, default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
+    strategy: String,
+    /// MIS heuristic of --strategy mis [default: power]
+    #[arg(long, value_name = "power|balance", hide_possible_values = true, value_parser = args::named(&HEURISTICS))]
     heuristic: Option<Heuristic>,
+    /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     candidates: Option<u32>,
-) -> Result<Strategy, Error> {
-    match (name, heuristic, candidates) {
-        (name, Some(_), _) if name != "mis" => Err(no_effect(name, "--heuristic", "mis")),
-        (name, _, Some(_)) if name != "ris" => Err(no_effect(name, "--candidates", "ris")),
-        ("light", ..) => Ok(Strategy::Light),
-        ("brdf", ..) => Ok(Strategy::Brdf),
-        ("ris", _, candidates) => Ok(Strategy::Ris {
-            candidates: candidates.unwrap_or(Strategy::CANDIDATES),
-        }),
-        (_, heuristic, _) => Ok(Strategy::Mis(heuristic.unwrap_or_default())),
+}
+
+const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
+const HEURISTICS: [(&str, Heuristic); 2] =
+    [("power", Heuristic::Power), ("balance", Heuristic::Balance)];
+
+impl StrategyOptions {
+    /// The strategy that they name.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for an option of another strategy.
+    pub fn resolve(&self) -> Result<Strategy, Error> {
+        match (self.strategy.as_str(), self.heuristic, self.candidates) {
+            (name, Some(_), _) if name != "mis" => Err(no_effect(name, "--heuristic", "mis")),
+            (name, _, Some(_)) if name != "ris" => Err(no_effect(name, "--candidates", "ris")),
+            ("light", ..) => Ok(Strategy::Light),
+            ("brdf", ..) => Ok(Strategy::Brdf),
+            ("ris", _, candidates) => Ok(Strategy::Ris {
+                candidates: candidates.unwrap_or(Strategy::CANDIDATES),
+            }),
+            (_, heuristic, _) => Ok(Strategy::Mis(heuristic.unwrap_or_default())),
+        }
     }
 }
 

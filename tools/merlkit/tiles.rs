@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use merlkit::Error;
 use merlkit::files::{Overwrite, write_new};
@@ -16,6 +17,7 @@ use crate::output;
 use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
 use crate::provenance::Checksums;
+use crate::render_costs::CostStage;
 
 /// A picture that becomes a part of a larger one, or a frame: in most cases of one sphere.
 pub struct Tile<'a> {
@@ -234,7 +236,11 @@ impl TileFolder {
             rendering.restore(&partial, &picture.facts())?;
         }
         let advance = |pixels| progress.advance_by(pixels);
+        let start = Instant::now();
         let is_finished = rendering.advance(&|| work.should_stop(), &advance);
+        if let Some(costs) = picture.costs {
+            costs.add(CostStage::Rendering, start);
+        }
         if !is_finished {
             rendering.save(&partial, &picture.facts())?;
             return rendering.into_rendered().film.to_image().map(Some);

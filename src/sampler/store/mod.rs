@@ -251,6 +251,25 @@ impl SamplerFile {
         })
     }
 
+    /// Whether the sampler was built from the bytes of this material.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a material of other bytes; those of reading it.
+    pub fn check_material(&self, material: &Material) -> Result<()> {
+        let found = material.sha256()?;
+        if found == self.record.source_sha256 {
+            return Ok(());
+        }
+        Err(Error::argument(
+            format!(
+                "material {} has SHA-256 {found}, but the sampler was built from {}",
+                material.name(),
+                self.record.source_sha256
+            ),
+            "build the sampler again, or name the material it was built from",
+        ))
+    }
+
     /// Loads the recorded material, or `instead`, and puts the sampler together with it.
     ///
     /// # Errors
@@ -258,17 +277,7 @@ impl SamplerFile {
     /// those the sampler was built from.
     pub fn load(self, instead: Option<Material>) -> Result<(Sampler, Loaded)> {
         let material = instead.map_or_else(|| self.recorded_material(), Ok)?;
-        let found = material.sha256()?;
-        if found != self.record.source_sha256 {
-            return Err(Error::argument(
-                format!(
-                    "material {} has SHA-256 {found}, but the sampler was built from {}",
-                    material.name(),
-                    self.record.source_sha256
-                ),
-                "build the sampler again, or name the material it was built from",
-            ));
-        }
+        self.check_material(&material)?;
         let material = self
             .record
             .read_alike(material)

@@ -24,6 +24,7 @@ use crate::machine;
 use crate::output;
 use crate::picture::{Files, LoadedParts, Picture};
 use crate::progress::Progress;
+use crate::sampler_choice::SamplerChoice;
 use crate::scene_args::Finish;
 
 /// Demonstrate files, samplers, report and rendering on three built-in materials, in about a minute on two idle cores
@@ -168,9 +169,10 @@ fn pictures(
                 effects: PlanRequest::AsNeeded,
                 materials: std::slice::from_ref(material),
                 lookup: LOOKUP,
-                sampler,
+                samplers: vec![SamplerChoice::Built(sampler.clone())],
                 settings,
                 finish,
+                costs: None,
             };
             let scene = parts.load(&picture)?;
             let rendered = render(scene, &settings, &|pixels| progress.advance_by(pixels))?;

@@ -7,6 +7,7 @@ use merlkit::Error;
 use merlkit::image::Image;
 use merlkit::material::{LookupRule, Material, Origin};
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
+use merlkit_evaluate::measure::cloud::PointCloud;
 use merlkit_evaluate::measure::facts;
 use merlkit_evaluate::report::{Info, Sheet, write_json};
 use serde::Serialize;
@@ -22,7 +23,7 @@ use crate::{args, table};
 /// Print facts about a material: directional albedo, symmetry, size in bytes and, for a table, gaps and range
 ///
 /// For a sampler file, prints the sampler, its settings and its material; for a picture (.exr, .png), what its header says of where it
-/// comes from.
+/// comes from; for a FIT file (.fit), how many values it has, and their ranges.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit info nickel chrome.binary\n  merlkit info brdfs --json facts.json --csv albedos.csv"
@@ -92,6 +93,7 @@ enum Subject {
     Material(Material),
     Sampler(SamplerDescription),
     Picture(PictureDescription),
+    Cloud(CloudDescription),
 }
 
 impl Subject {
@@ -104,6 +106,9 @@ impl Subject {
         let extension = path.extension().unwrap_or_default();
         if path.is_file() && (extension == "exr" || extension == "png") {
             return Ok(PictureDescription::read(path).map(Self::Picture));
+        }
+        if path.is_file() && extension.eq_ignore_ascii_case("fit") {
+            return Ok(CloudDescription::read(path).map(Self::Cloud));
         }
         let material = tables.resolve(argument)?;
         Ok(match material.facts() {
@@ -119,6 +124,7 @@ impl Subject {
             }
             Self::Sampler(sampler) => Ok(Description::Sampler(sampler)),
             Self::Picture(picture) => Ok(Description::Picture(picture)),
+            Self::Cloud(cloud) => Ok(Description::Cloud(cloud)),
         }
     }
 }
@@ -130,6 +136,7 @@ enum Description {
     Material(Box<Info>),
     Sampler(SamplerDescription),
     Picture(PictureDescription),
+    Cloud(CloudDescription),
 }
 
 impl Description {
@@ -146,6 +153,7 @@ impl Description {
             Self::Material(info) => info.sheet(),
             Self::Sampler(sampler) => sampler.sheet(),
             Self::Picture(picture) => picture.sheet(),
+            Self::Cloud(cloud) => cloud.sheet(),
         }
     }
 }
@@ -192,6 +200,59 @@ impl SamplerDescription {
             ("SHA-256 of the material", self.record.source_sha256.clone()),
         ] {
             sheet.push(vec![name.to_owned(), value]);
+        }
+        sheet
+    }
+}
+
+/// A FIT file and what is in it.
+#[derive(Serialize)]
+struct CloudDescription {
+    cloud: String,
+    brdf: String,
+    /// As the file has them.
+    viewer: [f64; 2],
+    points: usize,
+    /// Least and greatest polar angle of the directions, degrees.
+    theta_degrees: Option<[f64; 2]>,
+    /// Least and greatest value, sr⁻¹.
+    values: Option<[f64; 2]>,
+}
+
+impl CloudDescription {
+    fn read(path: &Path) -> Result<Self, Error> {
+        let cloud = PointCloud::open(path)?;
+        Ok(Self {
+            cloud: path.display().to_string(),
+            points: cloud.values.len(),
+            theta_degrees: cloud.theta_range(),
+            values: cloud.value_range(),
+            brdf: cloud.brdf,
+            viewer: cloud.viewer,
+        })
+    }
+
+    fn sheet(&self) -> Sheet {
+        let mut sheet = Sheet::new(&["cloud", &self.cloud]);
+        let [theta, phi] = self.viewer;
+        // Up to π/2 the polar angle may be in either unit.
+        let reading = match theta > std::f64::consts::FRAC_PI_2 {
+            true => "degrees".to_owned(),
+            false => format!("degrees, or θ in radians: {:.4}°", theta.to_degrees()),
+        };
+        let shown = self.theta_degrees.unwrap_or_default();
+        let [low, high] = self.values.unwrap_or_default();
+        for (name, value) in [
+            ("BRDF", self.brdf.clone()),
+            ("viewer", format!("({theta}, {phi}) in {reading}")),
+            ("directions", self.points.to_string()),
+            (
+                "polar angles",
+                format!("{:.4}° to {:.4}°", shown[0], shown[1]),
+            ),
+            ("values", format!("{low:.6e} to {high:.6e} sr⁻¹")),
+        ] {
+            sheet.push(vec![name.into(), value]);
         }
         sheet
     }

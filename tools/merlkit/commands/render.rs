@@ -5,29 +5,31 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use merlkit::Error;
-use merlkit::distribution::Heuristic;
 use merlkit::files::Overwrite;
 use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
-use merlkit::points::PointSet;
 use merlkit::render::{Budget, PlanRequest, Refinement, RenderSettings, SceneSpec};
-use merlkit::sampler::SamplerSpec;
+use merlkit_evaluate::report::write_json;
 use merlkit_scene::read_scene;
 
 use crate::camera_args::CameraOptions;
 use crate::explanation::explain_plans;
 use crate::failure::{Failure, Outcome};
 use crate::frames::{FrameOptions, Movie};
-use crate::grid::{Cell, Grid};
-use crate::path_counts::{error_reached, paths_a_pixel};
-use crate::picture::{Files, Picture};
-use crate::provenance::Checksums;
+use crate::grid::{Cell, Grid, lay_out_spheres};
+use crate::output::Destination;
+use crate::path_args::PathOptions;
+use crate::picture::{Files, Picture, describe_samplers};
+use crate::provenance::{self, Checksums};
+use crate::render_costs::{CostSummary, RenderCosts};
+use crate::render_summary::{RenderResult, error_reached, paths_a_pixel};
 use crate::resumable::{self, Resumable};
 use crate::sampler_args;
+use crate::sampler_choice::{self, SamplerChoice, assign_samplers, merge_samplers};
 use crate::scene_args::SceneOptions;
 use crate::scene_input::{SceneInput, find_scene_file};
-use crate::strategy_args::read_strategy;
+use crate::strategy_args::StrategyOptions;
 use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
 use crate::{args, batch, output, table};
 
@@ -40,7 +42,7 @@ use crate::{args, batch, output, table};
                   Example:\n  merlkit render nickel teflon --spp 256 --light studio --light point -o spheres"
 )]
 pub struct Args {
-    /// MERL binaries, .bsdf files, built-in names or formulas, one sphere each; or one scene file (.toml)
+    /// MERL binaries, .bsdf files, built-in names or formulas, one sphere each; or one scene file (.toml, .grf)
     #[arg(required = true, value_name = "MATERIAL")]
     materials: Vec<String>,
     /// How values between the samples of a table are interpolated [default: floor]
@@ -61,50 +63,20 @@ pub struct Args {
     /// Maximum number of surfaces on a path; 1 gives direct light only [default: 8]
     #[arg(help_heading = "Scene", long = "bounces", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     bounces: Option<u32>,
-    /// Print whether each effect is on or off, and why
+    /// Print whether each effect is on or off, and why; and what loading, building, drawing and tracing took
     #[arg(help_heading = "Effects", long)]
     explain: bool,
     /// Compute every effect, needed or not; the picture is the same within noise
     #[arg(help_heading = "Effects", long)]
     all_effects: bool,
-    /// BRDF sampler, with settings (`merlkit samplers` lists them) [default: half-vector:64KB]
-    #[arg(help_heading = "Sampling", long, value_name = sampler_args::VALUE, default_value = sampler_args::DEFAULT, hide_default_value = true)]
-    sampler: SamplerSpec,
-    /// Paths per pixel [default: 64]
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    spp: Option<u64>,
-    /// Spend the paths where the first of them found noise; needs --spp 16 or more
-    #[arg(help_heading = "Sampling", long, conflicts_with = "target_error")]
-    adaptive: bool,
-    /// Points of each pixel [default: lattice; sobol from --spp 512 and with --target-error]
-    #[arg(help_heading = "Sampling", long, value_name = "random|sobol|lattice", hide_possible_values = true, value_parser = args::named(&POINTS))]
-    points: Option<PointSet>,
-    /// Sample each 16 × 16 tile that shows an object until its estimated relative RMS error is about E: 0.05 or 5%. The halves
-    /// of a tile stop one another, which keeps means unbiased; a finished tile can exceed E somewhat
-    #[arg(help_heading = "Sampling", long, value_name = "E", conflicts_with = "spp", value_parser = args::target_error)]
-    target_error: Option<f64>,
-    /// Maximum paths per pixel with --target-error, at least 16 [default: 4096]
-    #[arg(help_heading = "Sampling", long, value_name = "N", requires = "target_error", value_parser = clap::value_parser!(u64).range(16..))]
-    max_spp: Option<u64>,
-    /// Seed of all random numbers [default: 0]
-    #[arg(
-        help_heading = "Sampling",
-        long,
-        value_name = "K",
-        default_value_t = 0,
-        hide_default_value = true
-    )]
-    seed: u64,
-    /// Sampling of extended lights: of light and BRDF (mis), of one of them, or of one of --candidates from the BRDF (ris)
-    /// [default: mis]
-    #[arg(help_heading = "Sampling", long, value_name = "mis|light|brdf|ris", hide_possible_values = true, default_value = "mis", hide_default_value = true, value_parser = STRATEGIES)]
-    strategy: String,
-    /// MIS heuristic of --strategy mis [default: power]
-    #[arg(help_heading = "Sampling", long, value_name = "power|balance", hide_possible_values = true, value_parser = args::named(&HEURISTICS))]
-    heuristic: Option<Heuristic>,
-    /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
-    #[arg(help_heading = "Sampling", long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
-    candidates: Option<u32>,
+    /// BRDF sampler, with settings (`merlkit samplers` lists them), or a sampler file; once for all materials, or once for each
+    /// [default: half-vector:64KB]
+    #[arg(help_heading = "Sampling", long = "sampler", value_name = sampler_choice::VALUE)]
+    samplers: Vec<SamplerChoice>,
+    #[command(flatten, next_help_heading = "Sampling")]
+    paths: PathOptions,
+    #[command(flatten, next_help_heading = "Sampling")]
+    strategy: StrategyOptions,
     /// Size of the whole picture [default: 320 × 360 pixels a sphere; 480 × 360 for one]
     #[arg(help_heading = "Picture", long, value_name = "WxH", value_parser = args::size)]
     size: Option<(usize, usize)>,
@@ -119,7 +91,10 @@ pub struct Args {
     /// Finish a picture that Ctrl-C interrupted; the bytes are those of an uninterrupted run
     #[arg(help_heading = "Picture", long)]
     resume: bool,
-    /// Replace existing pictures [default: refuse]
+    /// Also write what the picture cost as JSON to FILE; with -, to standard output instead of the text [default: none]
+    #[arg(help_heading = "Picture", long, value_name = "FILE|-")]
+    json: Option<Destination>,
+    /// Replace existing files [default: refuse]
     #[arg(help_heading = "Picture", long)]
     force: bool,
     /// Output name without extension; .exr and .png are appended [default: render]
@@ -134,19 +109,8 @@ pub struct Args {
     output: PathBuf,
 }
 
-const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
-const HEURISTICS: [(&str, Heuristic); 2] =
-    [("power", Heuristic::Power), ("balance", Heuristic::Balance)];
-const POINTS: [(&str, PointSet); 3] = [
-    ("random", PointSet::Random),
-    ("sobol", PointSet::Sobol),
-    ("lattice", PointSet::Lattice),
-];
-/// Paths per pixel and surfaces on a path, where nothing is said.
-const SPP: u64 = 64;
+/// Surfaces on a path, where nothing is said.
 const BOUNCES: u32 = 8;
-/// Paths per pixel that a target error may take, where nothing is said.
-const MAX_SPP: u64 = 4096;
 /// The floor's reflectance: a mid grey.
 pub const GREY: f32 = 0.35;
 
@@ -171,8 +135,8 @@ impl Args {
         self.camera.override_file(&mut scene.camera)?;
         self.size = self.size.or(scene.size.map(|[w, h]| (w, h)));
         // A target error says how many paths there are.
-        if self.target_error.is_none() {
-            self.spp = self.spp.or(scene.spp);
+        if self.paths.target_error.is_none() {
+            self.paths.spp = self.paths.spp.or(scene.spp);
         }
         self.bounces = self.bounces.or(scene.bounces);
         SceneInput::build(path, &scene)
@@ -187,9 +151,8 @@ fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
         Some(scene) => scene.spec.materials.clone(),
         None => batch::expand_folders(&args.materials)?,
     };
-    // A scene is one tile.
-    let grid = lay_out(args, if scene.is_some() { 1 } else { names.len() })?;
-    let settings = settings(args, grid.tile)?;
+    let grid = lay_out(args, scene.is_some(), names.len())?;
+    let settings = args.paths.settings(grid.tile)?;
     settings.check()?;
     let materials = match args.together && scene.is_none() {
         // Equal names are one material of the scene.
@@ -202,19 +165,17 @@ fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
         Some(scene) => scene.sign(files),
         None => files,
     };
-    let pictures = describe(args, scene, &names, &materials, settings)?;
+    let samplers = choose_samplers(args, scene, &names)?;
+    let costs = (args.explain || args.json.is_some()).then(RenderCosts::default);
+    let mut pictures = describe(args, scene, &names, &materials, samplers, settings)?;
+    for picture in &mut pictures {
+        picture.costs = costs.as_ref();
+    }
     let is_single = pictures.len() == 1 && args.frames.count().is_none();
     if is_single {
         resumable::check_files(&files, output::overwrite(args.force), args.resume)?;
     }
-    for picture in &pictures {
-        picture.check_sampler()?;
-    }
-    if args.explain {
-        for sheet in explain_plans(&pictures) {
-            output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
-        }
-    }
+    check_before(args, &pictures)?;
     let refinement = match is_single {
         true => draw_alone(args, &pictures[0], &files)?,
         false => match args.frames.count() {
@@ -222,8 +183,101 @@ fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
             None => draw_apart(args, pictures, &grid, &files, &mut sums)?,
         },
     };
-    report(args, &grid, &settings, refinement.as_ref(), start)?;
+    if args.json != Some(Destination::Stdout) {
+        report(args, &grid, &settings, refinement.as_ref(), start)?;
+    }
+    if let Some(costs) = &costs {
+        let summary = costs.summarise(start, rayon::current_num_threads());
+        tell_costs(args, &grid, &materials, &summary)?;
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Prints what the picture cost, or writes it as JSON.
+fn tell_costs(
+    args: &Args,
+    grid: &Grid,
+    materials: &[Material],
+    summary: &CostSummary,
+) -> Result<(), Failure> {
+    if args.explain && args.json != Some(Destination::Stdout) {
+        let sheets = [Some(summary.stage_sheet()), summary.sampler_sheet()];
+        for sheet in sheets.into_iter().flatten() {
+            output::stdout(|out| writeln!(out, "\n{}", table::render(&sheet)))?;
+        }
+    }
+    let Some(destination) = &args.json else {
+        return Ok(());
+    };
+    let [width, height] = grid.size();
+    let result = RenderResult {
+        files: written_files(args),
+        width,
+        height,
+        frames: args.frames.count().unwrap_or(1),
+        costs: summary,
+    };
+    let provenance = provenance::record_timed(args.paths.seed, materials)?;
+    destination.write(output::overwrite(args.force), |out| {
+        write_json(out, "render", &provenance, &result)
+    })
+}
+
+/// The pictures that were written, as the output names them.
+fn written_files(args: &Args) -> Vec<String> {
+    match args.frames.count() {
+        Some(count) => vec![Movie::named(&args.output, count).describe()],
+        None => {
+            let files = Files::named(&args.output);
+            vec![
+                files.exr.display().to_string(),
+                files.png.display().to_string(),
+            ]
+        }
+    }
+}
+
+/// Where the spheres are in the picture. A scene is one tile.
+fn lay_out(args: &Args, is_scene: bool, spheres: usize) -> Result<Grid, Error> {
+    let spheres = if is_scene { 1 } else { spheres };
+    if args.together || spheres == 1 {
+        let (width, height) = args.size.unwrap_or(((320 * spheres).max(480), 360));
+        return Ok(Grid::for_tiles(1, None, [width, height]));
+    }
+    lay_out_spheres(spheres, args.columns, args.size)
+}
+
+/// Refuses, before the work, JSON that can't be written, and samplers that don't suit their materials. Then prints the plans.
+fn check_before(args: &Args, pictures: &[Picture<'_>]) -> Result<(), Failure> {
+    if let Some(destination) = &args.json {
+        destination.check(output::overwrite(args.force))?;
+    }
+    for picture in pictures {
+        picture.check_samplers()?;
+    }
+    if args.explain && args.json != Some(Destination::Stdout) {
+        for sheet in explain_plans(pictures) {
+            output::stdout(|out| writeln!(out, "{}", table::render(&sheet)))?;
+        }
+    }
+    Ok(())
+}
+
+/// The sampler of each material: what the command line says, or else the scene, or else the default.
+fn choose_samplers(
+    args: &Args,
+    scene: Option<&SceneInput>,
+    names: &[String],
+) -> Result<Vec<SamplerChoice>, Error> {
+    if !args.samplers.is_empty() {
+        return assign_samplers(&args.samplers, names);
+    }
+    let mut samplers = Vec::with_capacity(names.len());
+    for i in 0..names.len() {
+        let said = scene.and_then(|scene| scene.samplers.get(i)?.as_deref());
+        samplers.push(said.unwrap_or(sampler_args::DEFAULT).parse()?);
+    }
+    Ok(samplers)
 }
 
 /// Draws one picture, which can be interrupted at any time.
@@ -250,12 +304,8 @@ fn report(
     start: Instant,
 ) -> Result<(), Failure> {
     output::stdout(|out| {
-        match args.frames.count() {
-            Some(count) => writeln!(out, "{}", Movie::named(&args.output, count).describe())?,
-            None => {
-                let files = Files::named(&args.output);
-                writeln!(out, "{}\n{}", files.exr.display(), files.png.display())?;
-            }
+        for file in written_files(args) {
+            writeln!(out, "{file}")?;
         }
         let [w, h] = grid.size();
         let pixels = w * h * args.frames.count().unwrap_or(1);
@@ -293,11 +343,17 @@ fn draw_apart(
     folder.check()?;
     files.check(overwrite)?;
     let mut tiles = Vec::with_capacity(pictures.len());
-    for picture in pictures {
+    let layout = describe_samplers(&pictures);
+    for (number, picture) in pictures.into_iter().enumerate() {
         let key = tile_key(picture.materials, sums)?;
-        tiles.push(Tile::new(&key, "", picture));
+        // One material may be there with several samplers.
+        let variant = match args.samplers.len() {
+            0 | 1 => String::new(),
+            _ => format!("-{number}"),
+        };
+        tiles.push(Tile::new(&key, &variant, picture));
     }
-    let drawn = draw_tiles(&folder, &tiles, "", |drawn| {
+    let drawn = draw_tiles(&folder, &tiles, &layout, |drawn| {
         let is_finished = drawn.finished == tiles.len();
         let images = drawn.read(&folder, &tiles)?;
         let cells: Vec<Cell> = images.into_iter().map(Cell::from).collect();
@@ -324,6 +380,31 @@ fn compose_frame(
     grid.compose(&[], &cells)
 }
 
+/// A tile for each sphere and frame, all frames of a sphere before the next one.
+fn list_frames<'a>(
+    args: &Args,
+    pictures: &[Picture<'a>],
+    sums: &mut Checksums,
+    count: usize,
+) -> Result<Vec<Tile<'a>>, Failure> {
+    let mut tiles = Vec::with_capacity(pictures.len() * count);
+    for (number, picture) in pictures.iter().enumerate() {
+        let key = tile_key(picture.materials, sums)?;
+        for frame in 0..count {
+            let picture = Picture {
+                scene: args.frames.turn(&picture.scene, frame),
+                ..picture.clone()
+            };
+            let variant = match args.samplers.len() {
+                0 | 1 => format!("_{frame:04}"),
+                _ => format!("-{number}_{frame:04}"),
+            };
+            tiles.push(Tile::new(&key, &variant, picture));
+        }
+    }
+    Ok(tiles)
+}
+
 /// Draws the spheres of each frame, all frames of a sphere before the next one, which is then not in memory.
 fn draw_frames(
     args: &Args,
@@ -341,19 +422,14 @@ fn draw_frames(
         false => output::overwrite(args.force),
     };
     movie.check(overwrite)?;
-    let mut tiles = Vec::with_capacity(pictures.len() * count);
-    for picture in pictures {
-        let key = tile_key(picture.materials, sums)?;
-        for frame in 0..count {
-            let picture = Picture {
-                scene: args.frames.turn(&picture.scene, frame),
-                ..*picture
-            };
-            tiles.push(Tile::new(&key, &format!("_{frame:04}"), picture));
-        }
-    }
+    let tiles = list_frames(args, pictures, sums, count)?;
+    let layout = format!(
+        "{}\n{}",
+        args.frames.describe(),
+        describe_samplers(pictures)
+    );
     let finish = args.scene.finish(args.exposure);
-    let drawn = draw_tiles(&folder, &tiles, &args.frames.describe(), |drawn| {
+    let drawn = draw_tiles(&folder, &tiles, &layout, |drawn| {
         if drawn.finished < tiles.len() {
             return Ok(None);
         }
@@ -368,81 +444,6 @@ fn draw_frames(
     Ok(drawn.flatten())
 }
 
-/// Paths per pixel from which Sobol points leave less error than lattices (docs/light-and-brdf.md has what was measured).
-const SOBOL_FROM: u64 = 512;
-
-/// Most spheres in a row, where nothing is said.
-const COLUMNS: usize = 5;
-
-/// Pixels of a tile's sides, at least: with fewer, nothing can be seen.
-const LEAST_SIDE: usize = 8;
-
-/// Where the spheres are in the picture. Together they are one tile.
-fn lay_out(args: &Args, spheres: usize) -> Result<Grid, Error> {
-    if args.together || spheres == 1 {
-        let size = args.size.unwrap_or(((320 * spheres).max(480), 360));
-        return Ok(Grid::for_tiles(1, None, [size.0, size.1]));
-    }
-    let columns = args.columns.map_or(COLUMNS, |n| n as usize);
-    let grid = Grid::for_tiles(spheres, Some(columns), [320, 360]);
-    let Some((width, height)) = args.size else {
-        grid.check()?;
-        return Ok(grid);
-    };
-    let (columns, rows) = (grid.columns, grid.rows);
-    if width % columns == 0 && height % rows == 0 {
-        let tile = [width / columns, height / rows];
-        if tile[0].min(tile[1]) < LEAST_SIDE {
-            let [w, h] = tile;
-            return Err(Error::argument(
-                format!("a picture with {w} × {h} pixels for each sphere"),
-                "give a larger --size, or another number of --columns",
-            ));
-        }
-        return Ok(Grid { tile, ..grid });
-    }
-    let wide = width.div_ceil(columns) * columns;
-    let high = height.div_ceil(rows) * rows;
-    Err(Error::argument(
-        format!(
-            "{width} × {height} pixels are no {columns} × {rows} equal tiles, one for each sphere"
-        ),
-        format!("give --size {wide}x{high}, or another number of --columns"),
-    ))
-}
-
-/// Settings of each tile.
-fn settings(args: &Args, [width, height]: [usize; 2]) -> Result<RenderSettings, Error> {
-    let spp = args.spp.unwrap_or(SPP);
-    let budget = match args.target_error {
-        Some(error) => Budget::ToError {
-            error,
-            most: args.max_spp.unwrap_or(MAX_SPP),
-        },
-        None if args.adaptive => Budget::Adaptive(spp),
-        None => Budget::Even(spp),
-    };
-    let points = match (args.points, args.target_error) {
-        (Some(PointSet::Lattice), Some(_)) => {
-            let what = "a lattice needs a path count that is known in advance";
-            return Err(Error::argument(
-                what,
-                "omit --points lattice or --target-error",
-            ));
-        }
-        (None, Some(_)) => PointSet::Sobol,
-        (None, None) if spp >= SOBOL_FROM => PointSet::Sobol,
-        (points, _) => points.unwrap_or(PointSet::Lattice),
-    };
-    Ok(RenderSettings {
-        width,
-        height,
-        seed: args.seed,
-        points,
-        budget,
-    })
-}
-
 /// The pictures to draw, one for each sphere or one of all together; nothing is loaded. `materials` are those of `names`, each once
 /// if they are together.
 fn describe<'a>(
@@ -450,19 +451,21 @@ fn describe<'a>(
     scene: Option<&SceneInput>,
     names: &[String],
     materials: &'a [Material],
+    samplers: Vec<SamplerChoice>,
     settings: RenderSettings,
 ) -> Result<Vec<Picture<'a>>, Error> {
-    let tiles: Vec<(&[String], &[Material])> = match args.together || scene.is_some() {
-        true => vec![(names, materials)],
-        false => {
-            let names = names.iter().map(std::slice::from_ref);
-            names
-                .zip(materials.iter().map(std::slice::from_ref))
-                .collect()
+    let mut tiles: Vec<(&[String], &[Material], Vec<SamplerChoice>)> = Vec::new();
+    if scene.is_some() {
+        tiles.push((names, materials, samplers));
+    } else if args.together {
+        tiles.push((names, materials, merge_samplers(names, samplers)?));
+    } else {
+        for (i, sampler) in samplers.into_iter().enumerate() {
+            tiles.push((&names[i..=i], &materials[i..=i], vec![sampler]));
         }
-    };
+    }
     let mut pictures = Vec::with_capacity(tiles.len());
-    for (names, materials) in tiles {
+    for (names, materials, samplers) in tiles {
         pictures.push(Picture {
             scene: match scene {
                 Some(scene) => finish_scene(args, scene.spec.clone(), materials)?,
@@ -474,9 +477,10 @@ fn describe<'a>(
             },
             materials,
             lookup: args.lookup,
-            sampler: &args.sampler,
+            samplers,
             settings,
             finish: args.scene.finish(args.exposure),
+            costs: None,
         });
     }
     Ok(pictures)
@@ -505,6 +509,6 @@ fn finish_scene(
     spec.mirrors = args::find_mirrors(materials)?;
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces.unwrap_or(BOUNCES);
-    spec.strategy = read_strategy(&args.strategy, args.heuristic, args.candidates)?;
+    spec.strategy = args.strategy.resolve()?;
     Ok(spec)
 }

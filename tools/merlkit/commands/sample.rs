@@ -15,6 +15,7 @@ use merlkit::material::merl::LookupRule;
 use merlkit::points::PointSet;
 use merlkit::sampler::store::{Record, SamplerFile, looks_like_sampler_file};
 use merlkit::sampler::{Sampler, SamplerSpec};
+use merlkit_evaluate::measure::cloud::{CloudUnits, viewer_line};
 
 use crate::failure::Outcome;
 use crate::progress::Progress;
@@ -25,8 +26,8 @@ use crate::{args, output};
 ///
 /// Writes a heading and, for each draw, one line wi_x,wi_y,wi_z,pdf,f_r,f_g,f_b: the unit vector towards the light, its
 /// density in sr⁻¹, and f_r in sr⁻¹ without the cosine. A failed draw is a line of zeros and counts as a sample of weight 0.
-/// --fit writes the thesis's point-cloud format instead: the material, the view direction in degrees, and one line (x,y,z) f
-/// per draw.
+/// --fit writes the thesis's point-cloud format instead: the material, the view direction in degrees or as --fit-units says, and one
+/// line (x,y,z) f per draw. `merlkit info` and `merlkit plot --kind disc --fit` read it back.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  merlkit sample nickel --theta 30 --count 1000 > draws.csv")]
 pub struct Args {
@@ -74,6 +75,9 @@ pub struct Args {
     /// Write a FIT point cloud: successful draws only, with the mean of RGB as the value
     #[arg(help_heading = "Output", long)]
     fit: bool,
+    /// Units of the viewer in a FIT point cloud: degrees, or θ in radians and φ in degrees (thesis) [default: degrees]
+    #[arg(help_heading = "Output", long, value_name = "degrees|thesis", hide_possible_values = true, requires = "fit", value_parser = args::named(super::plot::UNITS))]
+    fit_units: Option<CloudUnits>,
     /// Start each line with its input wo_x,wo_y,wo_z,u_x,u_y, for comparison with another implementation
     #[arg(help_heading = "Output", long, conflicts_with = "fit")]
     with_points: bool,
@@ -106,7 +110,7 @@ pub fn run(args: &Args) -> Outcome {
         true => write_fit(
             out,
             &name,
-            (args.theta, args.phi),
+            &viewer_line(args.theta, args.phi, args.fit_units.unwrap_or_default()),
             &draws,
             &sampler,
             &**brdf.brdf(),
@@ -232,12 +236,12 @@ fn write_csv(
 fn write_fit(
     out: &mut dyn Write,
     name: &str,
-    (theta, phi): (f64, f64),
+    viewer: &str,
     draws: &Draws,
     sampler: &Sampler,
     brdf: &dyn Brdf,
 ) -> io::Result<()> {
-    writeln!(out, "measured \"{name}\"\nviewer ({theta}, {phi})\nbegin")?;
+    writeln!(out, "measured \"{name}\"\n{viewer}\nbegin")?;
     for DirectionSample { wi, .. } in draws.iter(sampler).filter_map(|(_, draw)| draw) {
         writeln!(
             out,

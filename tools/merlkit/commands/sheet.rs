@@ -23,6 +23,7 @@ use crate::picture::{Files, Picture};
 use crate::provenance::Checksums;
 use crate::resumable::unfinished;
 use crate::sampler_args;
+use crate::sampler_choice::SamplerChoice;
 use crate::scene_args::SceneOptions;
 use crate::table;
 use crate::tiles::{Tile, TileFolder, draw_tiles, tile_key};
@@ -258,7 +259,7 @@ impl Sphere<'_> {
             effects: PlanRequest::AsNeeded,
             materials,
             lookup: args.lookup,
-            sampler: self.sampler,
+            samplers: vec![SamplerChoice::Built(self.sampler.clone())],
             settings: RenderSettings {
                 width: args.size as usize,
                 height: args.size as usize,
@@ -267,6 +268,7 @@ impl Sphere<'_> {
                 budget: Budget::Even(self.paths),
             },
             finish: args.scene.finish(args.exposure),
+            costs: None,
         };
         let key = tile_key(materials, sums)?;
         Ok(Tile::new(&key, &self.variant, picture))

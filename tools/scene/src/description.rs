@@ -20,6 +20,8 @@ use crate::{displace_sphere, revolve};
 pub struct SceneDescription {
     /// Materials as the command takes them: names, formulas and files. Objects name them by position.
     pub materials: Vec<String>,
+    /// Samplers as `--sampler` takes them, by position as the materials; `None`, or none at all, where the scene leaves them open.
+    pub samplers: Vec<Option<String>>,
     /// The objects.
     pub objects: Vec<ObjectEntry>,
     /// The lights, in the scene's space.

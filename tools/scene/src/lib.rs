@@ -34,6 +34,7 @@ mod convexity;
 mod description;
 mod displaced;
 mod formats;
+mod grf;
 mod hierarchy;
 mod instance;
 mod mesh;

@@ -11,6 +11,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::description::{CameraEntry, LightEntry, ObjectEntry, SceneDescription};
+use crate::grf::read_grf;
 use crate::object_table::ObjectTable;
 use crate::scene_fault::{SceneFault, check_given, count_lines, suggest};
 
@@ -83,12 +84,18 @@ impl Strength {
     }
 }
 
-/// Reads a scene file. Paths in it are relative to its folder.
+/// Reads a scene file: TOML, or GRF if it ends in `.grf`. Paths in it are relative to its folder.
 ///
 /// # Errors
 /// [`Error::Io`] for a file that can't be read; [`Error::Argument`] for text that is no scene, which says the line and, for a key
 /// that is not known, the nearest that is.
 pub fn read_scene(path: &Path) -> Result<SceneDescription> {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("grf"))
+    {
+        return read_grf(path);
+    }
     let bytes = RegularFile::open(path)?.read_all(MOST_BYTES)?;
     let text = String::from_utf8(bytes).map_err(|error| Error::Unsupported {
         path: path.to_owned(),

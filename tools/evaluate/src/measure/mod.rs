@@ -7,6 +7,7 @@ pub mod accuracy;
 mod albedo;
 pub mod check;
 pub mod chi_square;
+pub mod cloud;
 pub mod compare;
 pub mod convergence;
 pub mod cost;
@@ -19,6 +20,7 @@ pub mod lobe_mesh;
 mod probe;
 pub mod profile;
 mod reproduction;
+pub mod sky_draws;
 pub mod views;
 
 pub use albedo::{

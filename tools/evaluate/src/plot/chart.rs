@@ -1,6 +1,6 @@
 //! Any chart, as a picture or as the numbers in it.
 
-use super::{ChartSize, Disc, Drawing, Heat, Lines, Pixels, Polar, Surfaces};
+use super::{ChartSize, Disc, Drawing, Heat, Lines, Pixels, Polar, SkyMap, Surfaces};
 use merlkit::Result;
 
 /// A chart of any kind.
@@ -16,13 +16,15 @@ pub enum Chart {
     Heat(Heat),
     /// Lobes as solids.
     Surfaces(Surfaces),
+    /// Directions on an environment.
+    Sky(SkyMap),
 }
 
 impl Chart {
     /// The shapes of the picture.
     ///
     /// # Errors
-    /// Those of [`Heat::drawing`].
+    /// Those of [`Heat::drawing`] and [`SkyMap::drawing`].
     pub fn drawing(&self, size: ChartSize) -> Result<Drawing> {
         match self {
             Self::Lines(chart) => Ok(chart.drawing(size)),
@@ -30,6 +32,7 @@ impl Chart {
             Self::Disc(chart) => Ok(chart.drawing(size)),
             Self::Heat(chart) => chart.drawing(size),
             Self::Surfaces(chart) => Ok(chart.drawing(size)),
+            Self::Sky(chart) => chart.drawing(size),
         }
     }
 
@@ -50,6 +53,7 @@ impl Chart {
             Self::Disc(chart) => disc_csv(chart),
             Self::Heat(chart) => heat_csv(chart),
             Self::Surfaces(chart) => surfaces_csv(chart),
+            Self::Sky(chart) => sky_csv(chart),
         }
     }
 }
@@ -80,6 +84,18 @@ fn disc_csv(chart: &Disc) -> String {
     push_points(&mut text, "direction", &chart.points);
     for mark in &chart.marks {
         push_points(&mut text, &mark.label, &[mark.at]);
+    }
+    text
+}
+
+/// Longitude from the middle of the map to the right, and latitude above the horizon.
+fn sky_csv(chart: &SkyMap) -> String {
+    let mut text = heading(&["longitude [°]", "latitude [°]"]);
+    for &(x, y) in &chart.places {
+        push_row(
+            &mut text,
+            &[number(360.0 * (x - 0.5)), number(90.0 - 180.0 * y)],
+        );
     }
     text
 }

@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 
 use merlkit::Error;
-use merlkit_evaluate::plot::ChartSize;
+use merlkit_evaluate::plot::{ChartSize, Viewpoint};
 
 use super::kind::Kind;
 use crate::output::Destination;
@@ -61,6 +61,45 @@ pub fn png_layout(width: Option<u16>, height: Option<u16>) -> (ChartSize, f64) {
         height: height.map(|side| f64::from(side) / density),
     };
     (size, density)
+}
+
+/// Refuses a size for what has none.
+///
+/// # Errors
+/// [`Error::Argument`] for one.
+pub fn check_size(format: Format, width: Option<u16>, height: Option<u16>) -> Result<(), Error> {
+    let file = match format {
+        Format::Csv => "a CSV file",
+        Format::PixelsExr => "an OpenEXR file, whose pixels are bins",
+        _ => return Ok(()),
+    };
+    let given = [("--width", width), ("--height", height)];
+    match given.iter().find(|(_, side)| side.is_some()) {
+        Some((option, _)) => Err(Error::argument(
+            format!("{option} has no effect on {file}"),
+            "omit it",
+        )),
+        None => Ok(()),
+    }
+}
+
+/// From where solids are seen.
+///
+/// # Errors
+/// [`Error::Argument`] for angles outside their domains.
+pub fn read_viewpoint(elevation: Option<f64>, azimuth: Option<f64>) -> Result<Viewpoint, Error> {
+    let usual = Viewpoint::default();
+    let elevation = elevation.unwrap_or(usual.elevation);
+    if !(0.0..=90.0).contains(&elevation) {
+        let what = format!("a lobe seen from an elevation of {elevation}°");
+        return Err(Error::argument(what, "choose --elevation from 0 to 90"));
+    }
+    let azimuth = azimuth.unwrap_or(usual.azimuth);
+    if !(-360.0..=360.0).contains(&azimuth) {
+        let what = format!("a lobe seen from an azimuth of {azimuth}°");
+        return Err(Error::argument(what, "choose --azimuth from -360 to 360"));
+    }
+    Ok(Viewpoint { elevation, azimuth })
 }
 
 #[cfg(test)]

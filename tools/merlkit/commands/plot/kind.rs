@@ -22,6 +22,8 @@ pub enum Kind {
     CdfAzimuth,
     // Directional albedo against θ; for one table alone, with each of the three lookup rules
     Albedo,
+    // An environment with the directions that a strategy draws, and its luminance
+    Environment,
 }
 
 impl Kind {
@@ -36,6 +38,7 @@ impl Kind {
             Self::Cdf => "cdf",
             Self::CdfAzimuth => "cdf-azimuth",
             Self::Albedo => "albedo",
+            Self::Environment => "environment",
         }
     }
 
@@ -65,10 +68,10 @@ impl Kind {
             "--channel" => self.takes_several() && !samplers,
             "--scale" => self.takes_several() || self == Self::Slice,
             "--phi-d" => self.is_slice(),
-            "--exposure" => self == Self::SliceRgb,
+            "--exposure" => matches!(self, Self::SliceRgb | Self::Environment),
             "--elevation" | "--azimuth" => solid,
             "--together" => solid && materials > 1,
-            _ => self == Self::Disc,
+            _ => matches!(self, Self::Disc | Self::Environment),
         }
     }
 }

@@ -1,8 +1,11 @@
 //! `merlkit plot`
 
+mod cloud;
 mod format;
 mod kind;
+mod sky;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use merlkit::Error;
@@ -10,7 +13,7 @@ use merlkit::image::write_exr;
 use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::sampler::{Sampler, SamplerSpec};
 use merlkit_evaluate::measure::views::{PlottedChannel, PlottedValue};
-use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale, Viewpoint, with_metadata};
+use merlkit_evaluate::plot::{Chart, ChartSize, Pixels, Scale, with_metadata};
 use merlkit_evaluate::report::{
     ChartSubject, CurveCharts, CurveOptions, SLICE, SurfaceOptions, check_surfaces, surface_chart,
 };
@@ -23,8 +26,12 @@ use crate::progress::Progress;
 use crate::provenance;
 use crate::sampler_args;
 
-use format::{Format, png_layout};
+pub use cloud::UNITS;
+
+use cloud::CloudOptions;
+use format::{Format, check_size, png_layout, read_viewpoint};
 use kind::Kind;
+use sky::{SkyOptions, SkyRequest};
 
 const VALUES: &[(&str, bool)] = &[("f-cos", false), ("f", true)];
 
@@ -61,18 +68,19 @@ const CHANNELS: &[(&str, PlottedChannel)] = &[
                   disc         the leaves of the adaptive disc, and directions drawn by --sampler, on the unit disc\n  \
                   cdf          the CDF over θh of cascade-cdf before and after compression, with its knots\n  \
                   cdf-azimuth  the CDF over φh of cascade-cdf at the median θh, before and after compression\n  \
-                  albedo       directional albedo against θ; for one table alone, with each of the three lookup rules\n\n\
-                  Examples:\n  merlkit plot nickel chrome --kind lobe --theta 30\n  merlkit plot nickel --kind lobe --sampler half-vector --sampler cosine --csv nickel.csv\n  merlkit plot nickel red-plastic --kind lobe-3d --elevation 40 -o lobes.pdf\n  merlkit plot nickel --kind slice-rgb --exposure=-2 -o nickel.png"
+                  albedo       directional albedo against θ; for one table alone, with each of the three lookup rules\n  \
+                  environment  a map and the directions that --strategy draws, and the map's luminance\n\n\
+                  Examples:\n  merlkit plot nickel chrome --kind lobe --theta 30\n  merlkit plot nickel --kind lobe --sampler half-vector --sampler cosine --csv nickel.csv\n  merlkit plot nickel red-plastic --kind lobe-3d --elevation 40 -o lobes.pdf\n  merlkit plot nickel --kind slice-rgb --exposure=-2 -o nickel.png\n  merlkit plot nickel --kind environment --light studio --strategy ris --samples 200 --theta 45"
 )]
 pub struct Args {
     /// MERL binaries and .bsdf files or folders of them, stored fits, names of built-in materials, or formulas; several for lobes and
     /// albedo
-    #[arg(required = true, value_name = "MATERIAL")]
+    #[arg(required_unless_present_any = ["fit", "light"], value_name = "MATERIAL")]
     materials: Vec<String>,
     /// What to plot
     #[arg(help_heading = "Plot", long, value_name = "KIND")]
     kind: Kind,
-    /// Polar angles of wo in degrees, from 0 to below 90, such as 10,30,60; one for disc, up to seven otherwise [default: 30]
+    /// Polar angles of wo in degrees, from 0 to below 90, such as 10,30,60; one for disc and environment, up to seven otherwise [default: 30]
     #[arg(
         help_heading = "Plot",
         long,
@@ -118,7 +126,7 @@ pub struct Args {
     /// Slices: azimuth of the difference angle in degrees, 0 to 179 [default: 90]
     #[arg(help_heading = "Plot", long, value_name = "DEG", value_parser = clap::value_parser!(u16).range(0..180))]
     phi_d: Option<u16>,
-    /// slice-rgb: stops by which values are made brighter; an f_r of 2^-STOPS sr⁻¹ is full brightness [default: 0]
+    /// slice-rgb, environment: stops by which values are made brighter; an f_r of 2^-STOPS sr⁻¹ is full brightness [default: 0]
     #[arg(
         help_heading = "Plot",
         long,
@@ -126,15 +134,19 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     exposure: Option<f32>,
+    #[command(flatten, next_help_heading = "Plot")]
+    sky: SkyOptions,
+    #[command(flatten, next_help_heading = "Plot")]
+    cloud: CloudOptions,
     /// How values between the samples of a table are interpolated [default: floor]
     #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, value_parser = args::lookup_rule())]
     lookup: Option<LookupRule>,
     #[command(flatten, next_help_heading = "Materials")]
     tables: args::TableOptions,
-    /// disc: number of directions to draw, 0 to 100000 [default: 1000]
+    /// disc, environment: number of directions to draw, 0 to 100000 [default: 1000]
     #[arg(help_heading = "Plot", long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     samples: Option<u32>,
-    /// disc: seed of the draws [default: 0]
+    /// disc, environment: seed of the draws [default: 0]
     #[arg(help_heading = "Plot", long, value_name = "K")]
     seed: Option<u64>,
     /// File to write, by its extension: .svg, .pdf, .png, .csv, .exr; or - for SVG on standard output [default: MATERIAL-KIND.svg]
@@ -167,7 +179,7 @@ pub fn run(args: &Args) -> Outcome {
     }
     let destination = args.destination(&materials);
     let format = Format::from_extension(&destination, args.kind)?;
-    args.check_size(format)?;
+    check_size(format, args.width, args.height)?;
     destination.check(overwrite(args.force))?;
     if let Some(numbers) = &args.csv {
         if (&destination, numbers) == (&Destination::Stdout, &Destination::Stdout) {
@@ -209,18 +221,22 @@ impl Args {
         if let Some(destination) = &self.output {
             return destination.clone();
         }
+        let fit = self.cloud.fit.as_deref().and_then(Path::file_stem);
         let mut names: Vec<String> = materials.iter().map(|m| m.name().to_owned()).collect();
+        names.extend(fit.map(|stem| stem.to_string_lossy().into_owned()));
         if names.len() > 3 {
             names.truncate(1);
             names.push(format!("and-{}-more", materials.len() - 1));
         }
-        let file = format!("{}-{}.svg", names.join("-"), self.kind.name());
+        names.push(self.kind.name().to_owned());
+        let file = names.join("-") + ".svg";
         Destination::File(file.into())
     }
 
     /// Refuses what the kind has no room for, and options without effect, which are mistakes.
     fn check_options(&self, materials: &[Material]) -> Result<(), Error> {
         let kind = self.kind;
+        self.check_extras(materials.len())?;
         if materials.len() > 1 && !kind.takes_several() {
             return Err(Error::argument(
                 format!("{} materials for --kind {}", materials.len(), kind.name()),
@@ -239,7 +255,7 @@ impl Args {
                 "choose --scale linear or root",
             ));
         }
-        self.viewpoint()?;
+        read_viewpoint(self.elevation, self.azimuth)?;
         let given = [
             ("--theta", !self.theta.is_empty()),
             ("--lookup", self.lookup.is_some()),
@@ -270,37 +286,19 @@ impl Args {
         Ok(())
     }
 
-    /// Refuses a size for what has none.
-    fn check_size(&self, format: Format) -> Result<(), Error> {
-        let file = match format {
-            Format::Csv => "a CSV file",
-            Format::PixelsExr => "an OpenEXR file, whose pixels are bins",
-            _ => return Ok(()),
-        };
-        let given = [("--width", self.width), ("--height", self.height)];
-        match given.iter().find(|(_, side)| side.is_some()) {
-            Some((option, _)) => Err(Error::argument(
-                format!("{option} has no effect on {file}"),
-                "omit it",
-            )),
-            None => Ok(()),
+    /// Refuses options of environments and clouds where they have no effect.
+    fn check_extras(&self, materials: usize) -> Result<(), Error> {
+        match self.kind {
+            Kind::Environment => self.sky.check(materials)?,
+            kind => self.sky.refuse_elsewhere(kind.name())?,
         }
-    }
-
-    /// From where solids are seen.
-    fn viewpoint(&self) -> Result<Viewpoint, Error> {
-        let usual = Viewpoint::default();
-        let elevation = self.elevation.unwrap_or(usual.elevation);
-        if !(0.0..=90.0).contains(&elevation) {
-            let what = format!("a lobe seen from an elevation of {elevation}°");
-            return Err(Error::argument(what, "choose --elevation from 0 to 90"));
+        if self.cloud.fit.is_some() && self.kind != Kind::Disc {
+            return Err(Error::argument(
+                format!("a cloud for --kind {}", self.kind.name()),
+                "choose --kind disc",
+            ));
         }
-        let azimuth = self.azimuth.unwrap_or(usual.azimuth);
-        if !(-360.0..=360.0).contains(&azimuth) {
-            let what = format!("a lobe seen from an azimuth of {azimuth}°");
-            return Err(Error::argument(what, "choose --azimuth from -360 to 360"));
-        }
-        Ok(Viewpoint { elevation, azimuth })
+        Ok(())
     }
 
     fn thetas(&self) -> Result<Vec<f64>, Error> {
@@ -308,7 +306,10 @@ impl Args {
             let what = format!("wo at polar angle {theta}°");
             return Err(Error::argument(what, "choose --theta from 0 to below 90"));
         }
-        let most = if self.kind == Kind::Disc { 1 } else { 7 };
+        let most = match self.kind {
+            Kind::Disc | Kind::Environment => 1,
+            _ => 7,
+        };
         if self.theta.len() > most {
             let what = format!(
                 "{} angles for --kind {}",
@@ -339,7 +340,10 @@ impl Args {
         match self.kind {
             _ if !self.samplers.is_empty() => Ok(self.samplers.clone()),
             Kind::Cdf | Kind::CdfAzimuth => SamplerSpec::parse_all(&["cascade-cdf"]),
-            Kind::Disc => SamplerSpec::parse_all(&["adaptive-disc"]),
+            Kind::Disc if self.cloud.fit.is_none() => SamplerSpec::parse_all(&["adaptive-disc"]),
+            Kind::Environment if self.sky.needs_material() => {
+                SamplerSpec::parse_all(&[sampler_args::DEFAULT])
+            }
             _ => Ok(Vec::new()),
         }
     }
@@ -373,6 +377,14 @@ impl Args {
             }
             samplers.push(built);
         }
+        if let Some(path) = &self.cloud.fit {
+            return self.cloud.chart(path);
+        }
+        if self.kind == Kind::Environment {
+            let sampler = samplers.first().and_then(|built| built.first());
+            let subject = materials.first().zip(sampler);
+            return self.sky.chart(subject, &self.sky_request(thetas[0]));
+        }
         let (value, scale) = (
             PlottedValue {
                 channel: self.channel.unwrap_or_default(),
@@ -385,7 +397,7 @@ impl Args {
                 value,
                 scale,
                 together: self.together,
-                viewpoint: self.viewpoint()?,
+                viewpoint: read_viewpoint(self.elevation, self.azimuth)?,
             };
             return surface_chart(materials, &thetas, options).map(Chart::Surfaces);
         }
@@ -400,6 +412,16 @@ impl Args {
         }
         let sampler = samplers.into_iter().flatten().next();
         self.single_chart(&ChartSubject::new(&materials[0], thetas, sampler))
+    }
+
+    /// What a picture of an environment shows.
+    fn sky_request(&self, theta: f64) -> SkyRequest {
+        SkyRequest {
+            theta,
+            samples: self.samples.unwrap_or(1000) as usize,
+            seed: self.seed.unwrap_or(0),
+            exposure: self.exposure.unwrap_or(0.0),
+        }
     }
 
     /// A picture of one material.

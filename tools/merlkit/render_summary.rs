@@ -1,6 +1,9 @@
-//! How many paths a picture took, and how far they brought it.
+//! What `render` says of a picture when it is finished: how many paths it took, how far it came, and what it cost.
 
 use merlkit::render::{Budget, Refinement, RenderSettings};
+use serde::Serialize;
+
+use crate::render_costs::CostSummary;
 
 /// How many paths per pixel has; of a target error the mean, and with those that only served decisions.
 pub fn paths_a_pixel(
@@ -36,4 +39,20 @@ pub fn error_reached(refinement: &Refinement, most: u64) -> String {
             "{errors}; {short} of {tiles} tiles did not reach the target: raise --max-spp {most}"
         ),
     }
+}
+
+/// What is written as JSON of a picture.
+#[derive(Serialize)]
+pub struct RenderResult<'a> {
+    /// The pictures that were written.
+    pub files: Vec<String>,
+    /// Pixels of a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Pictures of a turn, or 1.
+    pub frames: usize,
+    /// What they cost.
+    #[serde(flatten)]
+    pub costs: &'a CostSummary,
 }
