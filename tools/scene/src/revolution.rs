@@ -132,7 +132,7 @@ mod tests {
             direction: DVec3::NEG_Z,
         };
         let hit = jar.intersect(&ray, 0.0, f64::INFINITY).unwrap();
-        assert!(hit.normal.z > 0.9 && (hit.distance - 3.14).abs() < 0.02);
+        assert!(hit.normal.z > 0.9 && (hit.distance - (4.0 - 0.86)).abs() < 0.02);
         assert!(revolve(&profile, 2).is_err());
         assert!(revolve(&[DVec2::NEG_X, DVec2::X], 8).is_err());
     }
