@@ -35,7 +35,7 @@ pub(super) fn read_attribute(tokens: &mut Tokens<'_>) -> Result<Option<Attribute
 /// The kind and the name behind `use`.
 fn read_used(tokens: &mut Tokens<'_>) -> Result<Attribute> {
     let kind = tokens.next()?;
-    let line = tokens.line();
+    let line = tokens.last_line_number();
     if !matches!(kind, Token::Word("texture" | "color" | "brdf" | "pdf")) {
         return Err(tokens.unexpected("texture, color, brdf or pdf", kind));
     }
@@ -62,7 +62,7 @@ fn read_used(tokens: &mut Tokens<'_>) -> Result<Attribute> {
 /// As [`read_attribute`].
 pub(super) fn read_body(tokens: &mut Tokens<'_>) -> Result<Attribute> {
     let kind = tokens.next()?;
-    let line = tokens.line();
+    let line = tokens.last_line_number();
     let value = match kind {
         Token::Word("rgb") => AttributeValue::Rgb(read_vec3(tokens)?),
         Token::Word("brdf") => AttributeValue::Brdf(read_brdf(tokens)?),

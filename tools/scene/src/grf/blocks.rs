@@ -48,7 +48,7 @@ fn read_list(tokens: &mut Tokens<'_>, depth: usize) -> Result<Vec<GrfBlock>> {
 fn read_block(tokens: &mut Tokens<'_>, depth: usize) -> Result<GrfBlock> {
     let before = *tokens;
     let first = tokens.next()?;
-    let line = tokens.line();
+    let line = tokens.last_line_number();
     match first {
         Token::Word("begin") => {
             expect_word(tokens, "mesh")?;

@@ -63,7 +63,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// The line of the token that was read last.
-    pub(super) fn line(&self) -> usize {
+    pub(super) fn last_line_number(&self) -> usize {
         self.last_line
     }
 
@@ -216,7 +216,7 @@ mod tests {
                 Word("x_1$"),
             ]
         );
-        assert_eq!(tokens.line(), 2);
+        assert_eq!(tokens.last_line_number(), 2);
     }
 
     #[test]
