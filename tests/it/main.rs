@@ -7,6 +7,7 @@ mod anisotropic;
 mod architecture;
 mod baselines;
 mod batches;
+mod bent_meshes;
 mod browser;
 #[path = "../support/browsers.rs"]
 mod browsers;
@@ -41,6 +42,7 @@ mod sampler_checks;
 mod sampler_files;
 mod sampler_settings;
 mod samplers;
+mod scene_plans;
 mod shrinking;
 mod strategies;
 #[path = "../support/mod.rs"]

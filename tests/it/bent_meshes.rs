@@ -183,7 +183,7 @@ fn bent_files_are_read_or_refused() {
     try_all(2000);
 }
 
-/// By hand: `cargo test --release -p merlkit-scene --test hostile -- --ignored`.
+/// By hand: `cargo test --release --test it bent_meshes -- --ignored`.
 #[test]
 #[ignore = "takes long"]
 fn many_bent_files_are_read_or_refused() {

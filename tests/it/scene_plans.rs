@@ -13,7 +13,7 @@ use merlkit::sampler::Cosine;
 use merlkit_scene::read_scene;
 
 fn read(name: &str) -> SceneSpec {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let folder = Path::new(crate::ROOT).join("tools/scene/scenes");
     read_scene(&folder.join(name))
         .unwrap()
         .build()
@@ -131,8 +131,7 @@ fn a_ball_in_the_room_hides_the_lamp() {
 /// A turned room is convex within rounding, and still nothing is between a wall and the lamp.
 #[test]
 fn a_turned_room_needs_no_shadow_rays() {
-    let text =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/room.toml"));
+    let text = std::fs::read_to_string(Path::new(crate::ROOT).join("tools/scene/scenes/room.toml"));
     let text = text
         .unwrap()
         .replace("material = \"", "rotate = [17, 29, -8]\nmaterial = \"");
