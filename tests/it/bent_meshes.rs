@@ -1,8 +1,8 @@
-//! Files that are bent in many places are read or refused, and nothing else.
+//! Files of meshes and scenes that are bent in many places are read or refused, and nothing else.
 
 use std::path::Path;
 
-use merlkit_scene::{MeshFormat, Shading, Sides, TriangleMesh, parse_mesh};
+use merlkit_scene::{MeshFormat, Shading, Sides, TriangleMesh, parse_mesh, read_scene};
 
 /// Numbers that look random.
 struct Bits(u64);
@@ -178,6 +178,32 @@ fn try_all(count: usize) {
     }
 }
 
+/// Each mutation of a scene file is read and built, or refused with one message; returns how many were read.
+fn try_scenes(count: usize) -> usize {
+    let room = std::fs::read(Path::new(crate::ROOT).join("tools/scene/scenes/room.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bent.toml");
+    let mut bits = Bits(7);
+    let mut read = 0;
+    for k in 0..count {
+        std::fs::write(&file, bend(&room, &mut bits)).unwrap();
+        match read_scene(&file).and_then(|scene| scene.build()) {
+            Ok(_) => read += 1,
+            Err(error) => {
+                let words = error.to_string();
+                assert!(words.contains("; "), "{k}: {words}");
+            }
+        }
+    }
+    read
+}
+
+#[test]
+fn bent_scenes_are_read_or_refused() {
+    let read = try_scenes(1000);
+    assert!(read > 20 && read < 1000, "{read}");
+}
+
 #[test]
 fn bent_files_are_read_or_refused() {
     try_all(2000);
@@ -188,4 +214,5 @@ fn bent_files_are_read_or_refused() {
 #[ignore = "takes long"]
 fn many_bent_files_are_read_or_refused() {
     try_all(100_000);
+    try_scenes(100_000);
 }

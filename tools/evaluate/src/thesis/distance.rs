@@ -325,12 +325,12 @@ mod tests {
     fn distances_across_a_chord_are_shorter_than_along_it() {
         // A step of height 1 between cells 4 and 5 of 10.
         let step: Vec<f64> = (0..=10).map(|i| f64::from(u8::from(i > 4))).collect();
-        let vertical = simplify(&step, 0.3, Measure::Vertical);
+        let vertical = simplify(&step, 0.4, Measure::Vertical);
         assert_eq!(vertical, [0, 4, 5, 10]);
-        // In the unit square the chord has the slope 1, and 0.4 along it is 0.28 across it.
-        assert_eq!(simplify(&step, 0.3, Measure::Normalised), [0, 10]);
+        // In the unit square the chord has the slope 1, and cell 5, which is 0.5 above it, is 0.35 away from it.
+        assert_eq!(simplify(&step, 0.4, Measure::Normalised), [0, 10]);
         // In cells its slope is 0.1.
-        assert_eq!(simplify(&step, 0.3, Measure::Perpendicular), vertical);
+        assert_eq!(simplify(&step, 0.4, Measure::Perpendicular), vertical);
         assert_eq!(simplify(&[0.0, 0.5, 1.0], 1e-9, Measure::Vertical), [0, 2]);
     }
 

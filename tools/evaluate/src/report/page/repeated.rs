@@ -71,21 +71,19 @@ fn head(plan: &ThesisPlan, begun: &str, provenance: &Provenance) -> String {
 
 /// The findings of all experiments.
 fn findings(exhibits: &[Exhibit]) -> String {
-    let mut list = String::new();
-    for exhibit in exhibits {
-        list += &format!(
-            "<dt><a href=\"#experiment-{}\">{}</a></dt>",
+    let mut text = String::new();
+    for exhibit in exhibits.iter().filter(|e| !e.findings.is_empty()) {
+        text += &format!(
+            "<h3><a href=\"#experiment-{}\">{}</a></h3>\n<ul>\n",
             escape(&exhibit.name),
             escape(&exhibit.title)
         );
         for finding in &exhibit.findings {
-            list += &format!("<dd>{}</dd>\n", escape(finding));
+            text += &format!("<li>{}</li>\n", escape(finding));
         }
+        text += "</ul>\n";
     }
-    match list.is_empty() {
-        true => list,
-        false => format!("<dl>\n{list}</dl>\n"),
-    }
+    text
 }
 
 /// One experiment.
