@@ -9,6 +9,8 @@ use merlkit::material::{Loaded, Material};
 use merlkit::sampler::store::{SamplerFile, looks_like_sampler_file};
 use merlkit::sampler::{Sampler, SamplerSpec};
 
+use crate::sampler_args;
+
 /// What `--sampler` is followed by where a file may be named.
 pub const VALUE: &str = "NAME[:SETTING,…]|FILE";
 
@@ -94,10 +96,7 @@ impl SamplerChoice {
 ///
 /// # Errors
 /// [`Error::Argument`] for another number of samplers, and for a file that serves several materials.
-pub fn assign_samplers(
-    given: &[SamplerChoice],
-    names: &[String],
-) -> Result<Vec<SamplerChoice>, Error> {
+fn assign_samplers(given: &[SamplerChoice], names: &[String]) -> Result<Vec<SamplerChoice>, Error> {
     if let [only] = given {
         let is_stored = matches!(only, SamplerChoice::Stored { .. });
         let several = names.iter().any(|name| *name != names[0]);
@@ -116,6 +115,26 @@ pub fn assign_samplers(
         ));
     }
     Ok(given.to_vec())
+}
+
+/// The sampler of each material: what the command line gives, or else what a scene file says of the material, or else the default.
+///
+/// # Errors
+/// As [`assign_samplers`], and those of a sampler that the scene names.
+pub fn choose_samplers(
+    given: &[SamplerChoice],
+    said: &[Option<String>],
+    names: &[String],
+) -> Result<Vec<SamplerChoice>, Error> {
+    if !given.is_empty() {
+        return assign_samplers(given, names);
+    }
+    let mut samplers = Vec::with_capacity(names.len());
+    for i in 0..names.len() {
+        let text = said.get(i).and_then(Option::as_deref);
+        samplers.push(text.unwrap_or(sampler_args::DEFAULT).parse()?);
+    }
+    Ok(samplers)
 }
 
 /// The samplers of the materials of one scene, each of which is there once in the order of its first name.

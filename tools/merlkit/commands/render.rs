@@ -25,8 +25,7 @@ use crate::provenance::{self, Checksums};
 use crate::render_costs::{CostSummary, RenderCosts};
 use crate::render_summary::{RenderResult, error_reached, paths_a_pixel};
 use crate::resumable::{self, Resumable};
-use crate::sampler_args;
-use crate::sampler_choice::{self, SamplerChoice, assign_samplers, merge_samplers};
+use crate::sampler_choice::{self, SamplerChoice, choose_samplers, merge_samplers};
 use crate::scene_args::SceneOptions;
 use crate::scene_input::{SceneInput, find_scene_file};
 use crate::strategy_args::StrategyOptions;
@@ -165,7 +164,8 @@ fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
         Some(scene) => scene.sign(files),
         None => files,
     };
-    let samplers = choose_samplers(args, scene, &names)?;
+    let said = scene.map(|scene| &scene.samplers[..]).unwrap_or_default();
+    let samplers = choose_samplers(&args.samplers, said, &names)?;
     let costs = (args.explain || args.json.is_some()).then(RenderCosts::default);
     let mut pictures = describe(args, scene, &names, &materials, samplers, settings)?;
     for picture in &mut pictures {
@@ -261,23 +261,6 @@ fn check_before(args: &Args, pictures: &[Picture<'_>]) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-/// The sampler of each material: what the command line says, or else the scene, or else the default.
-fn choose_samplers(
-    args: &Args,
-    scene: Option<&SceneInput>,
-    names: &[String],
-) -> Result<Vec<SamplerChoice>, Error> {
-    if !args.samplers.is_empty() {
-        return assign_samplers(&args.samplers, names);
-    }
-    let mut samplers = Vec::with_capacity(names.len());
-    for i in 0..names.len() {
-        let said = scene.and_then(|scene| scene.samplers.get(i)?.as_deref());
-        samplers.push(said.unwrap_or(sampler_args::DEFAULT).parse()?);
-    }
-    Ok(samplers)
 }
 
 /// Draws one picture, which can be interrupted at any time.

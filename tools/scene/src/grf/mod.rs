@@ -6,6 +6,7 @@ mod blocks;
 mod convert;
 mod meshes;
 mod scope;
+mod selection;
 mod tokens;
 mod tree;
 mod values;
