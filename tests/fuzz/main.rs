@@ -8,6 +8,7 @@
 mod exercise;
 mod pictures;
 mod sampler_files;
+mod scenes;
 #[path = "../support/watch.rs"]
 mod watch;
 

@@ -7,7 +7,6 @@ mod anisotropic;
 mod architecture;
 mod baselines;
 mod batches;
-mod bent_meshes;
 mod browser;
 #[path = "../support/browsers.rs"]
 mod browsers;

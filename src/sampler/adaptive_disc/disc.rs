@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Next to the normal the density integrates to 1 at every azimuth, and draws have it.
+    /// Next to the normal the density integrates to 1 at every azimuth.
     #[test]
     fn trees_of_the_normal_are_turned_with_the_direction_asked_for() {
         let material = Loaded::from_brdf(Arc::new(Lopsided));

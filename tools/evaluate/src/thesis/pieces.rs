@@ -1,5 +1,6 @@
 //! The folder that finished pieces of a run are kept in, so that a run that was stopped goes on.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -28,8 +29,10 @@ struct PiecePlan {
 pub struct PieceFolder {
     folder: PathBuf,
     begun: String,
-    /// Pieces that were there, and that were measured now.
-    counts: [usize; 2],
+    /// Keys of the pieces that were there before.
+    found: HashSet<String>,
+    /// Those that were measured in this run.
+    measured: HashSet<String>,
 }
 
 impl PieceFolder {
@@ -67,7 +70,8 @@ impl PieceFolder {
         Self {
             folder: folder.to_owned(),
             begun,
-            counts: [0, 0],
+            found: HashSet::new(),
+            measured: HashSet::new(),
         }
     }
 
@@ -76,9 +80,9 @@ impl PieceFolder {
         &self.begun
     }
 
-    /// How many pieces were there, and how many were measured.
+    /// How many pieces were there before, and how many were measured. Experiments may have pieces in common, which count once.
     pub fn counts(&self) -> [usize; 2] {
-        self.counts
+        [self.found.len(), self.measured.len()]
     }
 
     /// The piece called `key`: as it was finished before, or measured and kept now. A file that holds something else is replaced.
@@ -92,12 +96,14 @@ impl PieceFolder {
     ) -> Result<T> {
         let path = self.folder.join(format!("{}.json", key.replace('/', "-")));
         if let Some(value) = read(&path) {
-            self.counts[0] += 1;
+            if !self.measured.contains(key) {
+                self.found.insert(key.to_owned());
+            }
             return Ok(value);
         }
         let value = measure()?;
         write(&path, &value)?;
-        self.counts[1] += 1;
+        self.measured.insert(key.to_owned());
         Ok(value)
     }
 }
