@@ -114,6 +114,11 @@ pub trait Light: Send + Sync {
         false
     }
 
+    /// Whether every ray meets the light that nothing is in the way of, as it does an environment.
+    fn surrounds(&self) -> bool {
+        false
+    }
+
     /// What was found and changed in the file that the light was read from; `None` for lights that come from none.
     fn notes(&self) -> Option<&MapNotes> {
         None

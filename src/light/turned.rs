@@ -98,6 +98,10 @@ impl Light for TurnedLight {
         self.light.is_delta()
     }
 
+    fn surrounds(&self) -> bool {
+        self.light.surrounds()
+    }
+
     fn notes(&self) -> Option<&MapNotes> {
         self.light.notes()
     }

@@ -192,7 +192,8 @@ impl<'a> Tracer<'a> {
         if !(self.directions && (self.hits_count || follows)) {
             return;
         }
-        self.draw_next(run, scratch);
+        self.draw_next(run, scratch, follows);
+        self.find_next_hits(&mut scratch.found);
         // Add the light that the directions find, as far as it counts.
         if self.hits_count {
             self.sum_found(&scratch.found, &mut scratch.emitted);
@@ -219,14 +220,23 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Draws a direction from each vertex of a surface and finds what it meets: T ← T · f_r·cos/p. Those that carry nothing end.
-    fn draw_next(&self, run: Run<'_, '_>, scratch: &mut Scratch) {
+    /// Draws a direction from each vertex of a surface: T ← T · f_r·cos/p. Those that carry nothing end. So do those along which
+    /// there is no light, unless the path `follows` them: they need not be traced.
+    fn draw_next(&self, run: Run<'_, '_>, scratch: &mut Scratch, follows: bool) {
         let points = &mut scratch.scattered.points;
         self.numbers.fill_directions(run.bounce, run.ids, points);
         self.scatter(run, &mut scratch.scattered);
-        let drawn = &scratch.scattered.rays;
+        let drawn = &mut scratch.scattered.rays;
+        let only_lit = !follows && self.lights_are_missed;
+        if only_lit {
+            drawn.forget_hits();
+            self.sum_found(drawn, &mut scratch.emitted);
+        }
         scratch.found.clear();
         for k in 0..drawn.len() {
+            if only_lit && scratch.emitted.sums[k] == DVec3::ZERO {
+                continue;
+            }
             let vertex = &run.vertices[drawn.owners[k] as usize];
             let throughput = vertex.throughput * drawn.weights[k];
             if throughput == DVec3::ZERO || !throughput.is_finite() {
@@ -238,7 +248,6 @@ impl<'a> Tracer<'a> {
                 ..drawn.get(k)
             });
         }
-        self.find_next_hits(&mut scratch.found);
     }
 
     /// Ends a path at random in proportion to what it can't carry any more, and makes up for it in the survivors: with the

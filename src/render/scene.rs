@@ -418,7 +418,10 @@ fn check_objects(spec: &SceneSpec) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
+    use crate::light::{Emission, LightSample};
     use crate::points::PointSet;
     use crate::render::{Budget, Film, Intersection, ObjectSpec, RenderSettings, Sphere, render};
 
@@ -474,6 +477,10 @@ mod tests {
 
     fn picture(spec: &SceneSpec) -> Film {
         let scene = Scene::build(spec, PlanRequest::AsNeeded, |_, _| Ok(floor(0.8))).unwrap();
+        picture_of(&scene)
+    }
+
+    fn picture_of(scene: &Scene) -> Film {
         let settings = RenderSettings {
             width: 30,
             height: 20,
@@ -481,7 +488,41 @@ mod tests {
             points: PointSet::Sobol,
             budget: Budget::Even(8),
         };
-        render(&scene, &settings, &|_| {}).unwrap().film
+        render(scene, &settings, &|_| {}).unwrap().film
+    }
+
+    /// A light of which rays are traced that miss it.
+    struct Surrounding(Arc<dyn Light>);
+
+    impl Light for Surrounding {
+        fn sample(&self, from: DVec3, u: DVec2) -> Option<LightSample> {
+            self.0.sample(from, u)
+        }
+
+        fn emitted_along(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<Emission> {
+            self.0.emitted_along(from, direction, reach)
+        }
+
+        fn surrounds(&self) -> bool {
+            true
+        }
+    }
+
+    /// Rays that miss all lights are not traced where the path ends, which changes no bit.
+    #[test]
+    fn rays_without_light_are_left_out() {
+        for depth in [1, 3] {
+            let mut spec = joined(false);
+            spec.lights.truncate(1);
+            spec.depth = depth;
+            let mut scene =
+                Scene::build(&spec, PlanRequest::AsNeeded, |_, _| Ok(floor(0.8))).unwrap();
+            assert!(scene.plan.is_on(Effect::Shadows) && scene.plan.is_on(Effect::Mis));
+            let sparing = picture_of(&scene);
+            let light = scene.lights.remove(0);
+            scene.lights.push(Arc::new(Surrounding(light)));
+            assert_eq!(picture_of(&scene), sparing);
+        }
     }
 
     #[test]

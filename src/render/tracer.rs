@@ -31,6 +31,8 @@ pub(super) struct Tracer<'a> {
     pub(super) mis: bool,
     pub(super) heuristic: Heuristic,
     pub(super) shadows: bool,
+    /// Whether rays may miss all lights, so that it pays to look before they are traced.
+    pub(super) lights_are_missed: bool,
     pub(super) interreflection: bool,
     pub(super) roulette: bool,
     /// Whether a surface has a part that reflects the mirror direction alone.
@@ -60,6 +62,7 @@ impl<'a> Tracer<'a> {
             resampling,
             mis,
             heuristic: scene.strategy.heuristic(),
+            lights_are_missed: !scene.lights.iter().any(|light| light.surrounds()),
             shadows: plan.is_on(Effect::Shadows),
             interreflection: plan.is_on(Effect::Interreflection),
             mirrors: plan.is_on(Effect::Mirrors),

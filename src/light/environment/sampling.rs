@@ -16,6 +16,10 @@ use crate::light::{Emission, Light, LightSample, assert_equal_lengths};
 const LANES: usize = 64;
 
 impl Light for Environment {
+    fn surrounds(&self) -> bool {
+        true
+    }
+
     fn notes(&self) -> Option<&MapNotes> {
         Self::notes(self)
     }

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::fmt;
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use merlkit::render::{Intersection, Ray, Shape};
 use merlkit::{Error, Result};
@@ -10,7 +11,7 @@ use merlkit::{Error, Result};
 use crate::convexity::{Form, find_form};
 use crate::hierarchy::Hierarchy;
 use crate::mesh_data::MeshData;
-use crate::triangle::{ShearedRay, TriangleHit};
+use crate::triangle::{ShearedRay, Triangle, TriangleHit};
 
 /// From where the triangles of a mesh are seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,7 +44,7 @@ const MOST_EXTREMES: usize = 256;
 #[derive(Clone)]
 pub struct TriangleMesh {
     /// In the order of the hierarchy.
-    triangles: Vec<[DVec3; 3]>,
+    triangles: Vec<Triangle>,
     /// Normals of the triangles' corners; none with flat shading.
     normals: Vec<[DVec3; 3]>,
     hierarchy: Hierarchy,
@@ -74,7 +75,10 @@ impl TriangleMesh {
         let given: Vec<[DVec3; 3]> = faces.iter().map(|face| data.corners(*face)).collect();
         let form = find_form(&given);
         let (hierarchy, order) = Hierarchy::build(&given)?;
-        let triangles = order.iter().map(|k| given[*k as usize]).collect();
+        let mut triangles = Vec::with_capacity(given.len());
+        for k in &order {
+            triangles.push(Triangle::new(given[*k as usize]));
+        }
         let mut normals = Vec::new();
         if shading == Shading::Smooth {
             let of_vertices = data.vertex_normals();
@@ -118,8 +122,9 @@ impl TriangleMesh {
     }
 
     /// The normal that reflects where a ray meets a triangle: it points to where the ray comes from.
+    #[inline(always)]
     fn normal(&self, k: usize, hit: &TriangleHit, direction: DVec3) -> DVec3 {
-        let [a, b, c] = self.triangles[k];
+        let [a, b, c] = self.triangles[k].corners();
         let outward = (b - a).cross(c - a).normalize_or(-direction);
         let flat = if hit.from_front { outward } else { -outward };
         let Some([na, nb, nc]) = self.normals.get(k) else {
@@ -141,22 +146,29 @@ impl TriangleMesh {
             false => flat,
         }
     }
-}
 
-impl Shape for TriangleMesh {
-    fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
+    /// The nearest triangle that the ray meets.
+    #[inline(always)]
+    fn find_first<S: Simd>(&self, simd: S, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
         let mut first: Option<(usize, TriangleHit)> = None;
-        self.hierarchy.find_first(ray, near, far, |k| {
-            let least = first.as_ref().map_or(far, |(_, hit)| hit.distance);
-            match self.meet(&sheared, k, near, least) {
-                Some(hit) => {
-                    first = Some((k, hit));
-                    hit.distance
+        self.hierarchy.find_first(
+            simd,
+            ray,
+            near,
+            far,
+            #[inline(always)]
+            |k| {
+                let least = first.as_ref().map_or(far, |(_, hit)| hit.distance);
+                match self.meet(&sheared, k, near, least) {
+                    Some(hit) => {
+                        first = Some((k, hit));
+                        hit.distance
+                    }
+                    None => f64::INFINITY,
                 }
-                None => f64::INFINITY,
-            }
-        });
+            },
+        );
         let (k, hit) = first?;
         Some(Intersection {
             distance: hit.distance,
@@ -164,11 +176,63 @@ impl Shape for TriangleMesh {
         })
     }
 
-    fn blocks(&self, ray: &Ray, near: f64, far: f64) -> bool {
+    /// [`Self::find_first`] for each ray.
+    #[inline(always)]
+    fn find_each<S: Simd>(
+        &self,
+        simd: S,
+        from: &[DVec3],
+        along: &[DVec3],
+        near: &[f64],
+        reach: &mut [f64],
+        normals: &mut [DVec3],
+    ) {
+        for (k, reach) in reach.iter_mut().enumerate() {
+            let ray = Ray {
+                origin: from[k],
+                direction: along[k],
+            };
+            if let Some(met) = self.find_first(simd, &ray, near[k], *reach) {
+                *reach = met.distance;
+                normals[k] = met.normal;
+            }
+        }
+    }
+
+    /// Whether the ray meets any triangle.
+    #[inline(always)]
+    fn find_any<S: Simd>(&self, simd: S, ray: &Ray, near: f64, far: f64) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
-        self.hierarchy.find_any(ray, near, far, |k| {
-            self.meet(&sheared, k, near, far).is_some()
-        })
+        self.hierarchy.find_any(
+            simd,
+            ray,
+            near,
+            far,
+            #[inline(always)]
+            |k| self.meet(&sheared, k, near, far).is_some(),
+        )
+    }
+}
+
+// Compiled for each level of vector instructions; the machine's is chosen at run time.
+impl Shape for TriangleMesh {
+    fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
+        dispatch!(Level::new(), simd => self.find_first(simd, ray, near, far))
+    }
+
+    fn intersect_batch(
+        &self,
+        from: &[DVec3],
+        along: &[DVec3],
+        near: &[f64],
+        reach: &mut [f64],
+        normals: &mut [DVec3],
+    ) {
+        dispatch!(Level::new(), simd => self.find_each(simd, from, along, near, reach, normals));
+    }
+
+    fn blocks(&self, ray: &Ray, near: f64, far: f64) -> bool {
+        dispatch!(Level::new(), simd => self.find_any(simd, ray, near, far))
     }
 
     fn is_convex(&self) -> bool {
@@ -199,7 +263,8 @@ impl fmt::Debug for TriangleMesh {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         // h ← (h xor bits)·prime (Fowler, Noll and Vo).
         let mut hash = 0xcbf2_9ce4_8422_2325u64;
-        for point in self.triangles.iter().chain(&self.normals).flatten() {
+        let corners = self.triangles.iter().map(Triangle::corners);
+        for point in corners.chain(self.normals.iter().copied()).flatten() {
             for coordinate in point.to_array() {
                 hash = (hash ^ coordinate.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
                 hash ^= hash >> 29;

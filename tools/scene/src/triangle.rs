@@ -6,12 +6,34 @@
 
 use glam::DVec3;
 
+/// The corners of a triangle, ordered by coordinate: `coordinates[axis][corner]`. The axes that a ray calls x, y and z are then
+/// three loads, whichever they are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Triangle {
+    coordinates: [[f64; 3]; 3],
+}
+
+impl Triangle {
+    pub(crate) fn new([a, b, c]: [DVec3; 3]) -> Self {
+        Self {
+            coordinates: [[a.x, b.x, c.x], [a.y, b.y, c.y], [a.z, b.z, c.z]],
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn corners(&self) -> [DVec3; 3] {
+        let [x, y, z] = self.coordinates;
+        [0, 1, 2].map(|corner| DVec3::new(x[corner], y[corner], z[corner]))
+    }
+}
+
 /// A ray, with the shear that turns its direction into the z axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedRay {
-    origin: DVec3,
     /// Which axes become x, y and z; z is that in which the direction is longest.
     axes: [usize; 3],
+    /// The origin by these axes.
+    permuted_origin: DVec3,
     shear: DVec3,
 }
 
@@ -28,6 +50,7 @@ pub(crate) struct TriangleHit {
 
 impl ShearedRay {
     /// `direction` is a unit vector.
+    #[inline(always)]
     pub(crate) fn new(origin: DVec3, direction: DVec3) -> Self {
         // Step 1: z is the longest axis of the direction; x and y follow in cyclic order.
         let z = direction.abs().max_position();
@@ -39,32 +62,29 @@ impl ShearedRay {
             1.0 / direction[z],
         );
         Self {
-            origin,
+            permuted_origin: DVec3::from(axes.map(|axis| origin[axis])),
             axes,
             shear,
         }
     }
 
-    #[inline(always)]
-    fn image(&self, corner: DVec3) -> DVec3 {
-        let from = (corner - self.origin).to_array();
-        let z = from[self.axes[2]];
-        DVec3::new(
-            from[self.axes[0]] - self.shear.x * z,
-            from[self.axes[1]] - self.shear.y * z,
-            self.shear.z * z,
-        )
-    }
-
     /// Where the ray, or its continuation to behind its origin, meets the triangle.
     #[inline(always)]
-    pub(crate) fn meet(&self, corners: &[DVec3; 3]) -> Option<TriangleHit> {
-        let [a, b, c] = corners.map(|corner| self.image(corner));
-        // Step 1: twice the signed areas that the origin spans with each edge, u for the one opposite to a.
-        let u = c.x * b.y - c.y * b.x;
-        let v = a.x * c.y - a.y * c.x;
-        let w = b.x * a.y - b.y * a.x;
-        // Step 2: the origin is inside, or on an edge, if none of them differs in sign from another.
+    pub(crate) fn meet(&self, triangle: &Triangle) -> Option<TriangleHit> {
+        // Step 1: the images of the corners but for the scale of z.
+        let axes = self.axes.map(|axis| triangle.coordinates[axis]);
+        let origin = self.permuted_origin;
+        let (mut x, mut y, mut z) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+        for corner in 0..3 {
+            z[corner] = axes[2][corner] - origin.z;
+            x[corner] = axes[0][corner] - origin.x - self.shear.x * z[corner];
+            y[corner] = axes[1][corner] - origin.y - self.shear.y * z[corner];
+        }
+        // Step 2: twice the signed areas that the origin spans with each edge, u for the one opposite to the first corner.
+        let u = x[2] * y[1] - y[2] * x[1];
+        let v = x[0] * y[2] - y[0] * x[2];
+        let w = x[1] * y[0] - y[1] * x[0];
+        // Step 3: the origin is inside, or on an edge, if none of them differs in sign from another.
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
@@ -73,9 +93,10 @@ impl ShearedRay {
             // The ray lies in the triangle's plane.
             return None;
         }
-        // Step 3: the distance is the mean of the images' z, weighted by u, v and w.
+        // Step 4: the distance is the mean of the images' z, weighted by u, v and w.
         let weights = DVec3::new(u, v, w) / sum;
-        let distance = weights.x * a.z + weights.y * b.z + weights.z * c.z;
+        let z = z.map(|z| self.shear.z * z);
+        let distance = weights.x * z[0] + weights.y * z[1] + weights.z * z[2];
         distance.is_finite().then_some(TriangleHit {
             distance,
             weights,
@@ -91,18 +112,18 @@ mod tests {
 
     #[test]
     fn a_triangle_is_met_from_both_sides() {
-        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let triangle = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]);
         for (z, from_front) in [(2.0, true), (-2.0, false)] {
             let origin = DVec3::new(0.25, 0.5, z);
             let ray = ShearedRay::new(origin, DVec3::new(0.0, 0.0, -z / 2.0));
-            let hit = ray.meet(&corners).unwrap();
+            let hit = ray.meet(&triangle).unwrap();
             assert_eq!((hit.distance, hit.from_front), (2.0, from_front), "{z}");
             assert!(hit.weights.abs_diff_eq(DVec3::new(0.25, 0.25, 0.5), 1e-15));
         }
         let past = ShearedRay::new(DVec3::new(0.6, 0.6, 1.0), DVec3::NEG_Z);
-        assert!(past.meet(&corners).is_none());
+        assert!(past.meet(&triangle).is_none());
         let within = ShearedRay::new(DVec3::new(-1.0, 0.2, 0.0), DVec3::X);
-        assert!(within.meet(&corners).is_none());
+        assert!(within.meet(&triangle).is_none());
     }
 
     /// The side is that of (b − a) × (c − a), from any direction.
@@ -119,7 +140,8 @@ mod tests {
             let angle = f64::from(i);
             let direction = DVec3::new(angle.sin(), (1.7 * angle).cos(), (0.9 * angle).sin());
             let direction = direction.normalize();
-            let hit = ShearedRay::new(middle - 3.0 * direction, direction).meet(&corners);
+            let hit =
+                ShearedRay::new(middle - 3.0 * direction, direction).meet(&Triangle::new(corners));
             let hit = hit.unwrap();
             assert!((hit.distance - 3.0).abs() < 1e-12);
             assert_eq!(hit.from_front, normal.dot(direction) < 0.0, "{i}");
