@@ -70,6 +70,13 @@ pub trait DirectionSampler: Send + Sync {
             *out = self.pdf(wo.lane(lane), wi);
         }
     }
+
+    /// Draws `count` directions for one `wo` that are spread together as well as the method can: by [`draw_stratified`], or by a way
+    /// of its own. One of them that is chosen uniformly has the density `pdf`, so that the mean of g/`pdf` over all is an unbiased
+    /// estimate of ∫ g dω; `None` is a failed draw, which counts as 0. The same `seed` gives the same directions.
+    fn draw_stratified(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
+        draw_stratified(self, wo, count, seed)
+    }
 }
 
 /// Draws `count` directions for one `wo` from the first `count` Owen-scrambled Sobol points of `seed`, so that they are as

@@ -10,6 +10,7 @@ mod area;
 mod directional;
 mod environment;
 mod light_source;
+mod luminous_object;
 mod point;
 mod spec;
 mod turned;
@@ -24,6 +25,8 @@ pub use point::Point;
 pub use spec::LightSpec;
 
 pub(crate) use turned::TurnedLight;
+
+use std::fmt::Debug;
 
 use glam::{DVec2, DVec3};
 
@@ -70,7 +73,7 @@ pub struct Emission {
 /// assert!((emitted.pdf / sample.pdf - 1.0).abs() < 1e-6);
 /// # Ok::<(), merlkit::Error>(())
 /// ```
-pub trait Light: Send + Sync {
+pub trait Light: Debug + Send + Sync {
     /// Chooses a direction towards the light from a point of the unit square; `None` where none of its light arrives.
     fn sample(&self, from: DVec3, u: DVec2) -> Option<LightSample>;
 
@@ -122,6 +125,12 @@ pub trait Light: Send + Sync {
     /// What was found and changed in the file that the light was read from; `None` for lights that come from none.
     fn notes(&self) -> Option<&MapNotes> {
         None
+    }
+
+    /// Points whose convex hull holds the light, world space; none where that is not known. With them the plan of a scene finds
+    /// out that nothing is in the way of a [`LightSpec::Object`].
+    fn hull(&self) -> Vec<DVec3> {
+        Vec::new()
     }
 }
 

@@ -1,5 +1,7 @@
 //! Lights as they are described, before anything is loaded: the one list of them, and the words that name them.
 
+use std::sync::Arc;
+
 use super::environment::EnvironmentSource;
 use super::light_source::{LightSource, Placement};
 use super::{Area, Directional, Light, Point, SkySampling};
@@ -97,6 +99,9 @@ lights! {
     Area(Area),
     /// Light from all around.
     Environment(EnvironmentSource),
+    /// A luminous object: a light of any kind that is loaded already. It stays where it is when lights are turned, as the object
+    /// does.
+    Object(Arc<dyn Light>),
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use super::{Emission, Light, LightSample, MapNotes};
 const LANES: usize = 64;
 
 /// A light, turned about the axis x = z = 0, counter-clockwise as seen from above.
+#[derive(Debug)]
 pub(crate) struct TurnedLight {
     light: Arc<dyn Light>,
     sin: f64,

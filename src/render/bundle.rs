@@ -119,6 +119,8 @@ pub(super) struct Scratch {
     pub(super) scattered: Scattering,
     /// Directions that were drawn and carry something, and what they meet.
     pub(super) found: Rays,
+    /// Of directions that were drawn together, the one of each vertex that its path goes on along.
+    pub(super) kept: Rays,
     pub(super) reservoirs: Vec<Reservoir<NewRay>>,
     /// Vertices whose reservoirs kept a direction, and what its light is scaled by.
     pub(super) scales: Vec<(usize, f64)>,

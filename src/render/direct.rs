@@ -101,9 +101,9 @@ impl Tracer<'_> {
             let reflected = direct.reflected[k].as_dvec3() * lit.radiance;
             let vertex = &run.vertices[lit.index];
             if reflected != DVec3::ZERO && !self.is_hidden(vertex, lit) {
-                let weight = self
-                    .heuristic
-                    .weight(lit.pdf, f64::from(direct.brdf_pdf[k]));
+                // Of N directions that are drawn together the density counts N times.
+                let brdf_pdf = f64::from(self.spread) * f64::from(direct.brdf_pdf[k]);
+                let weight = self.heuristic.weight(lit.pdf, brdf_pdf);
                 sums[lit.index] += reflected * (weight / lit.pdf);
             }
         }

@@ -192,6 +192,10 @@ impl<'a> Tracer<'a> {
         if !(self.directions && (self.hits_count || follows)) {
             return;
         }
+        if self.spread > 1 {
+            self.spread_paths(run, scratch, radiance, ids, paths);
+            return;
+        }
         self.draw_next(run, scratch, follows);
         self.find_next_hits(&mut scratch.found);
         // Add the light that the directions find, as far as it counts.

@@ -26,6 +26,7 @@ mod scene;
 mod settings;
 mod shape;
 mod spec;
+mod spread;
 mod tracer;
 mod visibility;
 

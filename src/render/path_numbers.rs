@@ -73,6 +73,12 @@ impl PathNumbers {
         self.points.pair_of(id.count, id.seed, id.index, set, true)
     }
 
+    /// A seed for the directions that are drawn together at a vertex of a path.
+    pub(super) fn spread_seed(&self, vertex: u32, id: PointId) -> u64 {
+        let path = mix(mix(!id.seed).wrapping_add(id.index));
+        mix(path.wrapping_add(u64::from(vertex) + 1))
+    }
+
     /// Two numbers for a candidate. The candidates of all paths are one sequence of points, well spread together.
     pub(super) fn candidate(&self, vertex: u32, candidate: u32, id: PointId) -> Vec2 {
         let candidates = u64::from(self.candidates);

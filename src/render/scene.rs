@@ -48,6 +48,7 @@ pub struct Scene {
     pub(super) camera: Camera,
     pub(super) depth: u32,
     pub(super) strategy: Strategy,
+    pub(super) directions: u32,
     pub(super) transparent: bool,
     pub(super) clamp: f64,
     pub(super) lights: Vec<Arc<dyn Light>>,
@@ -152,6 +153,7 @@ impl Scene {
             camera: spec.camera,
             depth: spec.depth,
             strategy: spec.strategy,
+            directions: spec.directions,
             transparent: spec.transparent,
             clamp: spec.clamp.unwrap_or(f64::INFINITY),
             lights,
@@ -342,9 +344,10 @@ fn load_lights(
 /// The lights as the scene has them.
 fn turn_lights(loaded: &[LoadedLight], angle: f64) -> Vec<Arc<dyn Light>> {
     let mut lights: Vec<Arc<dyn Light>> = Vec::with_capacity(loaded.len());
-    for LoadedLight { light, .. } in loaded {
-        // What is not turned is not to pay for it, nor to be rounded.
-        lights.push(match angle == 0.0 {
+    for LoadedLight { spec, light, .. } in loaded {
+        // What is not turned is not to pay for it, nor to be rounded. The light of an object stays on the object.
+        let stays = angle == 0.0 || matches!(spec, LightSpec::Object(_));
+        lights.push(match stays {
             true => light.clone(),
             false => Arc::new(TurnedLight::new(light.clone(), angle)),
         });
@@ -371,6 +374,11 @@ fn check(spec: &SceneSpec) -> Result<()> {
             "no candidates to resample",
             "give at least 1",
         ));
+    }
+    if !(1..=SceneSpec::MOST_DIRECTIONS).contains(&spec.directions) {
+        let what = format!("{} directions at each vertex", spec.directions);
+        let fix = format!("give from 1 to {}", SceneSpec::MOST_DIRECTIONS);
+        return Err(Error::argument(what, fix));
     }
     if !spec.light_turn.is_finite() {
         let what = "lights that are turned by no finite angle";
@@ -492,6 +500,7 @@ mod tests {
     }
 
     /// A light of which rays are traced that miss it.
+    #[derive(Debug)]
     struct Surrounding(Arc<dyn Light>);
 
     impl Light for Surrounding {

@@ -33,7 +33,11 @@ pub struct SceneSpec {
     pub depth: u32,
     /// How light from lights with an extent is found.
     pub strategy: Strategy,
-    /// Angle by which all lights are turned about the axis x = z = 0, radians, counter-clockwise as seen from above.
+    /// Directions that the BRDF's sampler draws at each vertex together, from 1 to [`Self::MOST_DIRECTIONS`], where directions find
+    /// lights ([`Strategy::Mis`] and [`Strategy::Brdf`]). All look for lights, and the path goes on along one of them.
+    pub directions: u32,
+    /// Angle by which all lights but those of objects are turned about the axis x = z = 0, radians, counter-clockwise as seen from
+    /// above.
     pub light_turn: f64,
     /// Whether the picture leaves out what is seen past the objects and says how much of each pixel they cover
     /// ([`crate::image::Image::alpha`]).
@@ -120,6 +124,9 @@ fn half_row(count: usize) -> f64 {
 }
 
 impl SceneSpec {
+    /// The most of [`Self::directions`].
+    pub const MOST_DIRECTIONS: u32 = 1 << 16;
+
     /// A row of unit spheres along x that rest on y = 0, one for each entry of `materials`, framed for a picture of
     /// `aspect` = width over height. Equal names are one material. No light and no floor yet.
     pub fn row(materials: &[String], aspect: f64) -> Self {
@@ -150,6 +157,7 @@ impl SceneSpec {
             camera: frame_row(half, aspect),
             depth: 8,
             strategy: Strategy::default(),
+            directions: 1,
             light_turn: 0.0,
             transparent: false,
             clamp: None,

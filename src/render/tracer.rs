@@ -28,6 +28,8 @@ pub(super) struct Tracer<'a> {
     pub(super) hits_count: bool,
     /// Whether they count after a choice among several.
     pub(super) resampling: bool,
+    /// Directions that are drawn at each vertex together.
+    pub(super) spread: u32,
     pub(super) mis: bool,
     pub(super) heuristic: Heuristic,
     pub(super) shadows: bool,
@@ -48,6 +50,10 @@ impl<'a> Tracer<'a> {
         let hits_may_count = mis || !light_sampling;
         // Resampling takes the place of counting each hit as it is drawn.
         let resampling = hits_may_count && plan.is_on(Effect::Resampling);
+        // Several directions find more light than one. Where there is none to be found, they would find nothing.
+        let finds_light =
+            hits_may_count && !resampling && scene.lights.iter().any(|l| !l.is_delta());
+        let spread = if finds_light { scene.directions } else { 1 };
         Self {
             scene,
             settings,
@@ -60,6 +66,7 @@ impl<'a> Tracer<'a> {
             light_sampling,
             hits_count: hits_may_count && !resampling,
             resampling,
+            spread,
             mis,
             heuristic: scene.strategy.heuristic(),
             lights_are_missed: !scene.lights.iter().any(|light| light.surrounds()),

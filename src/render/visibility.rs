@@ -91,6 +91,11 @@ fn find_place(light: &LightSpec, turn: f64) -> LightPlace {
         }
         LightSpec::Directional(light) => LightPlace::Towards(turned * light.towards),
         LightSpec::Environment(_) => LightPlace::Everywhere,
+        LightSpec::Object(light) => match light.hull() {
+            unknown if unknown.is_empty() => LightPlace::Everywhere,
+            // It is not turned.
+            corners => LightPlace::Within(corners),
+        },
     }
 }
 

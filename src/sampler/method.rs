@@ -5,7 +5,6 @@ use std::fmt;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use glam::Vec3;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -13,7 +12,7 @@ use super::settings::{
     Field, Preset, PresetFacts, SettingFacts, differing_words, find_field, unknown_setting,
 };
 use super::store::{TensorWriter, Tensors};
-use crate::direction_sampler::{DirectionSample, DirectionSampler};
+use crate::direction_sampler::DirectionSampler;
 use crate::material::{Loaded, MaterialFacts};
 use crate::{Error, Result};
 
@@ -86,17 +85,6 @@ pub trait Method: Any + Send + Sync + Sized {
 
     /// What draws the directions.
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler>;
-
-    /// Draws `count` directions for one `wo` that are spread together by a way of its own, each with the density `pdf`; `None`
-    /// if it has none that is better than [`crate::direction_sampler::draw_stratified`].
-    fn draw_own_strata(
-        &self,
-        _wo: Vec3,
-        _count: usize,
-        _seed: u64,
-    ) -> Option<Vec<Option<DirectionSample>>> {
-        None
-    }
 
     /// Adds its tables to a file.
     ///

@@ -13,7 +13,7 @@ use super::method::{Method, Needs, Settings, list_fields, list_presets, value_te
 use super::settings::{PresetFacts, SettingFacts, most_alike};
 use super::store::{TensorWriter, Tensors};
 use super::{AdaptiveDisc, CascadeCdf, Cosine, Factored, HalfVector, Lobe, OwnSampler};
-use crate::direction_sampler::{DirectionSample, DirectionSampler, draw_stratified};
+use crate::direction_sampler::{DirectionSample, DirectionSampler};
 use crate::error::list_words;
 use crate::material::merl::LookupRule;
 use crate::material::{Loaded, MaterialFacts};
@@ -370,12 +370,6 @@ impl<S: Settings> AnySettings for S {
 trait AnyMethod: Any + Send + Sync {
     fn fitted(&self) -> SamplerSpec;
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler>;
-    fn draw_own_strata(
-        &self,
-        wo: Vec3,
-        count: usize,
-        seed: u64,
-    ) -> Option<Vec<Option<DirectionSample>>>;
     fn write(&self, out: &mut TensorWriter) -> Result<()>;
 }
 
@@ -386,15 +380,6 @@ impl<M: Method> AnyMethod for M {
 
     fn sampler(self: Arc<Self>) -> Arc<dyn DirectionSampler> {
         Method::sampler(self)
-    }
-
-    fn draw_own_strata(
-        &self,
-        wo: Vec3,
-        count: usize,
-        seed: u64,
-    ) -> Option<Vec<Option<DirectionSample>>> {
-        Method::draw_own_strata(self, wo, count, seed)
     }
 
     fn write(&self, out: &mut TensorWriter) -> Result<()> {
@@ -448,18 +433,14 @@ impl Sampler {
         self.drawing.clone()
     }
 
-    /// Draws `count` directions for one `wo` that are spread together as well as the method can: by a way of its own, or by
-    /// [`draw_stratified`]. Each alone has the density `pdf`; `None` is a failed draw.
+    /// [`DirectionSampler::draw_stratified`].
     pub fn draw_stratified(
         &self,
         wo: Vec3,
         count: usize,
         seed: u64,
     ) -> Vec<Option<DirectionSample>> {
-        match self.built.draw_own_strata(wo, count, seed) {
-            Some(draws) => draws,
-            None => draw_stratified(self.as_dyn(), wo, count, seed),
-        }
+        self.drawing.draw_stratified(wo, count, seed)
     }
 
     /// What was built, if it is of this type.

@@ -126,3 +126,54 @@ fn scenes_have_references_and_ratios() {
     // A reference and the pictures of two samplers for each of three lights and materials.
     assert_eq!(scene["pictures"].as_array().unwrap().len(), 9);
 }
+
+/// A tetrahedron in place of the displaced sphere. Its pieces are those of no other mesh.
+#[test]
+fn scene_3_takes_any_mesh_and_keeps_pieces_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let vertices = "v 0 0 0\nv 9 0 0\nv 0 90 0\nv 0 0 9\n";
+    let faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let file = folder.path().join("tip.obj");
+    fs::write(&file, format!("{vertices}{faces}")).unwrap();
+    let quick = ["thesis", "scene-3", "--quick", "-o", "t", "--side", "4"];
+    let command = |mesh: &[&str]| run_in(folder.path(), &[&quick[..], mesh].concat(), "");
+    let missing = fails(command(&["--mesh", "tap.obj"]));
+    assert!(missing.contains("tap.obj"), "{missing}");
+    // A mesh that can't be read is refused before anything is begun.
+    assert!(!folder.path().join("t").exists());
+    let document = json(&succeeds(command(&["--mesh", "tip.obj", "--json", "-"])));
+    let mesh = &document["results"]["plan"]["mesh"];
+    assert_eq!(
+        (&mesh["file"], &mesh["faces"]),
+        (&"tip.obj".into(), &4.into())
+    );
+    let sum = mesh["sha256"].as_str().unwrap();
+    let scene = &document["results"]["experiments"][0];
+    let method = scene["method"].as_str().unwrap();
+    assert!(
+        method.contains("tip.obj") && method.contains(sum),
+        "{method}"
+    );
+    assert_eq!(
+        scene["pictures"][0]["caption"]
+            .as_str()
+            .unwrap()
+            .find("mesh"),
+        Some(0)
+    );
+    let page = fs::read_to_string(folder.path().join("t/thesis.html")).unwrap();
+    assert!(page.contains("<dt>Mesh of scene 3</dt>") && page.contains(sum));
+    // The same mesh goes on; another one, under the same name or none at all, does not.
+    assert!(
+        succeeds(command(&["--mesh", "tip.obj"]))
+            .ends_with("0 pieces measured, 1 were finished before\n")
+    );
+    fs::write(&file, format!("{vertices}{}", &faces[..20])).unwrap();
+    for other in [&["--mesh", "tip.obj"][..], &[]] {
+        let error = fails(command(other));
+        assert!(
+            error.contains("other options") && error.contains("--force"),
+            "{error}"
+        );
+    }
+}

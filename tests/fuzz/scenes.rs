@@ -1,6 +1,6 @@
 //! Meshes and scenes of every format that is read.
 
-use merlkit_scene::{MeshFormat, Shading, Sides, TriangleMesh, parse_mesh, read_scene};
+use merlkit_scene::{MeshFormat, OptionFile, Shading, Sides, TriangleMesh, parse_mesh, read_scene};
 
 use super::*;
 
@@ -173,4 +173,40 @@ fn scenes() {
         let read = |input: &[u8]| read_scene_file(folder.path(), name, input);
         drive(name, SCENE_FACTOR, 100, make, read);
     }
+}
+
+/// An option file of the thread's own; one that is accepted has settings in their domains.
+fn read_option_file(folder: &Path, input: &[u8]) -> bool {
+    let thread = rayon::current_thread_index().unwrap_or(usize::MAX);
+    let file = folder.join(format!("{thread}.op"));
+    std::fs::write(&file, input).unwrap();
+    match OptionFile::read(&file) {
+        Ok(options) => {
+            if let Some(sampler) = &options.sampler {
+                sampler.parse::<merlkit::SamplerSpec>().unwrap();
+            }
+            if let Some(name) = &options.output {
+                assert_eq!(Path::new(name).file_name().unwrap(), name.as_str());
+            }
+            let counts = [options.spp, options.directions.map(u64::from)];
+            assert!(counts.into_iter().flatten().all(|count| count > 0));
+            true
+        }
+        Err(error) => {
+            let words = error.to_string();
+            assert!(words.contains("; ") && words.len() < 4000, "{words}");
+            false
+        }
+    }
+}
+
+#[test]
+fn option_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let good = std::fs::read(root.join("data/thesis/grf/example.op")).unwrap();
+    assert!(read_option_file(folder.path(), &good));
+    let make = |random: &mut Stream| bend(&good, random);
+    let read = |input: &[u8]| read_option_file(folder.path(), input);
+    drive("op", SCENE_FACTOR, 100, make, read);
 }

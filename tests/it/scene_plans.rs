@@ -3,16 +3,17 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use merlkit::material::{LookupRule, Material};
+use merlkit::direction_sampler::DirectionSampler;
+use merlkit::material::{Loaded, LookupRule, Material};
 use merlkit::points::PointSet;
 use merlkit::render::{
     Budget, Effect, EffectPlan, Film, PlanRequest, RenderSettings, Scene, SceneSpec, Surface,
     render,
 };
 use merlkit::sampler::Cosine;
-use merlkit_scene::read_scene;
+use merlkit_scene::{BuiltScene, read_scene};
 
-fn read(name: &str) -> SceneSpec {
+pub(crate) fn read(name: &str) -> SceneSpec {
     let folder = Path::new(crate::ROOT).join("tools/scene/scenes");
     read_scene(&folder.join(name))
         .unwrap()
@@ -21,12 +22,30 @@ fn read(name: &str) -> SceneSpec {
         .spec
 }
 
-fn draw(spec: &SceneSpec, request: PlanRequest, seed: u64) -> Film {
+/// The scene of a text.
+pub(crate) fn read_text(text: &str) -> BuiltScene {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, text).unwrap();
+    read_scene(&path).unwrap().build().unwrap()
+}
+
+pub(crate) fn draw(spec: &SceneSpec, request: PlanRequest, seed: u64) -> Film {
+    draw_by(spec, request, seed, |_| Arc::new(Cosine))
+}
+
+/// The same with other samplers of the materials.
+pub(crate) fn draw_by(
+    spec: &SceneSpec,
+    request: PlanRequest,
+    seed: u64,
+    sampler: impl Fn(&Loaded) -> Arc<dyn DirectionSampler>,
+) -> Film {
     let scene = Scene::build(spec, request, |i, _| {
         let material = Material::resolve(&spec.materials[i])?.load(LookupRule::Floor)?;
         Ok(Surface {
             brdf: material.brdf().clone(),
-            sampler: Some(Arc::new(Cosine)),
+            sampler: Some(sampler(&material)),
         })
     });
     let settings = RenderSettings {
@@ -40,7 +59,7 @@ fn draw(spec: &SceneSpec, request: PlanRequest, seed: u64) -> Film {
 }
 
 /// The difference of two films in each block of 4 × 4 pixels, in standard errors.
-fn compare(a: &Film, b: &Film) -> Vec<f64> {
+pub(crate) fn compare(a: &Film, b: &Film) -> Vec<f64> {
     let mut differences = Vec::new();
     for block in 0..36 {
         let (mut difference, mut variance) = (0.0, 0.0);
@@ -64,7 +83,7 @@ fn compare(a: &Film, b: &Film) -> Vec<f64> {
 }
 
 /// Of 36 blocks a difference of 4.5 standard errors has the chance 2·10⁻⁴, and a mean square of 2 less than 10⁻³.
-fn assert_same(a: &Film, b: &Film, name: &str) {
+pub(crate) fn assert_same(a: &Film, b: &Film, name: &str) {
     let differences = compare(a, b);
     assert!(differences.len() > 8, "{name}");
     let worst = differences

@@ -126,6 +126,7 @@ impl Picture<'_> {
             ("camera".into(), format!("{:?}", scene.camera)),
             ("bounces".into(), scene.depth.to_string()),
             ("strategy".into(), format!("{:?}", scene.strategy)),
+            ("directions".into(), scene.directions.to_string()),
             ("turn".into(), scene.light_turn.to_string()),
             ("transparent".into(), scene.transparent.to_string()),
             ("clamp".into(), format!("{:?}", scene.clamp)),

@@ -302,6 +302,13 @@ impl DirectionSampler for MeteredSampler {
         self.sampler.pdf_batch(wo, wi, out);
         self.calls.densities.end(start, wi.len());
     }
+
+    fn draw_stratified(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
+        let start = self.calls.draws.begin(count);
+        let drawn = self.sampler.draw_stratified(wo, count, seed);
+        self.calls.draws.end(start, count);
+        drawn
+    }
 }
 
 #[cfg(test)]

@@ -70,7 +70,8 @@ impl SceneOptions {
     /// # Errors
     /// [`Error::Argument`] for a background of the file that is none.
     pub fn override_file(&mut self, scene: &mut SceneDescription) -> Result<(), Error> {
-        if !self.lights.is_empty() || scene.lights.is_empty() {
+        if !self.lights.is_empty() || !scene.is_lit() {
+            scene.darken();
             let words = self.light_words(&[DEFAULT_LIGHT.to_owned()]);
             scene.lights = words.into_iter().map(LightEntry::Named).collect();
         }

@@ -2,7 +2,7 @@
 
 use merlkit::Error;
 use merlkit::distribution::Heuristic;
-use merlkit::render::Strategy;
+use merlkit::render::{SceneSpec, Strategy};
 
 use crate::args;
 
@@ -19,6 +19,9 @@ pub struct StrategyOptions {
     /// Number of BRDF candidates of --strategy ris, of which one is traced [default: 8]
     #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     candidates: Option<u32>,
+    /// Directions of the BRDF that look for lights at each surface of a path, which goes on along one of them [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(SceneSpec::MOST_DIRECTIONS)))]
+    pub directions: Option<u32>,
 }
 
 const STRATEGIES: [&str; 4] = ["mis", "light", "brdf", "ris"];
@@ -26,6 +29,13 @@ const HEURISTICS: [(&str, Heuristic); 2] =
     [("power", Heuristic::Power), ("balance", Heuristic::Balance)];
 
 impl StrategyOptions {
+    /// Takes the directions of an option file, unless some were given or the strategy draws none to look for lights.
+    pub fn take_directions(&mut self, directions: Option<u32>) {
+        if matches!(self.strategy.as_str(), "mis" | "brdf") {
+            self.directions = self.directions.or(directions);
+        }
+    }
+
     /// The strategy that they name.
     ///
     /// # Errors
@@ -34,6 +44,9 @@ impl StrategyOptions {
         match (self.strategy.as_str(), self.heuristic, self.candidates) {
             (name, Some(_), _) if name != "mis" => Err(no_effect(name, "--heuristic", "mis")),
             (name, _, Some(_)) if name != "ris" => Err(no_effect(name, "--candidates", "ris")),
+            (name @ ("light" | "ris"), ..) if self.directions.is_some() => {
+                Err(no_effect(name, "--directions", "mis"))
+            }
             ("light", ..) => Ok(Strategy::Light),
             ("brdf", ..) => Ok(Strategy::Brdf),
             ("ris", _, candidates) => Ok(Strategy::Ris {

@@ -1,6 +1,7 @@
 //! The map, and how directions are chosen by it.
 
 use std::f64::consts::{PI, TAU};
+use std::fmt;
 
 use glam::{DVec2, DVec3, Vec4};
 
@@ -48,6 +49,16 @@ pub struct Environment {
     table: Option<SkyTable>,
     /// `None` for maps that were not read from a file.
     notes: Option<Box<MapNotes>>,
+}
+
+/// Its size: the pixels are too many to be read.
+impl fmt::Debug for Environment {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.debug_struct("Environment")
+            .field("width", &self.width)
+            .field("height", &self.height)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Environment {

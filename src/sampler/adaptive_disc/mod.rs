@@ -70,15 +70,6 @@ impl Method for AdaptiveDisc {
         self
     }
 
-    fn draw_own_strata(
-        &self,
-        wo: Vec3,
-        count: usize,
-        seed: u64,
-    ) -> Option<Vec<Option<DirectionSample>>> {
-        Some(self.draw_stratified(wo, count, seed))
-    }
-
     fn write(&self, out: &mut TensorWriter) -> Result<()> {
         codec::write(&self.trees, out);
         Ok(())
@@ -120,6 +111,10 @@ impl DirectionSampler for AdaptiveDisc {
 
     fn bytes(&self) -> usize {
         self.trees.bytes() + size_of_val(self.directions.as_slice())
+    }
+
+    fn draw_stratified(&self, wo: Vec3, count: usize, seed: u64) -> Vec<Option<DirectionSample>> {
+        Self::draw_stratified(self, wo, count, seed)
     }
 
     #[track_caller]

@@ -9,9 +9,10 @@ use merlkit::files::Overwrite;
 use merlkit::image::Image;
 use merlkit::material::Material;
 use merlkit::material::merl::LookupRule;
+use merlkit::points::PointSet;
 use merlkit::render::{Budget, PlanRequest, Refinement, RenderSettings, SceneSpec};
 use merlkit_evaluate::report::write_json;
-use merlkit_scene::read_scene;
+use merlkit_scene::{OptionFile, read_scene};
 
 use crate::camera_args::CameraOptions;
 use crate::explanation::explain_plans;
@@ -42,8 +43,11 @@ use crate::{args, batch, output, table};
 )]
 pub struct Args {
     /// MERL binaries, .bsdf files, built-in names or formulas, one sphere each; or one scene file (.toml, .grf)
-    #[arg(required = true, value_name = "MATERIAL")]
+    #[arg(required_unless_present = "options", value_name = "MATERIAL")]
     materials: Vec<String>,
+    /// Option file (.op) of the thesis's renderer for a scene file, which it may name; options given here go before
+    #[arg(help_heading = "Scene", long, value_name = "FILE")]
+    options: Option<PathBuf>,
     /// How values between the samples of a table are interpolated [default: floor]
     #[arg(help_heading = "Materials", long, value_name = "floor|linear|centred", hide_possible_values = true, default_value = "floor", hide_default_value = true, value_parser = args::lookup_rule())]
     lookup: LookupRule,
@@ -97,15 +101,8 @@ pub struct Args {
     #[arg(help_heading = "Picture", long)]
     force: bool,
     /// Output name without extension; .exr and .png are appended [default: render]
-    #[arg(
-        help_heading = "Picture",
-        short,
-        long,
-        value_name = "NAME",
-        default_value = "render",
-        hide_default_value = true
-    )]
-    output: PathBuf,
+    #[arg(help_heading = "Picture", short, long, value_name = "NAME")]
+    output: Option<PathBuf>,
 }
 
 /// Surfaces on a path, where nothing is said.
@@ -114,22 +111,62 @@ const BOUNCES: u32 = 8;
 pub const GREY: f32 = 0.35;
 
 pub fn run(args: &Args) -> Outcome {
-    let Some(path) = find_scene_file(&args.materials)? else {
-        return draw(args, None);
-    };
     let mut args = args.clone();
-    let scene = args.read_scene(&path)?;
+    let options = args.read_options()?;
+    let Some(path) = find_scene_file(&args.materials)? else {
+        return match options {
+            None => draw(&args, None),
+            Some(_) => Err(Error::argument("--options without a scene file", "name one").into()),
+        };
+    };
+    let scene = args.read_scene(&path, options.as_ref())?;
     draw(&args, Some(&scene))
 }
 
 impl Args {
-    /// Reads a scene file. What the command line leaves open, the file says.
-    fn read_scene(&mut self, path: &Path) -> Result<SceneInput, Error> {
+    /// Where the picture goes, without extension.
+    fn output(&self) -> &Path {
+        self.output.as_deref().unwrap_or(Path::new("render"))
+    }
+
+    /// Reads the option file. What the command line leaves open, it says: here what no scene is needed for.
+    fn read_options(&mut self) -> Result<Option<OptionFile>, Error> {
+        let Some(path) = &self.options else {
+            return Ok(None);
+        };
+        let options = OptionFile::read(path)?;
+        if self.materials.is_empty() {
+            let scene = options.scene.as_ref().ok_or_else(|| {
+                let what = format!("{} names no scene", path.display());
+                Error::argument(what, "add BPT_SCENE, or name the scene file")
+            })?;
+            self.materials.push(scene.display().to_string());
+        }
+        if self.output.is_none() {
+            self.output = options.output.as_ref().map(PathBuf::from);
+        }
+        if options.random && self.paths.points.is_none() {
+            self.paths.points = Some(PointSet::Random);
+        }
+        self.strategy.take_directions(options.directions);
+        self.explain |= options.measures;
+        Ok(Some(options))
+    }
+
+    /// Reads a scene file. What the command line leaves open, its options say, and then the file.
+    fn read_scene(
+        &mut self,
+        path: &Path,
+        options: Option<&OptionFile>,
+    ) -> Result<SceneInput, Error> {
         if self.together || self.columns.is_some() {
             let what = "--together and --columns have no effect on a scene file";
             return Err(Error::argument(what, "omit them"));
         }
         let mut scene = read_scene(path)?;
+        if let Some(options) = options {
+            options.apply(&mut scene);
+        }
         self.scene.override_file(&mut scene)?;
         self.camera.override_file(&mut scene.camera)?;
         self.size = self.size.or(scene.size.map(|[w, h]| (w, h)));
@@ -145,7 +182,7 @@ impl Args {
 /// Draws a sphere of each material, or a scene.
 fn draw(args: &Args, scene: Option<&SceneInput>) -> Outcome {
     let start = Instant::now();
-    let files = Files::named(&args.output);
+    let files = Files::named(args.output());
     let names = match scene {
         Some(scene) => scene.spec.materials.clone(),
         None => batch::expand_folders(&args.materials)?,
@@ -226,9 +263,9 @@ fn tell_costs(
 /// The pictures that were written, as the output names them.
 fn written_files(args: &Args) -> Vec<String> {
     match args.frames.count() {
-        Some(count) => vec![Movie::named(&args.output, count).describe()],
+        Some(count) => vec![Movie::named(args.output(), count).describe()],
         None => {
-            let files = Files::named(&args.output);
+            let files = Files::named(args.output());
             vec![
                 files.exr.display().to_string(),
                 files.png.display().to_string(),
@@ -397,7 +434,7 @@ fn draw_frames(
     sums: &mut Checksums,
     count: usize,
 ) -> Result<Option<Refinement>, Failure> {
-    let movie = Movie::named(&args.output, count).with_provenance(&files.provenance);
+    let movie = Movie::named(args.output(), count).with_provenance(&files.provenance);
     let folder = TileFolder::named(files, args.resume);
     folder.check()?;
     let overwrite = match args.resume {
@@ -493,5 +530,6 @@ fn finish_scene(
     spec.floor = args.ground.then_some(GREY);
     spec.depth = args.bounces.unwrap_or(BOUNCES);
     spec.strategy = args.strategy.resolve()?;
+    spec.directions = args.strategy.directions.unwrap_or(1);
     Ok(spec)
 }

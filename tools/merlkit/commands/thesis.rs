@@ -6,7 +6,9 @@ use std::process::ExitCode;
 use merlkit::Error;
 use merlkit::files::{Overwrite, check_writable, write_new};
 use merlkit_evaluate::report::{Provenance, ThesisDocument, thesis_page, write_json};
-use merlkit_evaluate::thesis::{Exhibit, Experiment, PieceFolder, ThesisBench, ThesisPlan};
+use merlkit_evaluate::thesis::{
+    Exhibit, Experiment, PieceFolder, PlanMesh, ThesisBench, ThesisPlan,
+};
 
 use crate::failure::{Failure, Outcome};
 use crate::output::{self, Destination};
@@ -36,6 +38,9 @@ pub struct Args {
     /// Pixels per side of a picture of one object, 4 to 1024 [default: 128; with --quick 40]
     #[arg(help_heading = "Measurement", long, value_name = "N", value_parser = clap::value_parser!(u16).range(4..=1024))]
     side: Option<u16>,
+    /// Mesh of scene 3, in place of a displaced sphere: OBJ, PLY or glTF with +y up, scaled to fit [default: none]
+    #[arg(help_heading = "Measurement", long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
     /// Seed of the draws
     #[arg(
         help_heading = "Measurement",
@@ -72,7 +77,7 @@ pub fn run(args: &Args) -> Outcome {
         json.check(overwrite)?;
     }
     let provenance = provenance::record_timed(args.seed, &[])?;
-    let plan = plan(args, &provenance);
+    let plan = plan(args, &provenance)?;
     let page = args.output.join("thesis.html");
     let folder = args.output.join("pieces");
     // A page next to pieces is one of theirs, which a run that goes on replaces.
@@ -139,7 +144,8 @@ fn chosen(names: &[String]) -> Result<Vec<Experiment>, Error> {
     Ok(chosen)
 }
 
-fn plan(args: &Args, provenance: &Provenance) -> ThesisPlan {
+/// How much is run, and of which mesh.
+fn plan(args: &Args, provenance: &Provenance) -> Result<ThesisPlan, Error> {
     let machine = provenance.machine.as_ref();
     let processor = machine.map_or_else(String::new, |machine| machine.sentence());
     let mut plan = match args.quick {
@@ -149,7 +155,10 @@ fn plan(args: &Args, provenance: &Provenance) -> ThesisPlan {
     if let Some(side) = args.side {
         plan.side = side.into();
     }
-    plan
+    if let Some(path) = &args.mesh {
+        plan.mesh = Some(PlanMesh::read(path)?);
+    }
+    Ok(plan)
 }
 
 fn list() -> Result<(), Failure> {

@@ -4,12 +4,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec2, DVec3};
+use merlkit::color::Rgb;
 use merlkit::light::{LightSpec, Placement};
 use merlkit::render::{Camera, ObjectSpec, SceneSpec, Shape, Sphere, SphereSpec};
 use merlkit::{Error, Result};
 
 use crate::formats::read_mesh;
 use crate::instance::Instance;
+use crate::luminous::MeshLight;
 use crate::mesh::{Shading, Sides, TriangleMesh};
 use crate::mesh_data::MeshData;
 use crate::quad::Quad;
@@ -49,6 +51,9 @@ pub struct ObjectEntry {
     pub to_world: DAffine3,
     /// Position in [`SceneDescription::materials`].
     pub material: usize,
+    /// Radiance of every point of its surface, in all directions from which it is seen. `None`, and 0, for an object that emits
+    /// nothing.
+    pub emission: Option<Rgb>,
 }
 
 /// The shape of an object.
@@ -150,11 +155,26 @@ pub struct BuiltScene {
 }
 
 impl SceneDescription {
+    /// Whether it has a light or an object that emits.
+    pub fn is_lit(&self) -> bool {
+        let mut emission = self.objects.iter().filter_map(|object| object.emission);
+        !self.lights.is_empty() || emission.any(|radiance| radiance != Rgb::ZERO)
+    }
+
+    /// Takes away all lights, and the emission of all objects.
+    pub fn darken(&mut self) {
+        self.lights.clear();
+        for object in &mut self.objects {
+            object.emission = None;
+        }
+    }
+
     /// Reads the mesh files, builds the shapes and places the lights. Equal shapes are one in memory.
     ///
     /// # Errors
     /// Those of [`read_mesh`], [`TriangleMesh::build`] and the shapes; [`Error::Argument`] for an object without a material, a
-    /// scene without an object, lights that nothing is called by, and a camera that looks at its own eye.
+    /// scene without an object, a sphere that emits light, emission that is negative or not finite, lights that nothing is called
+    /// by, and a camera that looks at its own eye.
     pub fn build(&self) -> Result<BuiltScene> {
         let mut built = BuiltScene {
             spec: SceneSpec::row(&[], 1.0),
@@ -169,6 +189,8 @@ impl SceneDescription {
                 return Err(Error::argument(what, "name one of the scene's"));
             }
             add_object(object, &mut known, &mut built).map_err(|e| name_object(object, e))?;
+            let light = build_emission(object).map_err(|e| name_object(object, e))?;
+            built.spec.lights.extend(light);
         }
         let bounds = find_bounds(&built.spec)?;
         built.spec.camera = self.camera.aim(bounds)?;
@@ -232,7 +254,7 @@ fn add_object<'a>(
 }
 
 fn build_shape(entry: &ShapeEntry, built: &mut BuiltScene) -> Result<Arc<dyn Shape>> {
-    let (data, surface) = match entry {
+    match entry {
         ShapeEntry::Sphere { centre, radius } => {
             return Ok(Arc::new(Sphere {
                 centre: *centre,
@@ -242,11 +264,38 @@ fn build_shape(entry: &ShapeEntry, built: &mut BuiltScene) -> Result<Arc<dyn Sha
         ShapeEntry::Quad { corner, edges } => {
             return Ok(Arc::new(Quad::new(*corner, edges[0], edges[1])?));
         }
+        _ => {}
+    }
+    let (data, surface) = build_triangles(entry)?;
+    let mesh = TriangleMesh::build(&data, surface.sides, surface.shading)?;
+    built.triangles += mesh.face_count();
+    built.dropped += mesh.dropped_faces();
+    Ok(Arc::new(mesh))
+}
+
+/// The triangles of a shape, in its own space.
+fn build_triangles(entry: &ShapeEntry) -> Result<(MeshData, SurfaceEntry)> {
+    Ok(match entry {
+        ShapeEntry::Sphere { .. } => {
+            return Err(Error::argument(
+                "a sphere has no triangles that emit light",
+                "take a displaced-sphere of the amplitude 0",
+            ));
+        }
+        ShapeEntry::Quad { corner, edges } => {
+            let across = *corner + edges[0];
+            let data = MeshData {
+                vertices: vec![*corner, across, across + edges[1], *corner + edges[1]],
+                normals: Vec::new(),
+                faces: vec![[0, 1, 2], [0, 2, 3]],
+            };
+            (data, SurfaceEntry::default())
+        }
         ShapeEntry::Revolution {
             profile,
             segments,
             surface,
-        } => (revolve(profile, *segments)?, surface),
+        } => (revolve(profile, *segments)?, *surface),
         ShapeEntry::DisplacedSphere {
             radius,
             amplitude,
@@ -255,15 +304,31 @@ fn build_shape(entry: &ShapeEntry, built: &mut BuiltScene) -> Result<Arc<dyn Sha
             surface,
         } => (
             displace_sphere(*radius, *amplitude, *steps, *seed)?,
-            surface,
+            *surface,
         ),
-        ShapeEntry::File { path, surface } => (read_mesh(path)?, surface),
-        ShapeEntry::Mesh { data, surface } => (data.as_ref().clone(), surface),
+        ShapeEntry::File { path, surface } => (read_mesh(path)?, *surface),
+        ShapeEntry::Mesh { data, surface } => (data.as_ref().clone(), *surface),
+    })
+}
+
+/// The light of an object that emits.
+fn build_emission(object: &ObjectEntry) -> Result<Option<LightSpec>> {
+    let Some(radiance) = object.emission.filter(|radiance| *radiance != Rgb::ZERO) else {
+        return Ok(None);
     };
-    let mesh = TriangleMesh::build(&data, surface.sides, surface.shading)?;
-    built.triangles += mesh.face_count();
-    built.dropped += mesh.dropped_faces();
-    Ok(Arc::new(mesh))
+    let (mut data, surface) = build_triangles(&object.shape)?;
+    for vertex in &mut data.vertices {
+        *vertex = object.to_world.transform_point3(*vertex);
+    }
+    // A map that mirrors turns the order of corners around, and with it the side that a triangle is seen from.
+    if object.to_world.matrix3.determinant() < 0.0 {
+        for face in &mut data.faces {
+            face.swap(1, 2);
+        }
+    }
+    data.normals.clear();
+    let light = MeshLight::build(&data, surface.sides, radiance)?;
+    Ok(Some(LightSpec::Object(Arc::new(light))))
 }
 
 /// The box of all objects.

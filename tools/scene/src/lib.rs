@@ -37,6 +37,7 @@ mod formats;
 mod grf;
 mod hierarchy;
 mod instance;
+mod luminous;
 mod mesh;
 mod mesh_data;
 mod object_table;
@@ -45,6 +46,7 @@ mod quad;
 mod revolution;
 mod scene_fault;
 mod scene_file;
+mod strength;
 mod triangle;
 
 pub use description::{
@@ -52,6 +54,7 @@ pub use description::{
 };
 pub use displaced::displace_sphere;
 pub use formats::{MeshFormat, parse_mesh, read_mesh};
+pub use grf::OptionFile;
 pub use instance::Instance;
 pub use mesh::{Shading, Sides, TriangleMesh};
 pub use mesh_data::MeshData;

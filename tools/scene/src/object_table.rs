@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::{DAffine3, DVec2, DVec3};
+use merlkit::color::Rgb;
 use serde::Deserialize;
 
 use crate::description::{ShapeEntry, SurfaceEntry};
@@ -10,6 +11,7 @@ use crate::mesh::{Shading, Sides};
 use crate::placing::place;
 use crate::revolution::{jar_profile, smooth_profile};
 use crate::scene_fault::{SceneFault, check_given, suggest};
+use crate::strength::Strength;
 
 /// An object, as serde reads it: which of the keys belong to which shape is checked after reading.
 #[derive(Deserialize)]
@@ -38,6 +40,8 @@ pub(crate) struct ObjectTable {
     // Any mesh.
     sides: Option<SidesWord>,
     smooth: Option<bool>,
+    // All but spheres.
+    emission: Option<Strength>,
     // Instances.
     original: Option<String>,
     // Any object.
@@ -81,21 +85,29 @@ const SHAPES: [(&str, &[&str], &[&str]); 6] = [
     ("sphere", &["centre", "radius"], &["radius"]),
     (
         "quad",
-        &["corner", "edge_u", "edge_v"],
+        &["corner", "edge_u", "edge_v", "emission"],
         &["corner", "edge_u", "edge_v"],
     ),
     (
         "revolution",
-        &["profile", "rows", "segments", "sides", "smooth"],
+        &["profile", "rows", "segments", "sides", "smooth", "emission"],
         &["profile"],
     ),
     (
         "displaced-sphere",
-        &["radius", "amplitude", "steps", "seed", "sides", "smooth"],
+        &[
+            "radius",
+            "amplitude",
+            "steps",
+            "seed",
+            "sides",
+            "smooth",
+            "emission",
+        ],
         &["radius", "amplitude", "steps"],
     ),
-    ("mesh", &["file", "sides", "smooth"], &["file"]),
-    ("instance", &["original"], &["original"]),
+    ("mesh", &["file", "sides", "smooth", "emission"], &["file"]),
+    ("instance", &["original", "emission"], &["original"]),
 ];
 
 impl ObjectTable {
@@ -116,6 +128,7 @@ impl ObjectTable {
             ("file", self.file.is_some()),
             ("sides", self.sides.is_some()),
             ("smooth", self.smooth.is_some()),
+            ("emission", self.emission.is_some()),
             ("original", self.original.is_some()),
         ];
         let shape = SHAPES.iter().find(|(name, ..)| *name == self.shape);
@@ -171,6 +184,11 @@ impl ObjectTable {
                 surface: self.surface(),
             },
         })
+    }
+
+    /// The radiance of its surface, where it says one.
+    pub(crate) fn emission(&self) -> Option<Rgb> {
+        self.emission.map(Strength::rgb)
     }
 
     fn surface(&self) -> SurfaceEntry {

@@ -14,6 +14,7 @@ use crate::description::{CameraEntry, LightEntry, ObjectEntry, SceneDescription}
 use crate::grf::read_grf;
 use crate::object_table::ObjectTable;
 use crate::scene_fault::{SceneFault, check_given, count_lines, suggest};
+use crate::strength::Strength;
 
 /// Bytes of a scene file, at most.
 const MOST_BYTES: u64 = 1 << 24;
@@ -65,23 +66,6 @@ struct LightTable {
     intensity: Option<Strength>,
     irradiance: Option<Strength>,
     map: Option<String>,
-}
-
-/// One number for all channels, or three.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(untagged)]
-enum Strength {
-    Grey(f32),
-    Colour([f32; 3]),
-}
-
-impl Strength {
-    fn rgb(self) -> Rgb {
-        match self {
-            Self::Grey(value) => Rgb::splat(value),
-            Self::Colour(channels) => Rgb::from_array(channels),
-        }
-    }
 }
 
 /// Reads a scene file: TOML, or GRF if it ends in `.grf`. Paths in it are relative to its folder.
@@ -188,6 +172,9 @@ fn add_object(
             return Err(SceneFault::new(what, "add material = \"NAME\""));
         }
     };
+    // An instance emits what it says, or what its original emits.
+    let inherited = original.as_ref().and_then(|original| original.emission);
+    let emission = table.emission().or(inherited);
     let shape = match original {
         Some(original) => original.shape,
         None => table.shape_entry(folder)?,
@@ -201,6 +188,7 @@ fn add_object(
         shape,
         to_world: table.placement()?,
         material,
+        emission,
     });
     Ok(())
 }

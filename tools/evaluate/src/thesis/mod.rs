@@ -27,4 +27,4 @@ pub use bench::ThesisBench;
 pub use exhibit::{Exhibit, ResultCell, ResultTable, Thumbnail};
 pub use experiment::Experiment;
 pub use pieces::PieceFolder;
-pub use plan::ThesisPlan;
+pub use plan::{PlanMesh, ThesisPlan};

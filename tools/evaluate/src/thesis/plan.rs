@@ -1,5 +1,10 @@
 //! How much of each experiment is run.
 
+use std::path::Path;
+
+use merlkit::Result;
+use merlkit::files::RegularFile;
+use merlkit_scene::read_mesh;
 use serde::{Deserialize, Serialize};
 
 /// Version of what pieces hold: those of another are measured again.
@@ -36,6 +41,38 @@ pub struct ThesisPlan {
     pub timed_calls: usize,
     /// The processor that times are measured on.
     pub processor: String,
+    /// The mesh of scene 3; `None` for the displaced sphere.
+    #[serde(default)]
+    pub mesh: Option<PlanMesh>,
+}
+
+/// A mesh file that takes the place of a scene's own mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanMesh {
+    /// Its path, as it was given.
+    pub file: String,
+    /// SHA-256 of its bytes in hexadecimal; of glTF without the buffers beside it.
+    pub sha256: String,
+    /// Its vertices.
+    pub vertices: usize,
+    /// Its triangles.
+    pub faces: usize,
+}
+
+impl PlanMesh {
+    /// Reads the mesh once, so that a file that is none is refused before any work.
+    ///
+    /// # Errors
+    /// As [`read_mesh`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let data = read_mesh(path)?;
+        Ok(Self {
+            file: path.display().to_string(),
+            sha256: RegularFile::open(path)?.sha256()?,
+            vertices: data.vertices.len(),
+            faces: data.faces.len(),
+        })
+    }
 }
 
 impl ThesisPlan {
@@ -56,6 +93,7 @@ impl ThesisPlan {
             draws: 100_000,
             timed_calls: 20_000,
             processor: processor.into(),
+            mesh: None,
         }
     }
 

@@ -23,10 +23,9 @@ pub(super) fn read_attribute(tokens: &mut Tokens<'_>) -> Result<Option<Attribute
         Token::Word("rgb" | "brdf" | "pdf" | "texture") => read_body(tokens).map(Some),
         Token::Word("emission") => {
             tokens.next()?;
-            Err(tokens.fault(
-                "meshes that emit light are not drawn",
-                "describe the lamp by a light block, and remove the emission",
-            ))
+            let line = tokens.last_line_number();
+            let value = AttributeValue::Emission(read_vec3(tokens)?);
+            Ok(Some(Attribute { value, line }))
         }
         _ => Ok(None),
     }

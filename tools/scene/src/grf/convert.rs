@@ -39,7 +39,7 @@ pub(crate) fn read_grf(path: &Path) -> Result<SceneDescription> {
     let mut builder = Builder::default();
     builder.add_file(path, &BlockState::default())?;
     let mut scene = builder.scene;
-    if scene.lights.is_empty() {
+    if !scene.is_lit() {
         // The scene is to be seen.
         scene.lights.push(LightEntry::Named("studio".into()));
     }
@@ -229,6 +229,7 @@ impl Builder {
                 },
                 to_world: state.to_world,
                 material,
+                emission: looks.emission,
             });
         }
         Ok(())
@@ -363,6 +364,11 @@ mod tests {
         );
         let built: BuiltScene = scene.build().unwrap();
         assert_eq!(built.triangles, 2);
+        // The second face emits.
+        let emission = Rgb::from_array([1.0, 2.0, 0.5]);
+        let found: Vec<_> = scene.objects.iter().map(|o| o.emission).collect();
+        assert_eq!(found, [None, Some(emission)]);
+        assert_eq!(built.spec.lights.len(), 3);
     }
 
     #[test]
@@ -432,8 +438,8 @@ mod tests {
             ),
             (
                 "use color red",
-                "emission (1,1,1)",
-                "describe the lamp by a light block",
+                "emission (1,-1,1)",
+                "an emission of [1, -1, 1]",
             ),
         ] {
             assert!(TRIANGLE.contains(from), "{from}");

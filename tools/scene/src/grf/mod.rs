@@ -5,6 +5,8 @@ mod attributes;
 mod blocks;
 mod convert;
 mod meshes;
+mod option_lines;
+mod options;
 mod scope;
 mod selection;
 mod tokens;
@@ -13,3 +15,4 @@ mod values;
 mod words;
 
 pub(crate) use convert::read_grf;
+pub use options::OptionFile;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
+use merlkit::color::Rgb;
 use merlkit::material::merl::embedded_names;
 
 use super::tree::{Attribute, AttributeValue, BrdfWords, Definition, ModelWords, TransformStep};
@@ -14,6 +15,8 @@ pub(super) struct Looks {
     pub(super) brdf: BrdfWords,
     pub(super) colour: DVec3,
     pub(super) sampler: Option<ModelWords>,
+    /// Radiance of the faces.
+    pub(super) emission: Option<Rgb>,
 }
 
 impl Default for Looks {
@@ -26,6 +29,7 @@ impl Default for Looks {
             }),
             colour: DVec3::ONE,
             sampler: None,
+            emission: None,
         }
     }
 }
@@ -65,7 +69,7 @@ impl Names {
     /// Changes looks as an attribute says.
     ///
     /// # Errors
-    /// A colour that has no name of that kind.
+    /// A colour that has no name of that kind, and radiance that is negative or not finite.
     pub(super) fn apply(&self, attribute: &Attribute, looks: &mut Looks) -> Result<(), GrfFault> {
         match &attribute.value {
             AttributeValue::Rgb(colour) => looks.colour = *colour,
@@ -75,6 +79,7 @@ impl Names {
             },
             AttributeValue::Brdf(brdf) => looks.brdf = self.resolve_brdf(brdf).clone(),
             AttributeValue::Pdf(words) => looks.sampler = Some(self.resolve_pdf(words).clone()),
+            AttributeValue::Emission(radiance) => looks.emission = read_emission(*radiance)?,
             AttributeValue::Texture => {}
         }
         Ok(())
@@ -163,6 +168,19 @@ impl Names {
     pub(super) fn sampler_text(&self, looks: &Looks) -> Result<Option<String>, GrfFault> {
         looks.sampler.as_ref().map(sampler_text).transpose()
     }
+}
+
+/// The radiance of faces; `None` if they emit nothing.
+fn read_emission(radiance: DVec3) -> Result<Option<Rgb>, GrfFault> {
+    let channels = radiance.as_vec3();
+    if !(channels.is_finite() && radiance.min_element() >= 0.0) {
+        return Err((
+            format!("an emission of {radiance}"),
+            "give finite channels ≥ 0".into(),
+        ));
+    }
+    let emits = radiance != DVec3::ZERO;
+    Ok(emits.then(|| Rgb::from_array(channels.to_array())))
 }
 
 fn is_colour(value: &AttributeValue) -> bool {

@@ -80,6 +80,8 @@ pub(super) enum AttributeValue {
     /// A colour that was given a name.
     NamedRgb(String),
     Brdf(BrdfWords),
+    /// Radiance of the faces; 0 for none.
+    Emission(DVec3),
     /// A sampler and its settings, or a name for them.
     Pdf(ModelWords),
     /// Pictures on surfaces are not drawn.

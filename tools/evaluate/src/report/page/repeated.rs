@@ -66,6 +66,15 @@ fn head(plan: &ThesisPlan, begun: &str, provenance: &Provenance) -> String {
             plan.reference_samples
         ),
     ));
+    if let Some(mesh) = &plan.mesh {
+        origin.push((
+            "Mesh of scene 3",
+            format!(
+                "{}: {} vertices, {} triangles, SHA-256 {}",
+                mesh.file, mesh.vertices, mesh.faces, mesh.sha256
+            ),
+        ));
+    }
     paragraph(intro) + &definition_list(&origin)
 }
 
