@@ -51,7 +51,7 @@ pub use description::{
     BuiltScene, CameraEntry, LightEntry, ObjectEntry, SceneDescription, ShapeEntry, SurfaceEntry,
 };
 pub use displaced::displace_sphere;
-pub use formats::{MeshFormat, parse_mesh, read_mesh};
+pub use formats::{MeshFormat, MeshLimits, parse_mesh, parse_mesh_within, read_mesh};
 pub use instance::Instance;
 pub use mesh::{Shading, Sides, TriangleMesh};
 pub use mesh_data::MeshData;

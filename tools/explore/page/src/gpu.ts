@@ -85,13 +85,13 @@ export function makeWordTexture(gl: WebGL2RenderingContext, words: Uint32Array, 
   return makeTexture(gl, [width, height], [gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT], padded);
 }
 
-/** Makes textures the samplers of a program, one unit each. */
-export function bindTextures(gl: WebGL2RenderingContext, { uniforms }: Program, textures: Record<string, WebGLTexture>): void {
+/** Makes textures the samplers of a program, one unit each. The one called `grid` has three dimensions. */
+export function bindTextures(gl: WebGL2RenderingContext, { uniforms }: Program, textures: Record<string, WebGLTexture | null>): void {
   let unit = 0;
   for (const [name, texture] of Object.entries(textures)) {
     if (!uniforms[name]) continue;
     gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.bindTexture(name === "grid" ? gl.TEXTURE_3D : gl.TEXTURE_2D, texture);
     gl.uniform1i(uniforms[name], unit);
     unit += 1;
   }

@@ -5,6 +5,7 @@ import { readHex, readTheme } from "./colours";
 import { drawLegend } from "./axes";
 import { nameMaterials } from "./command";
 import { beginPicture, buildProgram, copyPicture, type Gpu, type Program } from "./gpu";
+import { drawLayers } from "./layers";
 import { addSelect, onDrag, type Frame, type Panel, type View } from "./panel";
 import { findNearest, type State } from "./state";
 import vertexText from "../shaders/lobe_vertex.glsl";
@@ -140,25 +141,28 @@ function drawSolids(gpu: Gpu, frame: Frame, lobes: Lobe[], greatest: number, sta
   const { gl } = gpu;
   const { canvas, context } = frame;
   program ??= buildProgram(gl, vertexText, fragmentText);
-  beginPicture(gpu, canvas.width, canvas.height);
   const theme = readTheme();
-  gl.clearColor(...readHex(theme.paper), 1);
-  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  const size: [number, number] = [canvas.width, canvas.height];
   gl.useProgram(program.program);
   gl.enable(gl.DEPTH_TEST);
   const [right, up, back] = makeAxes(state.elevation, state.azimuth);
   gl.uniformMatrix3fv(program.uniforms.view, true, [...right, ...up, ...back]);
   gl.uniform2f(program.uniforms.scale, 1 / HALF_WIDTH, canvas.width / canvas.height / HALF_WIDTH);
   gl.uniform1f(program.uniforms.base, shiftUp(state.elevation));
-  // Solids of several materials show through one another by a pattern of left-out pixels, which needs no order.
-  gl.uniform1i(program.uniforms.solids, lobes.length);
-  lobes.forEach((lobe, i) => {
+  function drawSolid(i: number): void {
     gl.uniform3f(program!.uniforms.colour, ...readHex(theme.series[i]));
-    gl.uniform1i(program!.uniforms.number, i);
-    drawMesh(gpu, makeMesh(lobe, greatest, state));
-  });
+    drawMesh(gpu, makeMesh(lobes[i], greatest, state));
+  }
+  if (lobes.length === 1) {
+    beginPicture(gpu, ...size);
+    gl.clearColor(...readHex(theme.paper), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    drawSolid(0);
+  } else {
+    drawLayers(gpu, size, readHex(theme.paper), lobes.length, drawSolid);
+  }
   context.setTransform(1, 0, 0, 1, 0, 0);
-  copyPicture(gpu, [canvas.width, canvas.height], context, [0, 0, canvas.width, canvas.height]);
+  copyPicture(gpu, size, context, [0, 0, ...size]);
 }
 
 /** By how much the picture is moved up, in radii: the outline of the hemisphere reaches from -sin(elevation) to 1. */

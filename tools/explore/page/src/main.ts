@@ -75,9 +75,7 @@ async function start(): Promise<void> {
       makeStale(keys);
     });
   };
-  acceptFiles(() => view, say, (entry) => {
-    catalogue.materials = [...catalogue.materials.filter((m) => m.name !== entry.name), entry];
-  });
+  acceptFiles(() => view, say);
   watchScreen(shown, queue);
   window.addEventListener("hashchange", () => {
     if (location.hash !== addressOf(view.state)) view.change(withDefault(readFragment(location.hash), catalogue));
@@ -95,6 +93,7 @@ function withDefault(state: State, catalogue: Catalogue): State {
   if (!state.materials.length && catalogue.materials.length) state.materials = [catalogue.materials[0].name];
   if (!catalogue.environments.includes(state.map)) state.map = catalogue.environments[0] ?? DEFAULTS.map;
   if (!["directional", ...catalogue.environments].includes(state.light)) state.light = DEFAULTS.light;
+  if (!["sphere", ...catalogue.meshes.map((mesh) => mesh.name)].includes(state.shape)) state.shape = catalogue.meshes[0]?.name ?? "sphere";
   return state;
 }
 
