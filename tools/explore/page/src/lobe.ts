@@ -1,10 +1,10 @@
 /** The lobe of f or f cos over the hemisphere of wi, as solids that share one scale; and what it was asked from. */
 
-import { askBinary, makeKey, type Entry, type Source } from "./data";
+import { askBinary, makeKey, type Answer, type Entry, type Source } from "./data";
 import { readHex, readTheme } from "./colours";
 import { drawLegend } from "./axes";
 import { nameMaterials } from "./command";
-import { beginPicture, buildProgram, copyPicture, type Gpu, type Program } from "./gpu";
+import { beginPicture, beginProgram, copyPicture, finishProgram, type BegunProgram, type Gpu, type Program } from "./gpu";
 import { drawLayers } from "./layers";
 import { addSelect, onDrag, type Frame, type Panel, type View } from "./panel";
 import { findNearest, type State } from "./state";
@@ -39,16 +39,19 @@ export function askedPhi(entry: Entry, state: State): number {
   return entry.isotropic ? 0 : 2 * Math.round(state.phi / 2);
 }
 
-export async function loadLobe(source: Source, entry: Entry, theta: number, state: State): Promise<Lobe> {
-  const phi = askedPhi(entry, state);
+export function askLobe(source: Source, id: Entry["id"], theta: number, phi: number): Promise<Answer> {
   const key = makeKey("lobe", [
-    ["material", entry.id],
+    ["material", id],
     ["theta", theta],
     ["phi", phi],
     ["rows", ROWS],
     ["columns", COLUMNS],
   ]);
-  const { arrays } = await askBinary(source, key);
+  return askBinary(source, key);
+}
+
+export async function loadLobe(source: Source, entry: Entry, theta: number, state: State): Promise<Lobe> {
+  const { arrays } = await askLobe(source, entry.id, theta, askedPhi(entry, state));
   return { entry, f: arrays.f as Float32Array, turn: entry.isotropic ? state.phi : 0, theta };
 }
 
@@ -114,6 +117,7 @@ function dot(a: Direction, b: Direction): number {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+let begun: BegunProgram | null = null;
 let program: Program | null = null;
 let buffers: { vertices: WebGLBuffer; indices: WebGLBuffer; array: WebGLVertexArrayObject } | null = null;
 
@@ -137,10 +141,16 @@ function drawMesh({ gl }: Gpu, mesh: ReturnType<typeof makeMesh>): void {
 /** Half the width of the picture in radii of the hemisphere. */
 const HALF_WIDTH = 1.25;
 
+/** Hands the program of lobes to the browser, which compiles it meanwhile. */
+export function prepareLobes({ gl }: Gpu): void {
+  begun ??= beginProgram(gl, vertexText, fragmentText);
+}
+
 function drawSolids(gpu: Gpu, frame: Frame, lobes: Lobe[], greatest: number, state: State): void {
   const { gl } = gpu;
   const { canvas, context } = frame;
-  program ??= buildProgram(gl, vertexText, fragmentText);
+  prepareLobes(gpu);
+  program ??= finishProgram(gl, begun!);
   const theme = readTheme();
   const size: [number, number] = [canvas.width, canvas.height];
   gl.useProgram(program.program);

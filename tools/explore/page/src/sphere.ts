@@ -1,7 +1,7 @@
 /** Spheres of the materials in view under parallel light or an environment, refined sample after sample. */
 
 import { askBinary, makeKey, type Source } from "./data";
-import { beginPicture, bindTextures, buildProgram, copyPicture, COVER, makeTexture, type Gpu, type Program } from "./gpu";
+import { beginPicture, beginProgram, bindTextures, copyPicture, COVER, finishProgram, makeTexture, type BegunProgram, type Gpu, type Program } from "./gpu";
 import { nameMaterials, nameMeshScene, quoteWord } from "./command";
 import { bindSelect, bindSlider, onDrag, setCaption, type Frame, type Panel, type View } from "./panel";
 import { drawTriangles, findMesh, uploadMesh, type GpuMesh } from "./mesh";
@@ -43,6 +43,7 @@ interface Run {
   count: number;
 }
 
+const begun = new Map<string, BegunProgram>();
 const programs = new Map<string, Program>();
 const skies = new Map<string, Promise<WebGLTexture>>();
 /** Sums by the number of the sphere. */
@@ -50,27 +51,44 @@ const sums: Sums[] = [];
 let current: Run | null = null;
 /** Number of the latest picture: frames of earlier ones are dropped. */
 let latest = 0;
-let milliseconds = 0;
+/** Of the latest sample. Until one was drawn, the GPU may be slow. */
+let milliseconds = Infinity;
 
 /** What is drawn by a program of its own, and the texts that it is made of. */
 const TEXTS = { sphere: [COVER, sphereText], backdrop: [COVER, backdropText], mesh: [meshVertex, meshText] };
 
-function getProgram(gpu: Gpu, part: keyof typeof TEXTS, isSky: boolean, isGrid: boolean): Program {
-  const name = `${part} ${isSky} ${isGrid}`;
-  let program = programs.get(name);
-  if (!program) {
-    const defines = `${isSky ? "#define LIGHT_IS_SKY\n" : ""}${isGrid ? "#define VALUES_ARE_GRID\n" : ""}`;
-    const [vertex, fragment] = TEXTS[part];
-    program = buildProgram(gpu.gl, vertex, `#version 300 es\n${defines}precision highp sampler3D;\n${merlkit}${surfaceText}${fragment}`);
-    programs.set(name, program);
-  }
+/** Hands a program to the browser, unless that was done before. */
+function begin(gpu: Gpu, name: string, vertex: string, fragment: string): void {
+  if (!begun.has(name)) begun.set(name, beginProgram(gpu.gl, vertex, fragment));
+}
+
+function finish(gpu: Gpu, name: string): Program {
+  const program = programs.get(name) ?? finishProgram(gpu.gl, begun.get(name)!);
+  programs.set(name, program);
   return program;
 }
 
+function beginPart(gpu: Gpu, part: keyof typeof TEXTS, isSky: boolean, isGrid: boolean): string {
+  const name = `${part} ${isSky} ${isGrid}`;
+  const defines = `${isSky ? "#define LIGHT_IS_SKY\n" : ""}${isGrid ? "#define VALUES_ARE_GRID\n" : ""}`;
+  const [vertex, fragment] = TEXTS[part];
+  begin(gpu, name, vertex, `#version 300 es\n${defines}precision highp sampler3D;\n${merlkit}${surfaceText}${fragment}`);
+  return name;
+}
+
+function getProgram(gpu: Gpu, part: keyof typeof TEXTS, isSky: boolean, isGrid: boolean): Program {
+  return finish(gpu, beginPart(gpu, part, isSky, isGrid));
+}
+
 function getTone(gpu: Gpu): Program {
-  const program = programs.get("tone") ?? buildProgram(gpu.gl, COVER, tone);
-  programs.set("tone", program);
-  return program;
+  begin(gpu, "tone", COVER, tone);
+  return finish(gpu, "tone");
+}
+
+/** Hands what the first view will probably need to the browser, which compiles it while the page waits for values. */
+export function prepareSpheres(gpu: Gpu, state: View["state"]): void {
+  beginPart(gpu, "sphere", state.light !== "directional", false);
+  begin(gpu, "tone", COVER, tone);
 }
 
 function loadSky(gpu: Gpu, source: Source, name: string): Promise<WebGLTexture> {
