@@ -228,6 +228,33 @@ fn run_in_shell(folder: &Path, command: &str, size: u64) {
     assert!(output.status.success(), "{command}: {complaints}");
 }
 
+/// Compares pictures of a mesh where there is no edge: a pixel may be any of its neighbours', since edges are smoothed by other points.
+fn compare_inside(seen: &Path, rendered: &Path, size: usize) {
+    let (seen, rendered) = (colours(seen), colours(rendered));
+    assert_eq!((seen.len(), rendered.len()), (size * size, size * size));
+    let (mut off, mut lit) = (0, 0);
+    for y in 1..size - 1 {
+        for x in 1..size - 1 {
+            let (mut low, mut high) = ([255; 3], [0; 3]);
+            for neighbour in 0..9 {
+                let place = (y + neighbour / 3 - 1) * size + x + neighbour % 3 - 1;
+                for channel in 0..3 {
+                    low[channel] = rendered[place][channel].min(low[channel]);
+                    high[channel] = rendered[place][channel].max(high[channel]);
+                }
+            }
+            let colour = seen[y * size + x];
+            let is_within = (0..3).all(|c| {
+                colour[c].saturating_add(2) >= low[c] && colour[c] <= high[c].saturating_add(2)
+            });
+            off += usize::from(!is_within);
+            lit += usize::from(high != [0; 3]);
+        }
+    }
+    assert!(lit > 5000, "{lit} pixels are lit");
+    assert!(off * 500 <= lit, "{off} of {lit} pixels differ");
+}
+
 /// A polyhedron around a sphere that is not at the origin: convex, so that it casts no shadow on itself.
 fn write_ball(path: &Path) {
     let mut text = String::new();
@@ -394,27 +421,27 @@ fn anisotropic_materials_meshes_files_and_fingers() {
     let server = Server::start(&["nickel", "ward:sx=0.1,sy=0.3", "--mesh", &mesh]);
     let found = run_script(SHAPES, &chromium, &server.address, folder);
 
-    for (name, picture, rendered) in [
-        ("brushed", "brushed.png", "sphere.png"),
-        ("mesh", "mesh.png", "mesh.png"),
+    for (name, rendered) in [
+        ("brushed", "sphere.png"),
+        ("mesh", "mesh.png"),
+        ("smooth", "mesh.png"),
     ] {
         let part = &found[name];
         let seen = folder.join(format!("seen-{name}.png"));
-        std::fs::rename(folder.join(picture), &seen).unwrap();
-        run_in_shell(
-            folder,
-            part["command"].as_str().unwrap(),
-            part["size"].as_u64().unwrap(),
-        );
-        // The grid is off by 6 % at one pair in a hundred, which is 3 % of an encoded value and up to 8 of 255. Such pairs lie about
-        // the highlight, and most others are off by less than 2. A sphere with the frame of another azimuth differs at ten times as
-        // many pixels.
-        Difference::measure(&seen, &folder.join(rendered)).assert_within(0.03, 0.01);
+        let size = part["size"].as_u64().unwrap();
+        run_in_shell(folder, part["command"].as_str().unwrap(), size);
         let caption = part["caption"].as_str().unwrap();
         assert!(
             caption.contains("anisotropic") && caption.contains("99 of 100"),
             "{caption}"
         );
+        if name == "brushed" {
+            // The grid is off by up to 6 % at one pair in a hundred. 0.8 % of the pixels and 0.1 % of the brightness were measured; a
+            // Ward model with sx = 0.11 differs at more than 5 % of them.
+            Difference::measure(&seen, &folder.join(rendered)).assert_within(0.02, 0.005);
+        } else {
+            compare_inside(&seen, &folder.join(rendered), size as usize);
+        }
     }
     let caption = found["mesh"]["caption"].as_str().unwrap();
     assert!(
