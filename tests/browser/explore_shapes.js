@@ -21,9 +21,13 @@ async function main([executablePath, address, folder]) {
   await tab.goto(`${address}&material=ward%3Asx%3D0.1%2Csy%3D0.3&shape=sphere`);
   await tab.waitForSelector("#environment");
   const found = { faults, brushed: await keepSphere(tab, `${folder}/seen-brushed.png`) };
+  // A sphere has one kind of normals.
+  const normals = tab.locator("#sphere label", { hasText: "normals" });
+  found.hidden = [await normals.isHidden()];
   found.slice = await readSlice(tab);
   await setState(tab, "shape=ball&normals=flat");
   found.mesh = await keepSphere(tab, `${folder}/seen-mesh.png`);
+  found.hidden.push(await normals.isHidden());
   await setState(tab, "normals=smooth");
   found.smooth = await keepSphere(tab, `${folder}/seen-smooth.png`);
   await setState(tab, "light=studio");

@@ -9,6 +9,7 @@ uniform highp sampler2D depth1;
 uniform highp sampler2D depth2;
 uniform vec3 paper;
 uniform int fineness;
+uniform int count;
 out vec4 painted;
 
 // What a solid hides of those behind it.
@@ -38,6 +39,8 @@ vec3 blend(ivec2 texel)
     vec4 a = vec4(texelFetch(colour0, texel, 0).rgb, texelFetch(depth0, texel, 0).r);
     vec4 b = vec4(texelFetch(colour1, texel, 0).rgb, texelFetch(depth1, texel, 0).r);
     vec4 c = vec4(texelFetch(colour2, texel, 0).rgb, texelFetch(depth2, texel, 0).r);
+    b.w = count > 1 ? b.w : 1.0;
+    c.w = count > 2 ? c.w : 1.0;
     sort_pair(a, b);
     sort_pair(b, c);
     sort_pair(a, b);

@@ -9,7 +9,8 @@ export interface Gpu {
 
 export function openGpu(): Gpu | null {
   const canvas = document.createElement("canvas");
-  const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, depth: true });
+  // Spheres and lobes smooth their edges themselves, so that the canvas needs one sample a pixel.
+  const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false });
   if (!gl) return null;
   let sums: number | null = null;
   if (gl.getExtension("EXT_color_buffer_half_float")) sums = gl.RGBA16F;
@@ -68,10 +69,6 @@ export function finishProgram(gl: WebGL2RenderingContext, { program, shaders }: 
     uniforms[name] = gl.getUniformLocation(program, name)!;
   }
   return { program, uniforms };
-}
-
-export function buildProgram(gl: WebGL2RenderingContext, vertex: string, fragment: string): Program {
-  return finishProgram(gl, beginProgram(gl, vertex, fragment));
 }
 
 /** A texture without filtering, as `internal` says, of `data` or of nothing. */

@@ -1,6 +1,6 @@
 /** Solids that show through one another: each is drawn alone, and the layers are put over one another pixel by pixel, the nearest on top. */
 
-import { beginPicture, bindTextures, buildProgram, COVER, makeTexture, type Gpu, type Program } from "./gpu";
+import { beginPicture, beginProgram, bindTextures, COVER, finishProgram, makeTexture, type BegunProgram, type Gpu, type Program } from "./gpu";
 import layersText from "../shaders/layers.glsl";
 
 /** Solids that a picture can have. */
@@ -17,6 +17,7 @@ interface Layer {
 }
 
 let layers: { size: [number, number]; all: Layer[] } | null = null;
+let begun: BegunProgram | null = null;
 let program: Program | null = null;
 
 function makeLayer(gl: WebGL2RenderingContext, size: [number, number]): Layer {
@@ -30,42 +31,52 @@ function makeLayer(gl: WebGL2RenderingContext, size: [number, number]): Layer {
 }
 
 /** Layers of a size, of which the latest are kept. */
-function findLayers(gl: WebGL2RenderingContext, size: [number, number]): Layer[] {
-  if (layers?.size[0] === size[0] && layers.size[1] === size[1]) return layers.all;
+function findLayers(gl: WebGL2RenderingContext, size: [number, number], count: number): Layer[] {
+  if (layers?.size[0] === size[0] && layers.size[1] === size[1] && layers.all.length >= count) return layers.all;
   for (const { frame, colour, depth } of layers?.all ?? []) {
     gl.deleteFramebuffer(frame);
     gl.deleteTexture(colour);
     gl.deleteTexture(depth);
   }
-  layers = { size, all: Array.from({ length: MOST }, () => makeLayer(gl, size)) };
+  layers = { size, all: Array.from({ length: count }, () => makeLayer(gl, size)) };
   return layers.all;
+}
+
+/** Hands the program to the browser, which compiles it meanwhile. */
+export function prepareLayers({ gl }: Gpu): void {
+  begun ??= beginProgram(gl, COVER, layersText);
 }
 
 /** Calls `draw` for each of `count` solids, and brings them over `paper` to the context's canvas. */
 export function drawLayers(gpu: Gpu, [width, height]: [number, number], paper: [number, number, number], count: number, draw: (solid: number) => void): void {
   const { gl } = gpu;
+  if (count === 0) return;
   const fineness = FINENESS * Math.max(width, height) <= WIDEST ? FINENESS : 1;
   const size: [number, number] = [fineness * width, fineness * height];
-  const all = findLayers(gl, size);
+  const all = findLayers(gl, size, count);
   gl.viewport(0, 0, ...size);
-  for (let solid = 0; solid < MOST; solid++) {
+  gl.enable(gl.DEPTH_TEST);
+  for (let solid = 0; solid < count; solid++) {
     gl.bindFramebuffer(gl.FRAMEBUFFER, all[solid].frame);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    if (solid < count) draw(solid);
+    draw(solid);
   }
-  program ??= buildProgram(gl, COVER, layersText);
+  prepareLayers(gpu);
+  program ??= finishProgram(gl, begun!);
   beginPicture(gpu, width, height);
   gl.useProgram(program.program);
   const textures: Record<string, WebGLTexture> = {};
-  all.forEach(({ colour, depth }, i) => {
+  // The shader passes over those behind the last solid.
+  for (let i = 0; i < MOST; i++) {
+    const { colour, depth } = all[Math.min(i, all.length - 1)];
     textures[`colour${i}`] = colour;
     textures[`depth${i}`] = depth;
-  });
+  }
   bindTextures(gl, program, textures);
   gl.uniform3f(program.uniforms.paper, ...paper);
+  gl.uniform1i(program.uniforms.count, count);
   gl.uniform1i(program.uniforms.fineness, fineness);
   gl.disable(gl.DEPTH_TEST);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
-  gl.enable(gl.DEPTH_TEST);
 }

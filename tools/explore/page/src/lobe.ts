@@ -4,8 +4,8 @@ import { askBinary, makeKey, type Answer, type Entry, type Source } from "./data
 import { readHex, readTheme } from "./colours";
 import { drawLegend } from "./axes";
 import { nameMaterials } from "./command";
-import { beginPicture, beginProgram, copyPicture, finishProgram, type BegunProgram, type Gpu, type Program } from "./gpu";
-import { drawLayers } from "./layers";
+import { beginProgram, copyPicture, finishProgram, type BegunProgram, type Gpu, type Program } from "./gpu";
+import { drawLayers, prepareLayers } from "./layers";
 import { addSelect, onDrag, type Frame, type Panel, type View } from "./panel";
 import { findNearest, type State } from "./state";
 import vertexText from "../shaders/lobe_vertex.glsl";
@@ -141,9 +141,10 @@ function drawMesh({ gl }: Gpu, mesh: ReturnType<typeof makeMesh>): void {
 /** Half the width of the picture in radii of the hemisphere. */
 const HALF_WIDTH = 1.25;
 
-/** Hands the program of lobes to the browser, which compiles it meanwhile. */
-export function prepareLobes({ gl }: Gpu): void {
-  begun ??= beginProgram(gl, vertexText, fragmentText);
+/** Hands the programs of lobes to the browser, which compiles them meanwhile. */
+export function prepareLobes(gpu: Gpu): void {
+  begun ??= beginProgram(gpu.gl, vertexText, fragmentText);
+  prepareLayers(gpu);
 }
 
 function drawSolids(gpu: Gpu, frame: Frame, lobes: Lobe[], greatest: number, state: State): void {
@@ -154,7 +155,6 @@ function drawSolids(gpu: Gpu, frame: Frame, lobes: Lobe[], greatest: number, sta
   const theme = readTheme();
   const size: [number, number] = [canvas.width, canvas.height];
   gl.useProgram(program.program);
-  gl.enable(gl.DEPTH_TEST);
   const [right, up, back] = makeAxes(state.elevation, state.azimuth);
   gl.uniformMatrix3fv(program.uniforms.view, true, [...right, ...up, ...back]);
   gl.uniform2f(program.uniforms.scale, 1 / HALF_WIDTH, canvas.width / canvas.height / HALF_WIDTH);
@@ -163,14 +163,7 @@ function drawSolids(gpu: Gpu, frame: Frame, lobes: Lobe[], greatest: number, sta
     gl.uniform3f(program!.uniforms.colour, ...readHex(theme.series[i]));
     drawMesh(gpu, makeMesh(lobes[i], greatest, state));
   }
-  if (lobes.length === 1) {
-    beginPicture(gpu, ...size);
-    gl.clearColor(...readHex(theme.paper), 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    drawSolid(0);
-  } else {
-    drawLayers(gpu, size, readHex(theme.paper), lobes.length, drawSolid);
-  }
+  drawLayers(gpu, size, readHex(theme.paper), lobes.length, drawSolid);
   context.setTransform(1, 0, 0, 1, 0, 0);
   copyPicture(gpu, size, context, [0, 0, ...size]);
 }
