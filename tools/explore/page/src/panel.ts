@@ -96,7 +96,8 @@ export function makeFrame(panel: Panel, parent: HTMLElement, view: () => View): 
       return [width, height];
     },
   };
-  frame.begin();
+  // Its place on the page, without measuring it: that would lay the page out once a panel.
+  canvas.style.aspectRatio = `1 / ${panel.aspect}`;
   panel.prepare?.(frame, view);
   return frame;
 }
