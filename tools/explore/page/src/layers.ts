@@ -5,10 +5,17 @@ import layersText from "../shaders/layers.glsl";
 
 /** Solids that a picture can have. */
 const MOST = 3;
-/** Samples of a pixel along each side, which smooth its edges. */
-const FINENESS = 2;
-/** The widest layer, in texels. */
+/** Samples of a pixel along each side, which smooth its edges: the least, and the most, which small pictures have. */
+const FINENESS = [2, 4];
+/** Texels of a side that more samples are taken up to, and texels that no layer has more of. */
+const USUAL = 1200;
 const WIDEST = 4096;
+
+function chooseFineness(side: number): number {
+  const [least, most] = FINENESS;
+  if (least * side > WIDEST) return 1;
+  return Math.min(Math.max(Math.floor(USUAL / side), least), most);
+}
 
 interface Layer {
   frame: WebGLFramebuffer;
@@ -51,7 +58,7 @@ export function prepareLayers({ gl }: Gpu): void {
 export function drawLayers(gpu: Gpu, [width, height]: [number, number], paper: [number, number, number], count: number, draw: (solid: number) => void): void {
   const { gl } = gpu;
   if (count === 0) return;
-  const fineness = FINENESS * Math.max(width, height) <= WIDEST ? FINENESS : 1;
+  const fineness = chooseFineness(Math.max(width, height));
   const size: [number, number] = [fineness * width, fineness * height];
   const all = findLayers(gl, size, count);
   gl.viewport(0, 0, ...size);
