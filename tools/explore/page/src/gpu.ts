@@ -9,8 +9,7 @@ export interface Gpu {
 
 export function openGpu(): Gpu | null {
   const canvas = document.createElement("canvas");
-  // Spheres and lobes smooth their edges themselves, so that the canvas needs one sample a pixel.
-  const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false });
+  const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, depth: true });
   if (!gl) return null;
   let sums: number | null = null;
   if (gl.getExtension("EXT_color_buffer_half_float")) sums = gl.RGBA16F;

@@ -1,6 +1,6 @@
 /** Solids that show through one another: each is drawn alone, and the layers are put over one another pixel by pixel, the nearest on top. */
 
-import { beginPicture, beginProgram, bindTextures, COVER, finishProgram, makeTexture, type BegunProgram, type Gpu, type Program } from "./gpu";
+import { beginPicture, beginProgram, bindTextures, COVER, finishProgram, makeTexture, type Gpu, type Program } from "./gpu";
 import layersText from "../shaders/layers.glsl";
 
 /** Solids that a picture can have. */
@@ -24,7 +24,6 @@ interface Layer {
 }
 
 let layers: { size: [number, number]; all: Layer[] } | null = null;
-let begun: BegunProgram | null = null;
 let program: Program | null = null;
 
 function makeLayer(gl: WebGL2RenderingContext, size: [number, number]): Layer {
@@ -49,11 +48,6 @@ function findLayers(gl: WebGL2RenderingContext, size: [number, number], count: n
   return layers.all;
 }
 
-/** Hands the program to the browser, which compiles it meanwhile. */
-export function prepareLayers({ gl }: Gpu): void {
-  begun ??= beginProgram(gl, COVER, layersText);
-}
-
 /** Calls `draw` for each of `count` solids, and brings them over `paper` to the context's canvas. */
 export function drawLayers(gpu: Gpu, [width, height]: [number, number], paper: [number, number, number], count: number, draw: (solid: number) => void): void {
   const { gl } = gpu;
@@ -69,8 +63,7 @@ export function drawLayers(gpu: Gpu, [width, height]: [number, number], paper: [
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     draw(solid);
   }
-  prepareLayers(gpu);
-  program ??= finishProgram(gl, begun!);
+  program ??= finishProgram(gl, beginProgram(gl, COVER, layersText));
   beginPicture(gpu, width, height);
   gl.useProgram(program.program);
   const textures: Record<string, WebGLTexture> = {};

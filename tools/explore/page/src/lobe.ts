@@ -4,8 +4,8 @@ import { askBinary, makeKey, type Answer, type Entry, type Source } from "./data
 import { readHex, readTheme } from "./colours";
 import { drawLegend } from "./axes";
 import { nameMaterials } from "./command";
-import { beginProgram, copyPicture, finishProgram, type BegunProgram, type Gpu, type Program } from "./gpu";
-import { drawLayers, prepareLayers } from "./layers";
+import { beginPicture, beginProgram, copyPicture, finishProgram, type BegunProgram, type Gpu, type Program } from "./gpu";
+import { drawLayers } from "./layers";
 import { addSelect, onDrag, type Frame, type Panel, type View } from "./panel";
 import { findNearest, type State } from "./state";
 import vertexText from "../shaders/lobe_vertex.glsl";
@@ -141,10 +141,9 @@ function drawMesh({ gl }: Gpu, mesh: ReturnType<typeof makeMesh>): void {
 /** Half the width of the picture in radii of the hemisphere. */
 const HALF_WIDTH = 1.25;
 
-/** Hands the programs of lobes to the browser, which compiles them meanwhile. */
+/** Hands the program of lobes to the browser, which compiles it meanwhile. */
 export function prepareLobes(gpu: Gpu): void {
   begun ??= beginProgram(gpu.gl, vertexText, fragmentText);
-  prepareLayers(gpu);
 }
 
 function drawSolids(gpu: Gpu, frame: Frame, lobes: Lobe[], greatest: number, state: State): void {
@@ -163,7 +162,15 @@ function drawSolids(gpu: Gpu, frame: Frame, lobes: Lobe[], greatest: number, sta
     gl.uniform3f(program!.uniforms.colour, ...readHex(theme.series[i]));
     drawMesh(gpu, makeMesh(lobes[i], greatest, state));
   }
-  drawLayers(gpu, size, readHex(theme.paper), lobes.length, drawSolid);
+  if (lobes.length === 1) {
+    beginPicture(gpu, ...size);
+    gl.clearColor(...readHex(theme.paper), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    drawSolid(0);
+  } else {
+    drawLayers(gpu, size, readHex(theme.paper), lobes.length, drawSolid);
+  }
   context.setTransform(1, 0, 0, 1, 0, 0);
   copyPicture(gpu, size, context, [0, 0, ...size]);
 }
