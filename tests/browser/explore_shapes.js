@@ -45,10 +45,18 @@ async function main([executablePath, address, folder]) {
   console.log(JSON.stringify(found));
 }
 
-// The members of the state in the address, after the page has had the time to write them.
+// What the address leaves out.
+const DEFAULTS = { theta: "30", phi: "0", lightTheta: "45", lightPhi: "-35" };
+
+// The members of the state in the address, once it has stayed the same for a while: the page writes it some time after a change.
 async function readState(tab) {
-  await tab.waitForTimeout(400);
-  return tab.evaluate(() => Object.fromEntries(new URLSearchParams(location.hash.slice(1))));
+  let before = "";
+  for (;;) {
+    await tab.waitForTimeout(600);
+    const fragment = await tab.evaluate(() => location.hash.slice(1));
+    if (fragment === before) return { ...DEFAULTS, ...Object.fromEntries(new URLSearchParams(fragment)) };
+    before = fragment;
+  }
 }
 
 // Changes members of the state by the address, as a link would.
