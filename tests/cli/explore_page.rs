@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use assert_cmd::cargo::cargo_bin;
+use merlkit_evaluate::plot::viridis;
 use serde_json::Value;
 
 use crate::browsers::find_driven_chromium;
@@ -19,16 +20,16 @@ const EXPLORE: &str = concat!(
 );
 
 /// A server that ends with the test.
-struct Server {
+pub(crate) struct Server {
     child: Child,
-    address: String,
+    pub(crate) address: String,
 }
 
 impl Server {
-    fn start(materials: &[&str]) -> Self {
+    pub(crate) fn start(arguments: &[&str]) -> Self {
         let mut child = Command::new(cargo_bin!("merlkit"))
             .args(["explore", "--no-open"])
-            .args(materials)
+            .args(arguments)
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
@@ -50,8 +51,13 @@ impl Drop for Server {
 
 /// What the script found at an address.
 fn look(chromium: &Path, address: &str, folder: &Path) -> Value {
+    run_script(EXPLORE, chromium, address, folder)
+}
+
+/// What a script found at an address.
+pub(crate) fn run_script(script: &str, chromium: &Path, address: &str, folder: &Path) -> Value {
     let output = Command::new("node")
-        .arg(EXPLORE)
+        .arg(script)
         .arg(chromium)
         .arg(address)
         .arg(folder)
@@ -65,7 +71,7 @@ fn look(chromium: &Path, address: &str, folder: &Path) -> Value {
 }
 
 /// 8-bit RGB of a PNG.
-fn colours(path: &Path) -> Vec<[u8; 3]> {
+pub(crate) fn colours(path: &Path) -> Vec<[u8; 3]> {
     let mut decoder = png::Decoder::new(BufReader::new(std::fs::File::open(path).unwrap()));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().unwrap();
@@ -73,6 +79,47 @@ fn colours(path: &Path) -> Vec<[u8; 3]> {
     let channels = reader.next_frame(&mut bytes).unwrap().color_type.samples();
     let pixels = bytes.chunks_exact(channels);
     pixels.map(|p| [p[0], p[1], p[2]]).collect()
+}
+
+/// How far two pictures are from one another.
+pub(crate) struct Difference {
+    /// Pixels that differ by more than 2 of 255.
+    off: usize,
+    /// Pixels that are not black in the second one.
+    lit: usize,
+    /// The sum of the differences over that of the second picture's values.
+    relative: f64,
+}
+
+impl Difference {
+    pub(crate) fn measure(seen: &Path, rendered: &Path) -> Self {
+        let (seen, rendered) = (colours(seen), colours(rendered));
+        assert_eq!(seen.len(), rendered.len());
+        let (mut off, mut sum, mut total) = (0, 0.0, 0.0);
+        for (a, b) in seen.iter().zip(&rendered) {
+            let distance = (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0);
+            off += usize::from(distance > 2);
+            sum += f64::from(distance);
+            total += f64::from(*b.iter().max().unwrap());
+        }
+        let lit = rendered.iter().filter(|p| **p != [0; 3]).count();
+        assert!(lit > 5000, "{lit} pixels are lit");
+        Self {
+            off,
+            lit,
+            relative: sum / total,
+        }
+    }
+
+    /// Asserts that at most this part of the lit pixels is off, and at most this part of the brightness.
+    pub(crate) fn assert_within(&self, pixels: f64, brightness: f64) {
+        let part = self.off as f64 / self.lit as f64;
+        assert!(
+            part <= pixels && self.relative <= brightness,
+            "{part:.4} of the pixels differ, and {:.4} of the brightness",
+            self.relative
+        );
+    }
 }
 
 /// The sphere's pixels against those of the command that the page names.
@@ -84,25 +131,9 @@ fn compare_sphere(folder: &Path, command: &str, size: u64) {
         &[&arguments[..arguments.len() - 1], &["rendered"]].concat(),
         "",
     ));
-    let (seen, rendered) = (
-        colours(&folder.join("sphere.png")),
-        colours(&folder.join("rendered.png")),
-    );
-    assert_eq!(seen.len(), rendered.len());
-    let (mut off, mut sum, mut total) = (0, 0.0, 0.0);
-    for (a, b) in seen.iter().zip(&rendered) {
-        let distance = (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0);
-        off += usize::from(distance > 2);
-        sum += f64::from(distance);
-        total += f64::from(*b.iter().max().unwrap());
-    }
     // Edges of bins and of the sphere are smoothed by other points.
-    let lit = rendered.iter().filter(|p| **p != [0; 3]).count();
-    assert!(
-        off * 100 <= lit && sum <= 0.01 * total,
-        "{off} of {lit} pixels differ, {:.4} of the brightness",
-        sum / total
-    );
+    Difference::measure(&folder.join("sphere.png"), &folder.join("rendered.png"))
+        .assert_within(0.01, 0.01);
 }
 
 /// Each command that the page names is one that `merlkit` takes.
@@ -207,4 +238,57 @@ fn the_page_has_the_shader_that_is_exported() {
         include_str!("../../tools/explore/page/dist/explore.js").contains("merlkit_bins_of"),
         "the script has no shader"
     );
+}
+
+/// The arms of the page's colours that are numbers, each as three in brackets.
+fn read_triples(text: &str) -> Vec<[u8; 3]> {
+    let mut triples = Vec::new();
+    for piece in text.split('[').skip(1) {
+        let inside = piece.split(']').next().unwrap_or_default();
+        let numbers: Vec<u8> = inside
+            .split(',')
+            .filter_map(|n| n.trim().parse().ok())
+            .collect();
+        if let [red, green, blue] = numbers[..] {
+            triples.push([red, green, blue]);
+        }
+    }
+    triples
+}
+
+/// The page's colours of values are those of the plots: it has a copy of their table.
+#[test]
+fn the_page_has_the_colours_of_the_plots() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../explore/page/src/colours.ts"
+    );
+    let text = std::fs::read_to_string(path).unwrap();
+    let (table, _) = text.split_once("export type Rgb").unwrap();
+    let copied = read_triples(table);
+    assert_eq!(copied.len(), 9);
+    for (k, colour) in copied.iter().enumerate() {
+        assert_eq!(*colour, viridis(k as f64 / 8.0), "viridis {k}");
+    }
+}
+
+/// The first number in hexadecimal behind each place of a word.
+fn read_hexadecimal(text: &str, word: &str) -> Vec<String> {
+    let pieces = text.split(word).skip(1);
+    pieces.map(|piece| piece[..6].to_lowercase()).collect()
+}
+
+/// Materials and samplers have the colours of curves in the plots, where the page is light.
+#[test]
+fn the_page_has_the_colours_of_curves() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let plots = std::fs::read_to_string(format!("{folder}/evaluate/src/plot/style.rs")).unwrap();
+    let page = std::fs::read_to_string(format!("{folder}/explore/page/style.css")).unwrap();
+    let curves = read_hexadecimal(&plots, "Colour(0x");
+    for (k, name) in ["--first: #", "--second: #", "--third: #"]
+        .iter()
+        .enumerate()
+    {
+        assert_eq!(read_hexadecimal(&page, name)[0], curves[k], "{name}");
+    }
 }

@@ -15,6 +15,7 @@ mod eval;
 mod every_material;
 mod explore;
 mod explore_page;
+mod explore_shapes;
 mod fit;
 mod grf;
 #[path = "../support/grids.rs"]

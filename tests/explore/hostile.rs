@@ -16,7 +16,7 @@ use crate::read::session;
 const PORT: u16 = 7777;
 
 /// Requests that are well formed.
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 18] = [
     "/api/v1/materials",
     "/api/v1/table?material=0",
     "/api/v1/runtime?material=0",
@@ -28,6 +28,10 @@ const KEYS: [&str; 14] = [
     "/api/v1/environment?name=uniform",
     "/api/v1/environment-draws?name=uniform&material=0&strategy=ris&theta=45&phi=0&keep=16&candidates=4&seed=1",
     "/api/v1/formula?text=lambert%3Areflectance%3D0.5",
+    "/api/v1/mesh?mesh=0",
+    "/api/v1/meshes?name=a.obj",
+    "/api/v1/grid?material=0",
+    "/api/v1/slice?material=1&phi_h=10&phi_d=20",
     "/api/v1/fit?material=9&model=ggx",
     "/",
     "/explore.js",
@@ -203,6 +207,12 @@ fn files_are_refused_while_they_arrive() {
         }
         let bsdf = b"tensor_file\0\x01\0\xff\xff\xff\xff".to_vec();
         let fit = b"{\"merlkit\": \"0\", \"kind\": \"fit\"}".to_vec();
+        let endless = futures_util::stream::repeat_with(|| {
+            Ok::<_, std::io::Error>(b"v 0 0 0\n".repeat(1 << 17))
+        });
+        let meshes = Uri::from_static("/api/v1/meshes?name=a.obj");
+        let request = allowed(Method::POST, meshes, &token, Body::from_stream(endless));
+        assert_eq!(status(&router, request).await, 413);
         for bytes in [merl, bsdf, fit, Vec::new()] {
             let request = allowed(Method::POST, uri.clone(), &token, Body::from(bytes));
             assert_eq!(status(&router, request).await, 400);
@@ -221,6 +231,9 @@ fn costly_requests_are_refused() {
             "draws?material=0&sampler=adaptive-disc%3An-max%3D1.000001&theta=45&phi=0&count=1&seed=1",
             "lobe?material=0&theta=45&phi=0&rows=4096&columns=4096",
             "lobe?material=0&theta=45&phi=0&rows=0&columns=4",
+            "slice?material=0&phi_h=nan&phi_d=0",
+            "slice?material=0&phi_h=0&phi_d=361",
+            "mesh?mesh=-1",
             "disc?material=0&theta=45&n_max=1.0000001",
             "environment-draws?name=uniform&material=0&strategy=ris&theta=45&phi=0&keep=16&candidates=65&seed=1",
             "fit?material=0&model=ggx%2Bggx%2Bggx%2Bggx%2Bggx",

@@ -27,10 +27,15 @@ impl Arrays {
             for side in shape {
                 count *= side.as_u64().unwrap() as usize;
             }
-            let cells = bytes[offset..offset + 4 * count].as_chunks::<4>().0;
-            let read = cells.iter().map(|four| u32::from_le_bytes(*four));
-            words.insert(array["name"].as_str().unwrap().to_owned(), read.collect());
-            offset = (offset + 4 * count).next_multiple_of(8);
+            let size = if array["type"] == "u16" { 2 } else { 4 };
+            let mut read = Vec::with_capacity(count);
+            for word in bytes[offset..offset + size * count].chunks_exact(size) {
+                let mut four = [0; 4];
+                four[..size].copy_from_slice(word);
+                read.push(u32::from_le_bytes(four));
+            }
+            words.insert(array["name"].as_str().unwrap().to_owned(), read);
+            offset = (offset + size * count).next_multiple_of(8);
         }
         assert_eq!(offset, bytes.len());
         Self { members, words }

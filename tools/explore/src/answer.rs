@@ -94,6 +94,17 @@ impl ArrayAnswer {
         fill_up(&mut self.body, 0);
     }
 
+    /// Adds an array of u16.
+    pub fn push_u16(&mut self, name: &str, shape: &[usize], values: &[u16]) {
+        debug_assert_eq!(shape.iter().product::<usize>(), values.len());
+        self.list(name, "u16", shape);
+        self.body.reserve(2 * values.len() + ALIGNMENT);
+        for value in values {
+            self.body.extend(value.to_le_bytes());
+        }
+        fill_up(&mut self.body, 0);
+    }
+
     /// Adds an array of u32.
     pub fn push_u32(&mut self, name: &str, shape: &[usize], values: &[u32]) {
         debug_assert_eq!(shape.iter().product::<usize>(), values.len());

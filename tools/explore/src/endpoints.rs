@@ -5,7 +5,9 @@ use crate::disc::disc;
 use crate::draws::draws;
 use crate::environment::{environment, environment_draws};
 use crate::fit::fit;
+use crate::grid::{grid, slice};
 use crate::materials::{formula, materials, upload};
+use crate::meshes::mesh;
 use crate::query::{Query, shorten};
 use crate::refusal::Refusal;
 use crate::session::Session;
@@ -24,7 +26,7 @@ struct Endpoint {
     answer: fn(&Session, &Query) -> Result<Answer, Refusal>,
 }
 
-const ENDPOINTS: [Endpoint; 11] = [
+const ENDPOINTS: [Endpoint; 14] = [
     Endpoint {
         path: "api/v1/materials",
         parameters: &[],
@@ -37,8 +39,17 @@ const ENDPOINTS: [Endpoint; 11] = [
         is_fixed: false,
         answer: formula,
     },
+    Endpoint {
+        path: "api/v1/mesh",
+        parameters: &["mesh"],
+        // Its bytes are kept with the mesh.
+        is_fixed: false,
+        answer: mesh,
+    },
     fixed("api/v1/table", &["material"], table),
     fixed("api/v1/runtime", &["material"], runtime),
+    fixed("api/v1/grid", &["material"], grid),
+    fixed("api/v1/slice", &["material", "phi_h", "phi_d"], slice),
     fixed(
         "api/v1/lobe",
         &["material", "theta", "phi", "rows", "columns"],

@@ -45,6 +45,7 @@ pub(crate) fn describe_session(session: &Session, stored: Value) -> Result<Value
     Ok(json!({
         "version": env!("CARGO_PKG_VERSION"),
         "materials": materials,
+        "meshes": session.meshes.describe(),
         "samplers": describe_samplers(&all)?,
         "environments": ENVIRONMENTS,
         "models": offered_models(),

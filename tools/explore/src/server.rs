@@ -10,7 +10,7 @@ use axum::body::Body;
 use axum::extract::{Request, State};
 use axum::http::{HeaderValue, Response, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
-use axum::routing::get;
+use axum::routing::{get, post};
 use http_body_util::BodyExt;
 use tokio::sync::{Semaphore, watch};
 
@@ -53,6 +53,7 @@ pub fn router(session: Arc<Session>, guard: Guard) -> Router {
         .route("/explore.js", get(script))
         .route("/explore.css", get(style))
         .route("/api/v1/materials", get(answer_key).post(receive_file))
+        .route("/api/v1/meshes", post(receive_mesh))
         .route("/api/v1/{*rest}", get(answer_key))
         .fallback(nothing_here)
         .layer(from_fn_with_state(shared.clone(), guard_request))
@@ -118,8 +119,22 @@ async fn answer_key(State(shared): State<Arc<Shared>>, request: Request) -> Resp
     respond_with(work(&shared, move |session| session.answer(&key)).await)
 }
 
-/// Receives a file piece by piece and registers it as a material.
+/// Receives a file and registers it as a material.
 async fn receive_file(State(shared): State<Arc<Shared>>, request: Request) -> Response<Body> {
+    receive(&shared, request, Session::answer_upload).await
+}
+
+/// Receives a file and registers it as a mesh.
+async fn receive_mesh(State(shared): State<Arc<Shared>>, request: Request) -> Response<Body> {
+    receive(&shared, request, Session::answer_mesh_upload).await
+}
+
+/// Receives a file piece by piece, and answers with what is made of it and of the query.
+async fn receive(
+    shared: &Shared,
+    request: Request,
+    answer: fn(&Session, &str, &[u8]) -> Result<Answer, Refusal>,
+) -> Response<Body> {
     let query = request.uri().query().unwrap_or("").to_owned();
     let Ok(_turn) = shared.uploads.try_acquire() else {
         let message = "another file is being sent; wait for its end";
@@ -131,9 +146,7 @@ async fn receive_file(State(shared): State<Arc<Shared>>, request: Request) -> Re
         Ok(Err(refusal)) => return refuse(refusal),
         Err(_) => return refuse(Refusal::new(408, "the file took too long to arrive")),
     };
-    let answering = work(&shared, move |session| {
-        session.answer_upload(&query, &bytes)
-    });
+    let answering = work(shared, move |session| answer(session, &query, &bytes));
     respond_with(answering.await)
 }
 

@@ -8,6 +8,7 @@ use quick_cache::Weighter;
 use quick_cache::sync::Cache;
 
 use crate::answer::Answer;
+use crate::meshes::Meshes;
 use crate::refusal::Refusal;
 use crate::registry::{Registered, Registry};
 use crate::upload::Uploads;
@@ -51,6 +52,7 @@ pub struct Session {
     rule: LookupRule,
     pub(crate) registry: Registry,
     pub(crate) uploads: Uploads,
+    pub(crate) meshes: Meshes,
     loaded: Cache<usize, Loaded, ByteWeights>,
     samplers: Cache<(usize, String), Sampler, ByteWeights>,
     pub(crate) answers: Cache<String, Answer, ByteWeights>,
@@ -66,6 +68,7 @@ impl Session {
             rule,
             registry: Registry::default(),
             uploads: Uploads::default(),
+            meshes: Meshes::default(),
             loaded: Cache::with_weighter(EXPECTED_ENTRIES, LOADED_BYTES, ByteWeights),
             samplers: Cache::with_weighter(EXPECTED_ENTRIES, SAMPLER_BYTES, ByteWeights),
             answers: Cache::with_weighter(EXPECTED_ENTRIES, ANSWER_BYTES, ByteWeights),

@@ -24,6 +24,8 @@ use crate::session::Session;
 const THETAS: [u32; 7] = [0, 15, 30, 45, 60, 75, 85];
 /// The bounds of trials that its discs are built with.
 const N_MAX: [f64; 3] = [1.5, 2.0, 4.0];
+/// The angles φh and φd of its slices of anisotropic materials, in degrees.
+const SLICES: [u32; 4] = [0, 45, 90, 135];
 /// The samplers whose draws it holds.
 const SAMPLERS: [&str; 4] = ["cosine", "half-vector", "adaptive-disc", "lobe:ggx"];
 /// Draws of each.
@@ -62,6 +64,9 @@ impl StoredPage {
             keys.extend(material_keys(registered)?);
         }
         keys.push(format!("api/v1/environment?name={ENVIRONMENT}"));
+        for id in 0..session.meshes.describe().len() {
+            keys.push(format!("api/v1/mesh?mesh={id}"));
+        }
         let mut answers = BTreeMap::new();
         // One after another: each computes on all threads itself.
         for key in keys {
@@ -78,6 +83,8 @@ impl StoredPage {
         let stored = json!({
             "thetas": THETAS,
             "phis": [0],
+            "phi_h": SLICES,
+            "phi_d": SLICES,
             "n_max": N_MAX,
             "samplers": samplers,
             "count": COUNT,
@@ -151,6 +158,15 @@ fn material_keys(registered: &Registered) -> Result<Vec<String>, Refusal> {
     let mut keys = Vec::new();
     if facts.is_isotropic() {
         keys.push(format!("api/v1/table?material={id}"));
+    } else {
+        keys.push(format!("api/v1/grid?material={id}"));
+        for phi_h in SLICES {
+            for phi_d in SLICES {
+                keys.push(format!(
+                    "api/v1/slice?material={id}&phi_h={phi_h}&phi_d={phi_d}"
+                ));
+            }
+        }
     }
     if let Origin::Formula(text) = registered.material.origin() {
         keys.push(format!("api/v1/formula?text={}", encode(text)));

@@ -20,6 +20,7 @@ use crate::{args, interrupt, output};
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  merlkit explore nickel\n  merlkit explore nickel ward:sx=0.1,sy=0.3 --no-open --port 8080\n  \
+                  merlkit explore nickel --mesh bunny.obj\n  \
                   merlkit explore nickel teflon --export page.html"
 )]
 pub struct Args {
@@ -31,6 +32,9 @@ pub struct Args {
     lookup: LookupRule,
     #[command(flatten, next_help_heading = "Materials")]
     tables: args::TableOptions,
+    /// OBJ, PLY or glTF file of a mesh that is shown in place of the sphere; repeatable [default: the sphere]
+    #[arg(help_heading = "Page", long = "mesh", value_name = "FILE")]
+    meshes: Vec<PathBuf>,
     /// Port of 127.0.0.1; 0 takes any that is free
     #[arg(help_heading = "Page", long, value_name = "N", default_value_t = 0)]
     port: u16,
@@ -49,6 +53,9 @@ pub fn run(args: &Args) -> Outcome {
     let materials = args::resolve(&args.materials, &args.tables)?;
     args::refuse_repeated(&materials)?;
     let session = Session::new(&materials, args.lookup)?;
+    for path in &args.meshes {
+        session.add_mesh(path)?;
+    }
     match &args.export {
         Some(path) => export(args, &session, path),
         None => serve(args, session),

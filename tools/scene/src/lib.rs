@@ -53,7 +53,7 @@ pub use description::{
     BuiltScene, CameraEntry, LightEntry, ObjectEntry, SceneDescription, ShapeEntry, SurfaceEntry,
 };
 pub use displaced::displace_sphere;
-pub use formats::{MeshFormat, parse_mesh, read_mesh};
+pub use formats::{MeshFormat, MeshLimits, parse_mesh, parse_mesh_within, read_mesh};
 pub use grf::OptionFile;
 pub use instance::Instance;
 pub use mesh::{Shading, Sides, TriangleMesh};

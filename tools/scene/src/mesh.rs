@@ -62,8 +62,7 @@ impl TriangleMesh {
     /// As [`MeshData::check`], and [`Error::Argument`] for a mesh in which no triangle has an area.
     pub fn build(data: &MeshData, sides: Sides, shading: Shading) -> Result<Self> {
         data.check()?;
-        let mut faces = data.faces.clone();
-        faces.retain(|face| has_area(data.corners(*face)));
+        let faces = data.faces_with_area();
         let dropped = data.faces.len() - faces.len();
         if faces.is_empty() {
             let what = format!(
@@ -277,12 +276,6 @@ impl fmt::Debug for TriangleMesh {
             .field("hash", &format_args!("{hash:016x}"))
             .finish()
     }
-}
-
-/// Whether the corners of a triangle span an area that is more than rounding.
-fn has_area([a, b, c]: [DVec3; 3]) -> bool {
-    let longest = (b - a).length().max((c - a).length());
-    (b - a).cross(c - a).length() > 1e-14 * longest * longest
 }
 
 fn bound(points: &[DVec3]) -> [DVec3; 2] {

@@ -58,6 +58,16 @@ impl MeshData {
         face.map(|corner| self.vertices[corner as usize])
     }
 
+    /// The faces whose corners span an area that is more than rounding.
+    ///
+    /// # Panics
+    /// As [`Self::corners`].
+    pub fn faces_with_area(&self) -> Vec<[u32; 3]> {
+        let mut faces = self.faces.clone();
+        faces.retain(|face| has_area(self.corners(*face)));
+        faces
+    }
+
     /// Normals of vertices: those that are given, or else the mean of the normals of their faces, weighted by area. A vertex
     /// without a face, or whose faces cancel, has the zero vector.
     pub fn vertex_normals(&self) -> Vec<DVec3> {
@@ -93,6 +103,11 @@ impl MeshData {
                 .push(face.map(|corner| corner.saturating_add(first)));
         }
     }
+}
+
+fn has_area([a, b, c]: [DVec3; 3]) -> bool {
+    let longest = (b - a).length().max((c - a).length());
+    (b - a).cross(c - a).length() > 1e-14 * longest * longest
 }
 
 fn is_usable(v: DVec3) -> bool {

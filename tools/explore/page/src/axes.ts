@@ -39,7 +39,9 @@ export function makeTicks({ min, max, isLog }: Axis): number[] {
     for (let power = low; power <= high; power += step) ticks.push(10 ** power);
     // Within two decades, powers of ten are too few.
     if (high - low < 2) ticks.push(...[low - 1, low, high].flatMap((power) => [2 * 10 ** power, 5 * 10 ** power]));
-    return [...new Set(ticks)].filter((tick) => tick >= min && tick <= max);
+    const within = [...new Set(ticks)].filter((tick) => tick >= min && tick <= max);
+    // Within less than a decade, round numbers with even steps are more.
+    return within.length < 3 ? makeTicks({ label: "", min, max }) : within;
   }
   const rough = (max - min) / 6;
   const unit = 10 ** Math.floor(Math.log10(rough));
@@ -59,6 +61,16 @@ export function placeOnAxis({ min, max, isLog, isRoot }: Axis, value: number): n
   if (isRoot) return Math.sqrt(Math.max(value, 0) / max);
   if (isLog) return (Math.log(Math.max(value, min)) - Math.log(min)) / (Math.log(max) - Math.log(min));
   return (value - min) / (max - min);
+}
+
+/** The value at a position along an axis. */
+function findValue({ min, max, isLog }: Axis, position: number): number {
+  return isLog ? min * (max / min) ** position : min + (max - min) * position;
+}
+
+/** The axis between two positions along it. */
+export function cutAxis(axis: Axis, from: number, to: number): Axis {
+  return { ...axis, min: findValue(axis, from), max: findValue(axis, to) };
 }
 
 /** A frame with ticks, grid lines and labels; returns where points of it lie. */

@@ -2,10 +2,11 @@
 
 import { readTheme, type Theme } from "./colours";
 import { nameMaterials } from "./command";
-import { drawAxes, drawCurve, drawLegend, drawLine, DASHES, writeTick, type Box, type Curve } from "./axes";
+import { cutAxis, drawAxes, drawCurve, drawLegend, drawLine, DASHES, writeTick, type Box, type Curve } from "./axes";
 import { askedPhi, COLUMNS, DECADES, findGreatest, loadLobe, readLobe, ROWS, scaleRadius, snapTheta, type Lobe } from "./lobe";
 import { bindSelect, type Frame, type Panel, type View } from "./panel";
 import type { State } from "./state";
+import { onZoom, type Part } from "./zoom";
 
 /** The lobe by the signed angle of wi, -90 (the side of wo) to 90 (the side of its mirror direction). */
 export function cutLobe(lobe: Lobe, state: State): [number, number][] {
@@ -39,16 +40,57 @@ function addChoices(frame: Frame, view: () => View): void {
   bindSelect(frame, view, "scale", "scale", ["linear", "log"]);
 }
 
-function drawPolarGrid(context: CanvasRenderingContext2D, [cx, cy]: [number, number], radius: number, theme: Theme): void {
+/** Lets a plot be zoomed by three members of the state. */
+function addZoom(frame: Frame, view: () => View, name: "polar" | "plot", box: () => Box): void {
+  const [zoom, x, y] = [`${name}Zoom`, `${name}X`, `${name}Y`] as ["polarZoom", "polarX", "polarY"];
+  function boxNow(): [number, number, number, number] {
+    const { left, top, width, height } = box();
+    return [left, top, width, height];
+  }
+  onZoom(
+    frame.canvas,
+    boxNow,
+    () => readPart(view().state, name),
+    (part) => view().change({ [zoom]: part.zoom, [x]: part.x, [y]: part.y }),
+  );
+}
+
+/** The part of a plot that is seen; a bent link may name one that reaches outside. */
+function readPart(state: State, name: "polar" | "plot"): Part {
+  const part = name === "polar" ? [state.polarZoom, state.polarX, state.polarY] : [state.plotZoom, state.plotX, state.plotY];
+  const most = 1 - 1 / part[0];
+  return { zoom: part[0], x: Math.min(part[1], most), y: Math.min(part[2], most) };
+}
+
+function describeZoom({ zoom }: Part): string {
+  return zoom > 1 ? ` Zoomed ${Number(zoom.toPrecision(2))} times; a double click shows all.` : "";
+}
+
+/** Rings at a fraction of the rim, whose values are written where they cross a line, and spokes. */
+function drawPolarGrid(
+  context: CanvasRenderingContext2D,
+  [cx, cy]: [number, number],
+  radius: number,
+  theme: Theme,
+  zoom: number,
+  [width, height]: [number, number],
+  write: (fraction: number) => string,
+): void {
   context.strokeStyle = theme.faint;
   context.fillStyle = theme.ink;
   context.lineWidth = 0.5;
   context.font = "12px system-ui, sans-serif";
   context.textAlign = "center";
-  for (const fraction of [0.25, 0.5, 0.75, 1]) {
+  // Rings halve their distance each time that the zoom doubles.
+  const rings = 4 * 2 ** Math.floor(Math.log2(zoom));
+  for (let ring = 1; ring <= rings; ring++) {
+    const r = (radius * ring) / rings;
     context.beginPath();
-    context.arc(cx, cy, radius * fraction, Math.PI, 2 * Math.PI);
+    context.arc(cx, cy, r, Math.PI, 2 * Math.PI);
     context.stroke();
+    // Of the whole plot the caption says what the rim is.
+    const up = Math.sqrt(r * r - (width / 2 - cx) ** 2);
+    if (zoom > 1 && cy - up > 0 && cy - up < height) context.fillText(write(ring / rings), width / 2, cy - up - 3);
   }
   for (let angle = -90; angle <= 90; angle += 30) {
     const a = (angle * Math.PI) / 180;
@@ -63,17 +105,28 @@ export const polarPanel: Panel = {
   id: "polar",
   title: "Plane of incidence, polar",
   aspect: 0.66,
-  depends: ["materials", "theta", "phi", "value", "scale"],
-  prepare: addChoices,
+  depends: ["materials", "theta", "phi", "value", "scale", "polarZoom", "polarX", "polarY"],
+  prepare(frame, view) {
+    addChoices(frame, view);
+    addZoom(frame, view, "polar", () => {
+      const [width, height] = frame.size();
+      return { left: 0, top: 0, width, height };
+    });
+  },
   async draw(frame, view) {
     const theme = readTheme();
     const theta = snapTheta(view);
     const { curves, greatest } = await loadCurves(view, theta, theme);
     const [width, height] = frame.begin();
     const { context } = frame;
-    const radius = Math.min(width / 2 - 34, height - 60);
-    const centre: [number, number] = [width / 2, height - 22];
-    drawPolarGrid(context, centre, radius, theme);
+    const part = readPart(view.state, "polar");
+    const radius = part.zoom * Math.min(width / 2 - 34, height - 60);
+    const centre: [number, number] = [part.zoom * (width / 2 - part.x * width), part.zoom * (height - 22 - part.y * height)];
+    function writeRing(fraction: number): string {
+      const value = view.state.scale === "linear" ? fraction * greatest : greatest * 10 ** (DECADES * (fraction - 1));
+      return writeTick(Number(value.toPrecision(3)));
+    }
+    drawPolarGrid(context, centre, radius, theme, part.zoom, [width, height], writeRing);
     function place(angle: number, value: number): [number, number] {
       const a = (angle * Math.PI) / 180;
       const r = radius * scaleRadius(value, greatest, view.state.scale);
@@ -89,7 +142,7 @@ export const polarPanel: Panel = {
     context.fillText("wo", centre[0] + 0.8 * radius * Math.sin(o) - 14, centre[1] - 0.8 * radius * Math.cos(o));
     drawLegend(context, curves, box, theme);
     const rim = view.state.scale === "linear" ? "" : `, the centre ${DECADES} decades below`;
-    return `${nameValue(view.state)} by the angle of wi; the rim is ${writeTick(Number(greatest.toPrecision(3)))} sr⁻¹${rim}. wo is on the left at ${theta}°.`;
+    return `${nameValue(view.state)} by the angle of wi; the rim is ${writeTick(Number(greatest.toPrecision(3)))} sr⁻¹${rim}. wo is on the left at ${theta}°.${describeZoom(part)}`;
   },
   command({ state, materials }) {
     const scale = state.scale === "linear" ? "linear" : "root";
@@ -97,29 +150,41 @@ export const polarPanel: Panel = {
   },
 };
 
+function findPlotBox([width, height]: [number, number]): Box {
+  return { left: 52, top: 26, width: width - 66, height: height - 68 };
+}
+
 export const cartesianPanel: Panel = {
   id: "cartesian",
   title: "Plane of incidence, Cartesian",
   aspect: 0.66,
-  depends: ["materials", "theta", "phi", "value", "scale"],
-  prepare: addChoices,
+  depends: ["materials", "theta", "phi", "value", "scale", "plotZoom", "plotX", "plotY"],
+  prepare(frame, view) {
+    addChoices(frame, view);
+    addZoom(frame, view, "plot", () => findPlotBox(frame.size()));
+  },
   async draw(frame, view) {
     const theme = readTheme();
     const theta = snapTheta(view);
     const { curves, greatest } = await loadCurves(view, theta, theme);
     const [width, height] = frame.begin();
-    const box: Box = { left: 52, top: 26, width: width - 66, height: height - 68 };
+    const box = findPlotBox([width, height]);
+    const part = readPart(view.state, "plot");
     const isLog = view.state.scale === "log";
-    const x = { label: "angle of wi, degrees (wo is on the left)", min: -90, max: 90 };
+    const wholeX = { label: "angle of wi, degrees (wo is on the left)", min: -90, max: 90 };
     const top = greatest > 0 ? greatest * (isLog ? 1.5 : 1.05) : 1;
-    const y = { label: nameValue(view.state), min: isLog ? top / 1e5 : 0, max: top, isLog };
+    const wholeY = { label: nameValue(view.state), min: isLog ? top / 1e5 : 0, max: top, isLog };
+    const x = cutAxis(wholeX, part.x, part.x + 1 / part.zoom);
+    const y = cutAxis(wholeY, 1 - part.y - 1 / part.zoom, 1 - part.y);
     const place = drawAxes(frame.context, box, x, y, theme);
     frame.context.strokeStyle = theme.ink;
     frame.context.setLineDash([4, 4]);
-    for (const angle of [-theta, theta]) drawLine(frame.context, place(angle, y.min), place(angle, y.max));
+    for (const angle of [-theta, theta]) {
+      if (angle >= x.min && angle <= x.max) drawLine(frame.context, place(angle, y.min), place(angle, y.max));
+    }
     for (const curve of curves) drawCurve(frame.context, curve, place, box);
     drawLegend(frame.context, curves, box, theme);
-    return `Dashed: wo at −${theta}° and its mirror direction at ${theta}°.`;
+    return `Dashed: wo at −${theta}° and its mirror direction at ${theta}°.${describeZoom(part)}`;
   },
   command({ state, materials }) {
     const { theta, value, scale } = state;

@@ -24,9 +24,23 @@ export interface Entry {
   parameters: Parameter[];
 }
 
+/** A mesh that can take the place of the sphere. */
+export interface MeshEntry {
+  id: number;
+  name: string;
+  faces: number;
+  /** Triangles of no area that were left out. */
+  dropped: number;
+  /** Its path; null for what was sent by the page. */
+  text: string | null;
+}
+
 /** Values that an exported page holds answers for. */
 export interface Stored {
   thetas: number[];
+  /** Azimuths that slices of anisotropic materials are held at. */
+  phi_h: number[];
+  phi_d: number[];
   n_max: number[];
   samplers: string[];
   count: number;
@@ -36,6 +50,7 @@ export interface Stored {
 export interface Catalogue {
   version: string;
   materials: Entry[];
+  meshes: MeshEntry[];
   samplers: { text: string }[];
   environments: string[];
   models: string[];
@@ -56,8 +71,10 @@ export interface Source {
   /** Whether a key can be asked for: any of a server's, and what an exported page holds. */
   holds(key: string): boolean;
   bytes(key: string): Promise<ArrayBuffer>;
-  /** Sends a file to the server; returns its entry. */
+  /** Sends a file with a material to the server; returns its entry. */
   send(name: string, file: Blob): Promise<Entry>;
+  /** The same with a mesh. */
+  sendMesh(name: string, file: Blob): Promise<MeshEntry>;
 }
 
 const MAGIC = "MKXPLOR1";
@@ -85,12 +102,16 @@ function openLive(): Source {
     return response;
   }
 
+  async function post<T>(path: string, name: string, body: Blob): Promise<T> {
+    return (await request(`api/v1/${path}?name=${encodeURIComponent(name)}`, { method: "POST", body })).json();
+  }
+
   return {
     isStored: false,
     holds: () => true,
     bytes: async (key) => (await request(key, {})).arrayBuffer(),
-    send: async (name, file) =>
-      (await request(`api/v1/materials?name=${encodeURIComponent(name)}`, { method: "POST", body: file })).json(),
+    send: (name, file) => post("materials", name, file),
+    sendMesh: (name, file) => post("meshes", name, file),
   };
 }
 
@@ -106,10 +127,13 @@ function openStored(): Source {
       const bytes = decodeBase64(answers[key]);
       return isCompressed ? decompress(bytes) : bytes;
     },
-    send: async () => {
-      throw new Error("An exported page loads no files. Run merlkit explore to load them.");
-    },
+    send: refuseFile,
+    sendMesh: refuseFile,
   };
+}
+
+async function refuseFile(): Promise<never> {
+  throw new Error("An exported page loads no files. Run merlkit explore to load them.");
 }
 
 function decodeBase64(text: string): ArrayBuffer {

@@ -30,8 +30,16 @@ export interface Program {
   uniforms: Record<string, WebGLUniformLocation>;
 }
 
-export function buildProgram(gl: WebGL2RenderingContext, vertex: string, fragment: string): Program {
+/** A program that the browser may still be compiling. */
+export interface BegunProgram {
+  program: WebGLProgram;
+  shaders: WebGLShader[];
+}
+
+/** Hands a program to the browser, which compiles it while the page does other things: nothing is asked of it yet. */
+export function beginProgram(gl: WebGL2RenderingContext, vertex: string, fragment: string): BegunProgram {
   const program = gl.createProgram()!;
+  const shaders: WebGLShader[] = [];
   for (const [kind, text] of [
     [gl.VERTEX_SHADER, vertex],
     [gl.FRAGMENT_SHADER, fragment],
@@ -39,16 +47,20 @@ export function buildProgram(gl: WebGL2RenderingContext, vertex: string, fragmen
     const shader = gl.createShader(kind)!;
     gl.shaderSource(shader, text);
     gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) {
-      throw new Error(`a shader does not compile: ${gl.getShaderInfoLog(shader)}`);
-    }
     gl.attachShader(program, shader);
-    gl.deleteShader(shader);
+    shaders.push(shader);
   }
   gl.linkProgram(program);
+  return { program, shaders };
+}
+
+/** Waits for a program. */
+export function finishProgram(gl: WebGL2RenderingContext, { program, shaders }: BegunProgram): Program {
   if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
-    throw new Error(`a shader does not link: ${gl.getProgramInfoLog(program)}`);
+    const logs = [gl.getProgramInfoLog(program), ...shaders.map((shader) => gl.getShaderInfoLog(shader))];
+    throw new Error(`a shader does not compile: ${logs.filter(Boolean).join(" ")}`);
   }
+  for (const shader of shaders) gl.deleteShader(shader);
   const uniforms: Record<string, WebGLUniformLocation> = {};
   const count: number = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
   for (let i = 0; i < count; i++) {
@@ -85,13 +97,13 @@ export function makeWordTexture(gl: WebGL2RenderingContext, words: Uint32Array, 
   return makeTexture(gl, [width, height], [gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT], padded);
 }
 
-/** Makes textures the samplers of a program, one unit each. */
-export function bindTextures(gl: WebGL2RenderingContext, { uniforms }: Program, textures: Record<string, WebGLTexture>): void {
+/** Makes textures the samplers of a program, one unit each. The one called `grid` has three dimensions. */
+export function bindTextures(gl: WebGL2RenderingContext, { uniforms }: Program, textures: Record<string, WebGLTexture | null>): void {
   let unit = 0;
   for (const [name, texture] of Object.entries(textures)) {
     if (!uniforms[name]) continue;
     gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.bindTexture(name === "grid" ? gl.TEXTURE_3D : gl.TEXTURE_2D, texture);
     gl.uniform1i(uniforms[name], unit);
     unit += 1;
   }

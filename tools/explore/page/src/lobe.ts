@@ -1,10 +1,11 @@
 /** The lobe of f or f cos over the hemisphere of wi, as solids that share one scale; and what it was asked from. */
 
-import { askBinary, makeKey, type Entry, type Source } from "./data";
+import { askBinary, makeKey, type Answer, type Entry, type Source } from "./data";
 import { readHex, readTheme } from "./colours";
 import { drawLegend } from "./axes";
 import { nameMaterials } from "./command";
-import { beginPicture, buildProgram, copyPicture, type Gpu, type Program } from "./gpu";
+import { beginPicture, beginProgram, copyPicture, finishProgram, type BegunProgram, type Gpu, type Program } from "./gpu";
+import { drawLayers } from "./layers";
 import { addSelect, onDrag, type Frame, type Panel, type View } from "./panel";
 import { findNearest, type State } from "./state";
 import vertexText from "../shaders/lobe_vertex.glsl";
@@ -38,16 +39,19 @@ export function askedPhi(entry: Entry, state: State): number {
   return entry.isotropic ? 0 : 2 * Math.round(state.phi / 2);
 }
 
-export async function loadLobe(source: Source, entry: Entry, theta: number, state: State): Promise<Lobe> {
-  const phi = askedPhi(entry, state);
+export function askLobe(source: Source, id: Entry["id"], theta: number, phi: number): Promise<Answer> {
   const key = makeKey("lobe", [
-    ["material", entry.id],
+    ["material", id],
     ["theta", theta],
     ["phi", phi],
     ["rows", ROWS],
     ["columns", COLUMNS],
   ]);
-  const { arrays } = await askBinary(source, key);
+  return askBinary(source, key);
+}
+
+export async function loadLobe(source: Source, entry: Entry, theta: number, state: State): Promise<Lobe> {
+  const { arrays } = await askLobe(source, entry.id, theta, askedPhi(entry, state));
   return { entry, f: arrays.f as Float32Array, turn: entry.isotropic ? state.phi : 0, theta };
 }
 
@@ -113,6 +117,7 @@ function dot(a: Direction, b: Direction): number {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+let begun: BegunProgram | null = null;
 let program: Program | null = null;
 let buffers: { vertices: WebGLBuffer; indices: WebGLBuffer; array: WebGLVertexArrayObject } | null = null;
 
@@ -136,29 +141,38 @@ function drawMesh({ gl }: Gpu, mesh: ReturnType<typeof makeMesh>): void {
 /** Half the width of the picture in radii of the hemisphere. */
 const HALF_WIDTH = 1.25;
 
+/** Hands the program of lobes to the browser, which compiles it meanwhile. */
+export function prepareLobes(gpu: Gpu): void {
+  begun ??= beginProgram(gpu.gl, vertexText, fragmentText);
+}
+
 function drawSolids(gpu: Gpu, frame: Frame, lobes: Lobe[], greatest: number, state: State): void {
   const { gl } = gpu;
   const { canvas, context } = frame;
-  program ??= buildProgram(gl, vertexText, fragmentText);
-  beginPicture(gpu, canvas.width, canvas.height);
+  prepareLobes(gpu);
+  program ??= finishProgram(gl, begun!);
   const theme = readTheme();
-  gl.clearColor(...readHex(theme.paper), 1);
-  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  const size: [number, number] = [canvas.width, canvas.height];
   gl.useProgram(program.program);
-  gl.enable(gl.DEPTH_TEST);
   const [right, up, back] = makeAxes(state.elevation, state.azimuth);
   gl.uniformMatrix3fv(program.uniforms.view, true, [...right, ...up, ...back]);
   gl.uniform2f(program.uniforms.scale, 1 / HALF_WIDTH, canvas.width / canvas.height / HALF_WIDTH);
   gl.uniform1f(program.uniforms.base, shiftUp(state.elevation));
-  // Solids of several materials show through one another by a pattern of left-out pixels, which needs no order.
-  gl.uniform1i(program.uniforms.solids, lobes.length);
-  lobes.forEach((lobe, i) => {
+  function drawSolid(i: number): void {
     gl.uniform3f(program!.uniforms.colour, ...readHex(theme.series[i]));
-    gl.uniform1i(program!.uniforms.number, i);
-    drawMesh(gpu, makeMesh(lobe, greatest, state));
-  });
+    drawMesh(gpu, makeMesh(lobes[i], greatest, state));
+  }
+  if (lobes.length === 1) {
+    beginPicture(gpu, ...size);
+    gl.clearColor(...readHex(theme.paper), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    drawSolid(0);
+  } else {
+    drawLayers(gpu, size, readHex(theme.paper), lobes.length, drawSolid);
+  }
   context.setTransform(1, 0, 0, 1, 0, 0);
-  copyPicture(gpu, [canvas.width, canvas.height], context, [0, 0, canvas.width, canvas.height]);
+  copyPicture(gpu, size, context, [0, 0, ...size]);
 }
 
 /** By how much the picture is moved up, in radii: the outline of the hemisphere reaches from -sin(elevation) to 1. */

@@ -5,13 +5,13 @@ import { askJson, makeKey, openSource, readToken, type Catalogue, type Entry, ty
 import { discPanel } from "./disc";
 import { drawsPanel } from "./draws";
 import { environmentPanel } from "./environment";
-import { openGpu } from "./gpu";
-import { lobePanel } from "./lobe";
+import { openGpu, type Gpu } from "./gpu";
+import { askLobe, lobePanel, prepareLobes } from "./lobe";
 import { acceptFiles, resolveMaterial, showMaterials } from "./materials";
 import { addElement, addSlider, makeFrame, setCaption, type Frame, type Panel, type View } from "./panel";
 import { rowsPanel } from "./rows";
 import { slicePanel } from "./slice";
-import { spherePanel } from "./sphere";
+import { prepareSpheres, spherePanel } from "./sphere";
 import { DEFAULTS, readFragment, writeFragment, type State } from "./state";
 
 const PANELS: Panel[] = [spherePanel, lobePanel, polarPanel, cartesianPanel, slicePanel, drawsPanel, discPanel, rowsPanel, environmentPanel];
@@ -33,8 +33,16 @@ function say(message: string): void {
 
 async function start(): Promise<void> {
   const source = openSource();
-  const catalogue = await askJson<Catalogue>(source, makeKey("materials", []));
-  const view = makeView(source, catalogue);
+  const asking = askJson<Catalogue>(source, makeKey("materials", []));
+  const gpu = openGpu();
+  const begun = readFragment(location.hash);
+  askFirst(source, begun);
+  if (gpu) {
+    prepareSpheres(gpu, begun);
+    prepareLobes(gpu);
+  }
+  const catalogue = await asking;
+  const view = makeView(source, catalogue, gpu);
   await resolveAll(view);
   const shown: Shown[] = [];
   const main = document.querySelector("main")!;
@@ -75,9 +83,7 @@ async function start(): Promise<void> {
       makeStale(keys);
     });
   };
-  acceptFiles(() => view, say, (entry) => {
-    catalogue.materials = [...catalogue.materials.filter((m) => m.name !== entry.name), entry];
-  });
+  acceptFiles(() => view, say);
   watchScreen(shown, queue);
   window.addEventListener("hashchange", () => {
     if (location.hash !== addressOf(view.state)) view.change(withDefault(readFragment(location.hash), catalogue));
@@ -85,9 +91,15 @@ async function start(): Promise<void> {
   queue();
 }
 
-function makeView(source: Source, catalogue: Catalogue): View {
+/** Asks for the first lobe before it is known what else there is: a page without a material shows the first. */
+function askFirst(source: Source, state: State): void {
+  if (state.materials.length || source.isStored) return;
+  askLobe(source, 0, state.theta, 0).catch(() => {});
+}
+
+function makeView(source: Source, catalogue: Catalogue, gpu: Gpu | null): View {
   const state = withDefault(readFragment(location.hash), catalogue);
-  return { state, materials: [], catalogue, source, gpu: openGpu(), change: () => {} };
+  return { state, materials: [], catalogue, source, gpu, change: () => {} };
 }
 
 /** A state that names no material or no known map takes the first. */
@@ -95,6 +107,7 @@ function withDefault(state: State, catalogue: Catalogue): State {
   if (!state.materials.length && catalogue.materials.length) state.materials = [catalogue.materials[0].name];
   if (!catalogue.environments.includes(state.map)) state.map = catalogue.environments[0] ?? DEFAULTS.map;
   if (!["directional", ...catalogue.environments].includes(state.light)) state.light = DEFAULTS.light;
+  if (!["sphere", ...catalogue.meshes.map((mesh) => mesh.name)].includes(state.shape)) state.shape = catalogue.meshes[0]?.name ?? "sphere";
   return state;
 }
 

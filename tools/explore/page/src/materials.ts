@@ -134,17 +134,31 @@ async function fitMaterial(view: () => View, text: string, model: string): Promi
   return `Fitted ${model} to ${text}. ${numbers.map(([name, value]) => `${name} ${Number(value.toPrecision(3))}`).join(", ")}`;
 }
 
+const MESH_NAMES = /\.(obj|ply|gltf|glb)$/i;
+
+/** Sends a file, and shows the material or the mesh in it; returns its name. */
+async function loadFile(view: () => View, file: File): Promise<string> {
+  const { catalogue, source } = view();
+  if (MESH_NAMES.test(file.name)) {
+    const mesh = await source.sendMesh(file.name, file);
+    catalogue.meshes = [...catalogue.meshes.filter((known) => known.name !== mesh.name), mesh];
+    view().change({ shape: mesh.name });
+    return mesh.name;
+  }
+  const entry = await source.send(file.name, file);
+  catalogue.materials = [...catalogue.materials.filter((known) => known.name !== entry.name), entry];
+  const others = view().state.materials.filter((name) => name !== entry.name);
+  view().change({ materials: [...others, entry.name].slice(-MOST_MATERIALS) });
+  return entry.name;
+}
+
 /** Loads files that are dropped on the page or chosen. */
-export function acceptFiles(view: () => View, say: (message: string) => void, learn: (entry: Entry) => void): void {
+export function acceptFiles(view: () => View, say: (message: string) => void): void {
   async function load(files: FileList | null | undefined): Promise<void> {
     for (const file of files ?? []) {
       say(`Loading ${file.name}…`);
       try {
-        const entry = await view().source.send(file.name, file);
-        learn(entry);
-        const others = view().state.materials.filter((name) => name !== entry.name);
-        view().change({ materials: [...others, entry.name].slice(-MOST_MATERIALS) });
-        say(`Loaded ${entry.name}.`);
+        say(`Loaded ${await loadFile(view, file)}.`);
       } catch (error) {
         say(`${file.name}: ${(error as Error).message}`);
       }

@@ -67,7 +67,7 @@ export function makeFrame(panel: Panel, parent: HTMLElement, view: () => View): 
     });
   });
   addButton(head, "Command", `Copy the command that makes ${panel.title}`, (button) => {
-    void copyText(panel.command(view()) ?? "", button);
+    void copyText(panel.command(view()), button);
   });
   const context = canvas.getContext("2d")!;
   const frame: Frame = {
@@ -96,7 +96,8 @@ export function makeFrame(panel: Panel, parent: HTMLElement, view: () => View): 
       return [width, height];
     },
   };
-  frame.begin();
+  // Its place on the page, without measuring it: that would lay the page out once a panel.
+  canvas.style.aspectRatio = `1 / ${panel.aspect}`;
   panel.prepare?.(frame, view);
   return frame;
 }
@@ -107,11 +108,11 @@ export function setCaption(frame: Frame, text: string, isError: boolean): void {
   caption.classList.toggle("error", isError);
 }
 
-async function copyText(text: string, button: HTMLButtonElement): Promise<void> {
+async function copyText(text: string | null, button: HTMLButtonElement): Promise<void> {
   const said = button.textContent;
   try {
-    await navigator.clipboard.writeText(text);
-    button.textContent = "Copied";
+    if (text !== null) await navigator.clipboard.writeText(text);
+    button.textContent = text === null ? "No command makes this" : "Copied";
   } catch {
     // Where the clipboard is closed to pages, the text is shown to be copied by hand.
     button.textContent = text;

@@ -6,6 +6,9 @@ export interface State {
   /** Direction of wo, degrees. */
   theta: number;
   phi: number;
+  /** `sphere`, or a mesh's name; "" for the mesh that the server was started with, if any. */
+  shape: string;
+  normals: "flat" | "smooth";
   /** `directional`, or an environment's name. */
   light: string;
   lightTheta: number;
@@ -14,10 +17,19 @@ export interface State {
   exposure: number;
   value: "f-cos" | "f";
   scale: "linear" | "log";
+  /** The part of the polar plot that is seen, and that of the Cartesian one: see zoom.ts. */
+  polarZoom: number;
+  polarX: number;
+  polarY: number;
+  plotZoom: number;
+  plotX: number;
+  plotY: number;
   /** Viewpoint of the lobe, degrees. */
   elevation: number;
   azimuth: number;
   phiD: number;
+  /** Of the slice of an anisotropic material. */
+  phiH: number;
   slice: "colour" | "difference";
   sliceExposure: number;
   sampler: string;
@@ -37,15 +49,24 @@ export const DEFAULTS: State = {
   materials: [],
   theta: 30,
   phi: 0,
+  shape: "",
+  normals: "flat",
   light: "directional",
   lightTheta: 45,
   lightPhi: -35,
   exposure: 0,
   value: "f-cos",
   scale: "linear",
+  polarZoom: 1,
+  polarX: 0,
+  polarY: 0,
+  plotZoom: 1,
+  plotX: 0,
+  plotY: 0,
   elevation: 25,
   azimuth: 20,
   phiD: 90,
+  phiH: 0,
   slice: "colour",
   sliceExposure: 0,
   sampler: "half-vector:64KB",
@@ -66,9 +87,16 @@ const DOMAINS: Partial<Record<keyof State, [number, number]>> = {
   lightTheta: [0, 180],
   lightPhi: [-180, 180],
   exposure: [-10, 10],
+  polarZoom: [1, 64],
+  polarX: [0, 1],
+  polarY: [0, 1],
+  plotZoom: [1, 64],
+  plotX: [0, 1],
+  plotY: [0, 1],
   elevation: [0, 90],
   azimuth: [-180, 180],
   phiD: [0, 179],
+  phiH: [0, 358],
   sliceExposure: [-10, 10],
   batches: [1, 64],
   nMax: [1.1, 16],
@@ -77,6 +105,7 @@ const DOMAINS: Partial<Record<keyof State, [number, number]>> = {
 };
 
 const WORDS: Partial<Record<keyof State, string[]>> = {
+  normals: ["flat", "smooth"],
   value: ["f-cos", "f"],
   scale: ["linear", "log"],
   slice: ["colour", "difference"],

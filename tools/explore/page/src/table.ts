@@ -23,7 +23,6 @@ export interface Table {
 }
 
 export async function loadTable(source: Source, entry: Entry): Promise<Table> {
-  if (!entry.isotropic) throw new Error(`${entry.name} is anisotropic: spheres and slices need a MERL table, which is isotropic.`);
   const { members, arrays } = await askBinary(source, makeKey("table", [["material", entry.id]]));
   const words = arrays.table as Uint32Array;
   const phiBins = words.length / THETA_BINS / THETA_BINS;
@@ -42,12 +41,56 @@ export function readCell(table: Table, cell: number, out: number[]): boolean {
   return true;
 }
 
+/** Nodes over phi_h, theta_h, theta_d and phi_d, as the server and surface.glsl have them. */
+const NODES = [64, 64, 20, 24];
+/** Blocks over theta_h that lie side by side in the texture, so that no side of it has more than 256 texels. */
+const BLOCKS_ACROSS = 4;
+
 /** What of a material is on the GPU. */
 export interface GpuMaterial {
-  cells: WebGLTexture;
-  table: Pick<Table, "unit" | "phiBins" | "error" | "resampled">;
+  /** Cells of a MERL table, or logarithms over four angles, of which one is null. */
+  cells: WebGLTexture | null;
+  grid: WebGLTexture | null;
+  unit: number;
+  phiBins: number;
   /** The half-vector table's words; null where the server has none, and draws follow the cosine. */
   words: WebGLTexture | null;
+  /** What of it was resampled, as a sentence. */
+  note: string;
+}
+
+async function uploadTable(gpu: Gpu, source: Source, entry: Entry): Promise<GpuMaterial> {
+  const table = await loadTable(source, entry);
+  const cells = makeWordTexture(gpu.gl, table.words, CELLS_ACROSS);
+  const note = table.resampled ? ` ${entry.name} is resampled at the centres of MERL's bins.` : "";
+  return { cells, grid: null, unit: table.unit, phiBins: table.phiBins, words: null, note };
+}
+
+function writePercent(fraction: number): string {
+  return `${Number((100 * fraction).toPrecision(2))} %`;
+}
+
+/** An anisotropic material, resampled by the server: half floats in a texture that the GPU filters. */
+async function uploadGrid({ gl }: Gpu, source: Source, entry: Entry): Promise<GpuMaterial> {
+  const { members, arrays } = await askBinary(source, makeKey("grid", [["material", entry.id]]));
+  const [phiH, thetaH, thetaD, phiD] = NODES;
+  const block = 3 * phiH * thetaH * thetaD;
+  if (arrays.log2?.length !== block * phiD) throw new Error(`the grid of ${entry.name} has another size: page and server differ in version`);
+  const grid = gl.createTexture()!;
+  gl.bindTexture(gl.TEXTURE_3D, grid);
+  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+  gl.texStorage3D(gl.TEXTURE_3D, 1, gl.RGB16F, phiH, BLOCKS_ACROSS * thetaH, (phiD / BLOCKS_ACROSS) * thetaD);
+  for (let k = 0; k < phiD; k++) {
+    const words = arrays.log2.subarray(k * block, (k + 1) * block);
+    const corner: [number, number, number] = [0, (k % BLOCKS_ACROSS) * thetaH, Math.floor(k / BLOCKS_ACROSS) * thetaD];
+    gl.texSubImage3D(gl.TEXTURE_3D, 0, ...corner, phiH, thetaH, thetaD, gl.RGB, gl.HALF_FLOAT, words);
+  }
+  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, name, gl.LINEAR);
+  gl.texParameteri(gl.TEXTURE_3D, gl.TEXTURE_WRAP_S, gl.REPEAT);
+  for (const name of [gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) gl.texParameteri(gl.TEXTURE_3D, name, gl.CLAMP_TO_EDGE);
+  const errors = `half of its values move by less than ${writePercent(members.median as number)}, 99 of 100 by less than ${writePercent(members.percentile99 as number)}`;
+  const note = ` ${entry.name} is anisotropic and resampled at ${thetaH} × ${phiH} × ${thetaD} × ${phiD} angles θh, φh, θd, φd: ${errors}.`;
+  return { cells: null, grid, unit: 1, phiBins: 1, words: null, note };
 }
 
 /** Words in front of the values of a run-time file, which are the sampler's; docs/export.md describes them. */
@@ -69,11 +112,7 @@ export function uploadMaterial(gpu: Gpu, source: Source, entry: Entry): Promise<
   const key = String(entry.id);
   const known = uploaded.get(key);
   if (known) return known;
-  const upload = loadTable(source, entry).then((table) => ({
-    cells: makeWordTexture(gpu.gl, table.words, CELLS_ACROSS),
-    table: { unit: table.unit, phiBins: table.phiBins, error: table.error, resampled: table.resampled },
-    words: null,
-  }));
+  const upload = entry.isotropic ? uploadTable(gpu, source, entry) : uploadGrid(gpu, source, entry);
   uploaded.set(key, upload);
   upload.catch(() => uploaded.delete(key));
   if (uploaded.size > 4) forget(gpu, uploaded.keys().next().value as string);
@@ -83,9 +122,8 @@ export function uploadMaterial(gpu: Gpu, source: Source, entry: Entry): Promise<
 function forget(gpu: Gpu, key: string): void {
   const upload = uploaded.get(key);
   uploaded.delete(key);
-  upload?.then(({ cells, words }) => {
-    gpu.gl.deleteTexture(cells);
-    gpu.gl.deleteTexture(words);
+  upload?.then(({ cells, grid, words }) => {
+    for (const texture of [cells, grid, words]) gpu.gl.deleteTexture(texture);
   });
 }
 
@@ -93,7 +131,7 @@ function forget(gpu: Gpu, key: string): void {
 export async function uploadSampler(gpu: Gpu, source: Source, entry: Entry): Promise<GpuMaterial> {
   const material = await uploadMaterial(gpu, source, entry);
   const key = makeKey("runtime", [["material", entry.id]]);
-  if (!material.words && source.holds(key)) {
+  if (entry.isotropic && !material.words && source.holds(key)) {
     const file = await source.bytes(key).catch(() => null);
     if (file && !material.words) material.words = makeWordTexture(gpu.gl, cutSampler(file), WORDS_ACROSS);
   }

@@ -13,17 +13,24 @@ use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Primitive, Semantic};
 use merlkit::files::RegularFile;
 
-use super::{Complaint, MOST_BYTES, MOST_FACES, too_many_faces};
+use super::{Complaint, MOST_BYTES, MeshLimits};
 use crate::mesh_data::MeshData;
 
 /// Nodes that are visited, at most: a node can be the child of many.
 const MOST_NODES: usize = 100_000;
 
+/// Objects of the JSON, at most: each takes much more memory than its two bytes.
+const MOST_OBJECTS: usize = 500_000;
+
 /// Nodes below one another, at most.
 const MOST_DEPTH: usize = 256;
 
 /// All triangles of the default scene. Buffers are in the file, or in others of `folder`.
-pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<MeshData, Complaint> {
+pub(super) fn parse(
+    bytes: &[u8],
+    folder: &Path,
+    limits: MeshLimits,
+) -> Result<MeshData, Complaint> {
     let (json, blob) = split_chunks(bytes)?;
     let document = read_document(json)?;
     let buffers = load_buffers(&document, blob, folder)?;
@@ -47,7 +54,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<MeshData, Complaint> 
         let to_world = above * Mat4::from_cols_array_2d(&node.transform().matrix()).as_dmat4();
         if let Some(mesh) = node.mesh() {
             for primitive in mesh.primitives() {
-                add_primitive(&mut data, &primitive, &buffers, to_world)?;
+                add_primitive(&mut data, &primitive, &buffers, to_world, limits)?;
             }
         }
         for child in node.children() {
@@ -59,6 +66,11 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<MeshData, Complaint> 
 
 /// The structure of a file, validated.
 fn read_document(json: &[u8]) -> Result<Document, Complaint> {
+    let objects = json.iter().filter(|byte| **byte == b'{').count();
+    if objects > MOST_OBJECTS {
+        let what = format!("a glTF file of {objects} JSON objects");
+        return Err(Complaint::new(what, "export it as one mesh"));
+    }
     let root: Root = gltf::json::deserialize::from_slice(json).map_err(|e| explain(&e))?;
     // The validation looks these accessors up before it knows that they are there.
     for mesh in &root.meshes {
@@ -180,6 +192,7 @@ fn add_primitive(
     primitive: &Primitive<'_>,
     buffers: &[Vec<u8>],
     to_world: DMat4,
+    limits: MeshLimits,
 ) -> Result<(), Complaint> {
     let is_surface = matches!(
         primitive.mode(),
@@ -188,6 +201,11 @@ fn add_primitive(
     let Some(positions) = primitive.get(&Semantic::Positions).filter(|_| is_surface) else {
         return Ok(());
     };
+    let corners = primitive.indices().map_or(0, |indices| indices.count());
+    limits.check(
+        data.vertices.len().saturating_add(positions.count()),
+        data.faces.len().saturating_add(corners / 3),
+    )?;
     let mut part = MeshData {
         vertices: read_vectors(&positions, buffers)?,
         ..MeshData::default()
@@ -211,9 +229,7 @@ fn add_primitive(
         // A map that mirrors turns the sense of all triangles.
         part.faces.iter_mut().for_each(|face| face.swap(1, 2));
     }
-    if data.faces.len() + part.faces.len() > MOST_FACES {
-        return Err(too_many_faces());
-    }
+    limits.check(0, data.faces.len() + part.faces.len())?;
     // Corners are counted within the primitive, which they must not leave.
     part.check()
         .map_err(|error| Complaint::new(format!("a glTF mesh ({error})"), "export it again"))?;
@@ -374,7 +390,12 @@ mod tests {
             "data:application/octet-stream;base64,{}",
             BASE64_STANDARD.encode(content())
         );
-        let data = parse(triangle(&uri).as_bytes(), Path::new("")).unwrap();
+        let data = parse(
+            triangle(&uri).as_bytes(),
+            Path::new(""),
+            MeshLimits::default(),
+        )
+        .unwrap();
         let corners = data.corners(data.faces[0]);
         let expected = [
             DVec3::new(1.0, 2.0, 3.0),
@@ -394,7 +415,12 @@ mod tests {
             "a/../../b",
             "%2e%2e/b",
         ] {
-            let refused = parse(triangle(uri).as_bytes(), Path::new("folder")).unwrap_err();
+            let refused = parse(
+                triangle(uri).as_bytes(),
+                Path::new("folder"),
+                MeshLimits::default(),
+            )
+            .unwrap_err();
             assert!(
                 refused.what.contains("buffer at"),
                 "{uri}: {}",

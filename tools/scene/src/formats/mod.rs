@@ -21,6 +21,25 @@ const MOST_BYTES: u64 = 1 << 30;
 /// Triangles of a mesh file, at most.
 const MOST_FACES: usize = 1 << 26;
 
+/// How much a mesh file may hold. What exceeds a limit is refused before memory is taken for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MeshLimits {
+    /// Vertices.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+}
+
+impl Default for MeshLimits {
+    /// Those of [`read_mesh`].
+    fn default() -> Self {
+        Self {
+            vertices: 3 * MOST_FACES,
+            faces: MOST_FACES,
+        }
+    }
+}
+
 /// The formats that meshes are read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
@@ -84,11 +103,28 @@ pub fn read_mesh(path: &Path) -> Result<MeshData> {
 /// # Errors
 /// As [`read_mesh`].
 pub fn parse_mesh(format: MeshFormat, bytes: &[u8], path: &Path) -> Result<MeshData> {
+    parse_mesh_within(format, bytes, path, MeshLimits::default())
+}
+
+/// [`parse_mesh`] with other limits.
+///
+/// # Errors
+/// As [`read_mesh`], and [`Error::Unsupported`] for a mesh beyond the limits.
+pub fn parse_mesh_within(
+    format: MeshFormat,
+    bytes: &[u8],
+    path: &Path,
+    limits: MeshLimits,
+) -> Result<MeshData> {
     let parsed = match format {
-        MeshFormat::Obj => obj::parse(bytes),
-        MeshFormat::Ply => ply::parse(bytes),
-        MeshFormat::Gltf => gltf::parse(bytes, path.parent().unwrap_or(Path::new(""))),
+        MeshFormat::Obj => obj::parse(bytes, limits),
+        MeshFormat::Ply => ply::parse(bytes, limits),
+        MeshFormat::Gltf => gltf::parse(bytes, path.parent().unwrap_or(Path::new("")), limits),
     };
+    let parsed = parsed.and_then(|data| {
+        limits.check(data.vertices.len(), data.faces.len())?;
+        Ok(data)
+    });
     let data = parsed.map_err(|complaint| refuse(path, complaint))?;
     data.check().map_err(|error| match error {
         Error::Argument { what, fix } => refuse(path, Complaint { what, fix }),
@@ -110,17 +146,28 @@ fn refuse(path: &Path, Complaint { what, fix }: Complaint) -> Error {
 }
 
 /// Adds a polygon as triangles around its first corner.
-fn push_polygon(faces: &mut Vec<[u32; 3]>, corners: &[u32]) -> std::result::Result<(), Complaint> {
+fn push_polygon(
+    faces: &mut Vec<[u32; 3]>,
+    corners: &[u32],
+    limits: MeshLimits,
+) -> std::result::Result<(), Complaint> {
+    limits.check(0, faces.len() + corners.len().saturating_sub(2))?;
     for pair in corners.windows(2).skip(1) {
-        if faces.len() >= MOST_FACES {
-            return Err(too_many_faces());
-        }
         faces.push([corners[0], pair[0], pair[1]]);
     }
     Ok(())
 }
 
-fn too_many_faces() -> Complaint {
-    let what = format!("a mesh of more than {MOST_FACES} triangles");
-    Complaint::new(what, "cut it into smaller ones")
+impl MeshLimits {
+    /// Refuses more vertices or triangles than there may be.
+    fn check(self, vertices: usize, faces: usize) -> std::result::Result<(), Complaint> {
+        if vertices <= self.vertices && faces <= self.faces {
+            return Ok(());
+        }
+        let what = format!(
+            "a mesh of more than {} triangles or {} vertices",
+            self.faces, self.vertices
+        );
+        Err(Complaint::new(what, "cut it into smaller ones"))
+    }
 }

@@ -6,11 +6,12 @@ use std::path::Path;
 use glam::DVec3;
 use tobj::{LoadError, LoadOptions, MTLLoadResult, Mesh};
 
-use super::{Complaint, MOST_FACES, too_many_faces};
+use super::{Complaint, MeshLimits};
 use crate::mesh_data::MeshData;
 
 /// All triangles of a file; polygons are cut into triangles. Materials are not looked for.
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Complaint> {
+pub(super) fn parse(bytes: &[u8], limits: MeshLimits) -> Result<MeshData, Complaint> {
+    limits.check(0, count_triangles(bytes))?;
     let options = LoadOptions {
         // Vertices that differ in their normals alone become two, so that each has one normal.
         single_index: true,
@@ -25,9 +26,22 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Complaint> {
         })?;
     let mut data = MeshData::default();
     for model in &models {
-        append(&mut data, &model.mesh)?;
+        append(&mut data, &model.mesh, limits)?;
     }
     Ok(data)
+}
+
+/// The triangles that the lines of faces are cut into.
+fn count_triangles(bytes: &[u8]) -> usize {
+    let mut count = 0;
+    for line in bytes.split(|byte| *byte == b'\n' || *byte == b'\r') {
+        let pieces = line.split(u8::is_ascii_whitespace);
+        let mut words = pieces.filter(|word| !word.is_empty());
+        if words.next() == Some(b"f") {
+            count += words.count().saturating_sub(2);
+        }
+    }
+    count
 }
 
 /// Materials are given by the scene, and no other file is read.
@@ -35,10 +49,11 @@ fn leave_materials(_: &Path) -> MTLLoadResult {
     Err(LoadError::OpenFileFailed)
 }
 
-fn append(data: &mut MeshData, mesh: &Mesh) -> Result<(), Complaint> {
-    if data.faces.len() + mesh.indices.len() / 3 > MOST_FACES {
-        return Err(too_many_faces());
-    }
+fn append(data: &mut MeshData, mesh: &Mesh, limits: MeshLimits) -> Result<(), Complaint> {
+    limits.check(
+        data.vertices.len() + mesh.positions.len() / 3,
+        data.faces.len() + mesh.indices.len() / 3,
+    )?;
     let mut part = MeshData {
         vertices: read_vectors(&mesh.positions),
         normals: read_vectors(&mesh.normals),
@@ -69,12 +84,12 @@ mod tests {
     fn polygons_and_normals_are_read() {
         let text = "mtllib ../secret.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\n\
                     usemtl gold\nf 1//1 2//1 3//1 4//1\nl 1 2\n";
-        let data = parse(text.as_bytes()).unwrap();
+        let data = parse(text.as_bytes(), MeshLimits::default()).unwrap();
         assert_eq!(data.faces.len(), 2);
         assert_eq!(data.vertices.len(), 4);
         assert_eq!(data.normals, [DVec3::Z; 4]);
         let groups = "v 0 0 0\nv 1 0 0\nv 0 1 0\no a\nf 1 2 3\no b\nf -3 -1 -2\n";
-        let data = parse(groups.as_bytes()).unwrap();
+        let data = parse(groups.as_bytes(), MeshLimits::default()).unwrap();
         assert_eq!(data.faces.len(), 2);
         assert_eq!(data.corners(data.faces[1])[1], DVec3::Y);
     }
@@ -82,7 +97,10 @@ mod tests {
     #[test]
     fn a_corner_that_is_not_there_is_refused() {
         for text in ["v 0 0 0\nf 1 2 3\n", "v 0 0\nf 1 1 1\n", "v a b c\n"] {
-            assert!(parse(text.as_bytes()).is_err(), "{text}");
+            assert!(
+                parse(text.as_bytes(), MeshLimits::default()).is_err(),
+                "{text}"
+            );
         }
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
 
-use super::{Complaint, push_polygon};
+use super::{Complaint, MeshLimits, push_polygon};
 use crate::mesh_data::MeshData;
 
 /// A vertex; its normal is read if it has one.
@@ -71,7 +71,7 @@ impl PropertyAccess for OtherEntry {
 }
 
 /// All faces of a file; polygons are cut into triangles.
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Complaint> {
+pub(super) fn parse(bytes: &[u8], limits: MeshLimits) -> Result<MeshData, Complaint> {
     let mut reader = Reader::new(Cursor::new(bytes));
     let header = Parser::<OtherEntry>::new().read_header(&mut reader);
     let header = header.map_err(explain)?;
@@ -79,8 +79,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshData, Complaint> {
     for (_, element) in &header.elements {
         check_element(element, bytes.len())?;
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut reader, element, &header, &mut data)?,
-            "face" => read_faces(&mut reader, element, &header, &mut data)?,
+            "vertex" => {
+                limits.check(data.vertices.len().saturating_add(element.count), 0)?;
+                read_vertices(&mut reader, element, &header, &mut data)?;
+            }
+            "face" => {
+                limits.check(0, data.faces.len().saturating_add(element.count))?;
+                read_faces(&mut reader, element, &header, &mut data, limits)?;
+            }
             _ => {
                 let others = Parser::<OtherEntry>::new();
                 others
@@ -131,11 +137,12 @@ fn read_faces(
     element: &ElementDef,
     header: &Header,
     data: &mut MeshData,
+    limits: MeshLimits,
 ) -> Result<(), Complaint> {
     let parser = Parser::<FaceEntry>::new();
     let entries = parser.read_payload_for_element(reader, element, header);
     for entry in entries.map_err(explain)? {
-        push_polygon(&mut data.faces, &entry.0)?;
+        push_polygon(&mut data.faces, &entry.0, limits)?;
     }
     Ok(())
 }
@@ -185,7 +192,7 @@ mod tests {
             text += &format!("{x} {y} {z}\n");
         }
         text += "4 0 1 2 3\n";
-        let data = parse(text.as_bytes()).unwrap();
+        let data = parse(text.as_bytes(), MeshLimits::default()).unwrap();
         assert_eq!(data.faces, [[0, 1, 2], [0, 2, 3]]);
         assert_eq!(data.vertices[2], DVec3::new(1.0, 0.1, 0.5));
         assert!(data.normals.is_empty());
@@ -207,8 +214,8 @@ mod tests {
             little.extend(corner.to_le_bytes());
             big.extend(corner.to_be_bytes());
         }
-        assert_eq!(parse(&little).unwrap(), data);
-        assert_eq!(parse(&big).unwrap(), data);
+        assert_eq!(parse(&little, MeshLimits::default()).unwrap(), data);
+        assert_eq!(parse(&big, MeshLimits::default()).unwrap(), data);
     }
 
     #[test]
@@ -217,13 +224,13 @@ mod tests {
             .replace("FORMAT", "ascii")
             .replace("vertex 4", "vertex 4000000000");
         assert!(
-            parse(many.as_bytes())
+            parse(many.as_bytes(), MeshLimits::default())
                 .unwrap_err()
                 .what
                 .contains("promises")
         );
         let empty = "ply\nformat binary_little_endian 1.0\nelement ghost 4\nend_header\n";
-        assert!(parse(empty.as_bytes()).is_err());
-        assert!(parse(b"ply\n").is_err());
+        assert!(parse(empty.as_bytes(), MeshLimits::default()).is_err());
+        assert!(parse(b"ply\n", MeshLimits::default()).is_err());
     }
 }
