@@ -48,6 +48,20 @@ impl Tracer<'_> {
         });
     }
 
+    /// Finds what drawn directions meet, and sums radiance of lights that they find up to there, as [`Self::sum_found`].
+    ///
+    /// Where no path `follows` them, those along which there is no light are left out of `found` rather than traced.
+    pub(super) fn find_light(&self, found: &mut Rays, emitted: &mut EmittedLight, follows: bool) {
+        let are_traced = self.shadows || self.interreflection;
+        if are_traced && !follows && self.lights_are_missed {
+            found.forget_hits();
+            self.sum_found(found, emitted);
+            found.keep_lit(&emitted.sums);
+        }
+        self.find_next_hits(found);
+        self.sum_found(found, emitted);
+    }
+
     /// What drawn directions meet; nothing, where the plan says that nothing can be in the way.
     pub(super) fn find_next_hits(&self, rays: &mut Rays) {
         // Lights are not objects. Where nothing hides them and no path goes on, a hit would change nothing.

@@ -196,12 +196,13 @@ impl<'a> Tracer<'a> {
             self.spread_paths(run, scratch, radiance, ids, paths);
             return;
         }
-        self.draw_next(run, scratch, follows);
-        self.find_next_hits(&mut scratch.found);
+        self.draw_next(run, scratch);
         // Add the light that the directions find, as far as it counts.
         if self.hits_count {
-            self.sum_found(&scratch.found, &mut scratch.emitted);
+            self.find_light(&mut scratch.found, &mut scratch.emitted, follows);
             add_found(&scratch.found, &scratch.emitted.sums, radiance);
+        } else {
+            self.find_next_hits(&mut scratch.found);
         }
         if follows {
             self.keep_survivors(&scratch.found, run.bounce, ids, paths);
@@ -224,23 +225,14 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Draws a direction from each vertex of a surface: T ← T · f_r·cos/p. Those that carry nothing end. So do those along which
-    /// there is no light, unless the path `follows` them: they need not be traced.
-    fn draw_next(&self, run: Run<'_, '_>, scratch: &mut Scratch, follows: bool) {
+    /// Draws a direction from each vertex of a surface: T ← T · f_r·cos/p. Those that carry nothing end.
+    fn draw_next(&self, run: Run<'_, '_>, scratch: &mut Scratch) {
         let points = &mut scratch.scattered.points;
         self.numbers.fill_directions(run.bounce, run.ids, points);
         self.scatter(run, &mut scratch.scattered);
-        let drawn = &mut scratch.scattered.rays;
-        let only_lit = !follows && self.lights_are_missed;
-        if only_lit {
-            drawn.forget_hits();
-            self.sum_found(drawn, &mut scratch.emitted);
-        }
+        let drawn = &scratch.scattered.rays;
         scratch.found.clear();
         for k in 0..drawn.len() {
-            if only_lit && scratch.emitted.sums[k] == DVec3::ZERO {
-                continue;
-            }
             let vertex = &run.vertices[drawn.owners[k] as usize];
             let throughput = vertex.throughput * drawn.weights[k];
             if throughput == DVec3::ZERO || !throughput.is_finite() {

@@ -108,6 +108,30 @@ impl Rays {
         refill(&mut self.normals, count, DVec3::ZERO);
     }
 
+    /// Keeps the rays along which there is light, in their order, and forgets what they meet.
+    pub(super) fn keep_lit(&mut self, light: &[DVec3]) {
+        let mut kept = 0;
+        for (k, light) in light.iter().enumerate() {
+            if *light == DVec3::ZERO {
+                continue;
+            }
+            self.owners[kept] = self.owners[k];
+            self.from[kept] = self.from[k];
+            self.along[kept] = self.along[k];
+            self.weights[kept] = self.weights[k];
+            self.pdfs[kept] = self.pdfs[k];
+            self.leaving[kept] = self.leaving[k];
+            kept += 1;
+        }
+        self.owners.truncate(kept);
+        self.from.truncate(kept);
+        self.along.truncate(kept);
+        self.weights.truncate(kept);
+        self.pdfs.truncate(kept);
+        self.leaving.truncate(kept);
+        self.forget_hits();
+    }
+
     /// A ray, with what it carries.
     #[inline(always)]
     pub(super) fn get(&self, k: usize) -> NewRay {

@@ -45,9 +45,8 @@ impl Tracer<'_> {
                 let next = self.draw_together(run, k, &mut scratch.found);
                 going_on.extend(next);
             }
-            self.find_next_hits(&mut scratch.found);
             // Step 2: what they find, each a part 1/N of the estimate.
-            self.sum_found(&scratch.found, &mut scratch.emitted);
+            self.find_light(&mut scratch.found, &mut scratch.emitted, follows);
             add_found(&scratch.found, &scratch.emitted.sums, radiance);
             // Step 3: a path carries all that the N carry together.
             if follows {

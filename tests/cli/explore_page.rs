@@ -4,14 +4,14 @@
 //! pictures.
 
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use assert_cmd::cargo::cargo_bin;
 use merlkit_evaluate::plot::viridis;
 use serde_json::Value;
 
-use crate::browsers::find_driven_chromium;
+use crate::browsers::{choose_picture_folder, find_driven_chromium};
 use crate::run::{run_in, succeeds};
 
 const EXPLORE: &str = concat!(
@@ -156,12 +156,10 @@ fn run_commands(folder: &Path, commands: &[Value]) {
 #[test]
 fn the_page_shows_what_the_library_computes() {
     let Some(chromium) = find_driven_chromium() else {
-        eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
         return;
     };
     let scratch = tempfile::tempdir().unwrap();
-    let kept = std::env::var_os("SCREENSHOTS").map(PathBuf::from);
-    let folder = kept.as_deref().unwrap_or(scratch.path());
+    let folder = &choose_picture_folder(scratch.path());
     let server = Server::start(&["red-plastic", "nickel"]);
     let found = look(&chromium, &server.address, folder);
 
@@ -204,7 +202,6 @@ fn the_page_shows_what_the_library_computes() {
 #[test]
 fn an_exported_page_opens_from_a_file() {
     let Some(chromium) = find_driven_chromium() else {
-        eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
         return;
     };
     let folder = tempfile::tempdir().unwrap();

@@ -3,7 +3,7 @@
 //! The test skips, saying so, where the others of the page do.
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
@@ -14,7 +14,7 @@ use merlkit::material::rgl::{BsdfSize, tabulate};
 use merlkit::{LookupRule, Material};
 use serde_json::Value;
 
-use crate::browsers::find_driven_chromium;
+use crate::browsers::{choose_picture_folder, find_driven_chromium};
 use crate::explore_page::{Difference, Server, colours, run_script};
 
 const SHAPES: &str = concat!(
@@ -211,12 +211,10 @@ fn check_zooms(zooms: &Value) {
 #[test]
 fn anisotropic_materials_meshes_files_and_fingers() {
     let Some(chromium) = find_driven_chromium() else {
-        eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
         return;
     };
     let scratch = tempfile::tempdir().unwrap();
-    let kept = std::env::var_os("SCREENSHOTS").map(PathBuf::from);
-    let folder = kept.as_deref().unwrap_or(scratch.path());
+    let folder = &choose_picture_folder(scratch.path());
     let ball = folder.join("ball.obj");
     write_ball(&ball);
     std::fs::copy(&ball, folder.join("dropped.obj")).unwrap();

@@ -3,10 +3,10 @@
 //! The tests skip, saying so, where there is no Chromium, or no `playwright-core` on `NODE_PATH` for the one that reads the
 //! document. `SCREENSHOTS` names a folder that keeps the pictures.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
-use crate::browsers::{find_chromium, find_driven_chromium};
+use crate::browsers::{choose_picture_folder, find_chromium, find_driven_chromium};
 use crate::page::{comparison_page, full};
 
 fn browse(chromium: &Path, folder: &Path, arguments: &[String], page: &Path) {
@@ -113,12 +113,10 @@ fn inspect(chromium: &Path, page: &str, folder: &Path, widths: &[&str]) -> Vec<S
 #[test]
 fn it_can_be_read_at_every_width_and_in_the_dark() {
     let Some(chromium) = find_driven_chromium() else {
-        eprintln!("skipped: no Chromium, or no node with playwright-core on NODE_PATH");
         return;
     };
     let scratch = tempfile::tempdir().unwrap();
-    let kept = std::env::var_os("SCREENSHOTS").map(PathBuf::from);
-    let folder = kept.as_deref().unwrap_or(scratch.path());
+    let folder = &choose_picture_folder(scratch.path());
     let page = comparison_page(&full());
     let faults = inspect(&chromium, &page, folder, &[]);
     assert!(faults.is_empty(), "{faults:#?}");

@@ -94,10 +94,11 @@ impl Light for Surrounding {
 /// Rays that miss all lights are not traced where the path ends, which changes no bit.
 #[test]
 fn rays_without_light_are_left_out() {
-    for depth in [1, 3] {
+    for (depth, directions) in [(1, 1), (3, 1), (1, 4)] {
         let mut spec = joined(false);
         spec.lights.truncate(1);
         spec.depth = depth;
+        spec.directions = directions;
         let mut scene = Scene::build(&spec, PlanRequest::AsNeeded, |_, _| Ok(floor(0.8))).unwrap();
         assert!(scene.plan.is_on(Effect::Shadows) && scene.plan.is_on(Effect::Mis));
         let sparing = picture_of(&scene);

@@ -333,6 +333,7 @@ fn unpack(tree: &CwBvh, boxes: &[TriangleBox]) -> Vec<Node> {
                 node.counts[slot] = count as u8;
             } else {
                 let child = packed.child_node_index(slot);
+                assert!(child as usize > i, "children come behind their parents");
                 bound = bounds[child as usize];
                 node.contents[slot] = child;
                 node.inner |= 1 << slot;

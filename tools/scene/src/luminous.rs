@@ -22,9 +22,6 @@ const CLEARANCE: f64 = 1e-6;
 const LEAST_DISTANCE: f64 = 1e-6;
 const LEAST_DISTANCE_OF_EXTENT: f64 = 1e-8;
 
-/// Triangles up to which all corners are the light's hull; of more the corners of their box are.
-const MOST_HULL: usize = 32;
-
 /// The light of a mesh that emits equal radiance from every point, in all directions from which the mesh is seen.
 ///
 /// The mesh is to be an object of the scene as well, which hides the light of its far side.
@@ -178,19 +175,7 @@ impl Light for MeshLight {
     }
 
     fn hull(&self) -> Vec<DVec3> {
-        if self.triangles.len() <= MOST_HULL {
-            return self.triangles.concat();
-        }
-        let [low, high] = self.mesh.bounds();
-        let mut corners = Vec::with_capacity(8);
-        for x in [low.x, high.x] {
-            for y in [low.y, high.y] {
-                for z in [low.z, high.z] {
-                    corners.push(DVec3::new(x, y, z));
-                }
-            }
-        }
-        corners
+        self.mesh.extremes().to_vec()
     }
 }
 

@@ -107,6 +107,11 @@ impl TriangleMesh {
         self.dropped
     }
 
+    /// Points whose convex hull holds the mesh.
+    pub(crate) fn extremes(&self) -> &[DVec3] {
+        &self.extremes
+    }
+
     /// The least and the largest coordinates of its triangles.
     pub fn bounds(&self) -> [DVec3; 2] {
         bound(&self.extremes)

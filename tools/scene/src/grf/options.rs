@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use merlkit::files::RegularFile;
+use merlkit::render::SceneSpec;
 use merlkit::{Error, Result};
 
 use super::option_lines::{LineFault, MOST_COUNT, OptionLine, OptionLines};
@@ -15,9 +16,9 @@ use crate::scene_file::resolve_path;
 
 /// Bytes of an option file, at most.
 const MOST_BYTES: u64 = 1 << 20;
-/// The most directions at a vertex, and paths per pixel.
-const MOST_DIRECTIONS: u64 = 1 << 16;
+/// The most paths per pixel.
 const MOST_SPP: u64 = 1 << 32;
+
 /// What an option file asks for, as far as it means something here.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OptionFile {
@@ -128,8 +129,9 @@ impl OptionLines<'_> {
         }
         if let Some(line) = self.find("BPT_RE_NSECRAYSROOT") {
             // The square root of the number of directions.
-            let [root] = line.counts(MOST_DIRECTIONS)?;
-            let directions = (root * root <= MOST_DIRECTIONS).then_some((root * root) as u32);
+            let most = u64::from(SceneSpec::MOST_DIRECTIONS);
+            let [root] = line.counts(most)?;
+            let directions = (root * root <= most).then_some((root * root) as u32);
             options.directions = Some(directions.ok_or_else(|| line.fault("give at most 256"))?);
         }
         for key in [
