@@ -9,12 +9,12 @@ use crate::render::{Budget, Film, Intersection, ObjectSpec, RenderSettings, Sphe
 
 /// Two spheres as one object: not convex, even where it claims to be.
 #[derive(Debug)]
-struct Pair {
+struct TwoLamps {
     spheres: [Sphere; 2],
     claims_convexity: bool,
 }
 
-impl Shape for Pair {
+impl Shape for TwoLamps {
     fn intersect(&self, ray: &Ray, near: f64, far: f64) -> Option<Intersection> {
         let first = self.spheres[0].intersect(ray, near, far);
         let far = first.map_or(far, |hit| hit.distance);
@@ -43,7 +43,7 @@ fn separate() -> SceneSpec {
 /// The same two spheres as one object.
 fn joined(claims_convexity: bool) -> SceneSpec {
     let row = separate();
-    let pair = Pair {
+    let pair = TwoLamps {
         spheres: [row.spheres[0].shape, row.spheres[1].shape],
         claims_convexity,
     };

@@ -13,6 +13,7 @@ import { rowsPanel } from "./rows";
 import { slicePanel } from "./slice";
 import { prepareSpheres, spherePanel } from "./sphere";
 import { DEFAULTS, readFragment, writeFragment, type State } from "./state";
+import { loadTable } from "./table";
 
 const PANELS: Panel[] = [spherePanel, lobePanel, polarPanel, cartesianPanel, slicePanel, drawsPanel, discPanel, rowsPanel, environmentPanel];
 
@@ -44,6 +45,7 @@ async function start(): Promise<void> {
   const catalogue = await asking;
   const view = makeView(source, catalogue, gpu);
   await resolveAll(view);
+  askTables(view);
   const shown: Shown[] = [];
   const main = document.querySelector("main")!;
   for (const panel of PANELS) shown.push({ panel, frame: makeFrame(panel, main, () => view), isStale: true, isDrawing: false });
@@ -95,6 +97,12 @@ async function start(): Promise<void> {
 function askFirst(source: Source, state: State): void {
   if (state.materials.length || source.isStored) return;
   askLobe(source, 0, state.theta, 0).catch(() => {});
+}
+
+/** Asks for the tables of the spheres, which are the most bytes of the first view, before the panels are made. */
+function askTables({ source, gpu, materials }: View): void {
+  if (!gpu) return;
+  for (const entry of materials) if (entry.isotropic) loadTable(source, entry).catch(() => {});
 }
 
 function makeView(source: Source, catalogue: Catalogue, gpu: Gpu | null): View {
