@@ -128,13 +128,22 @@ export function drawCurve(context: CanvasRenderingContext2D, curve: Curve, place
   context.restore();
 }
 
+/** CSS pixels between rows of a legend, and from the top of its box to the middle of the first. */
+const ROW = 17;
+const FIRST_ROW = 12;
+
+/** CSS pixels that a legend takes from the top of its box. */
+export function measureLegend(rows: number): number {
+  return FIRST_ROW + ROW * rows;
+}
+
 /** Names of curves with a piece of each, one under the other from the upper right corner of a box. */
 export function drawLegend(context: CanvasRenderingContext2D, curves: Curve[], box: Box, theme: Theme): void {
   context.font = FONT;
   context.textAlign = "right";
   context.textBaseline = "middle";
   curves.forEach((curve, i) => {
-    const down = box.top + 12 + 17 * i;
+    const down = box.top + FIRST_ROW + ROW * i;
     const right = box.left + box.width - 36;
     context.fillStyle = theme.paper;
     context.globalAlpha = 0.75;

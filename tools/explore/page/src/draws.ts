@@ -3,7 +3,7 @@
 import { askBinary, askJson, makeKey, type Entry, type Source } from "./data";
 import { readTheme } from "./colours";
 import { nameMaterials, quoteWord } from "./command";
-import { drawAxes, drawCurve, drawLegend, DASHES, type Box, type Curve } from "./axes";
+import { drawAxes, drawCurve, drawLegend, DASHES, measureLegend, type Box, type Curve } from "./axes";
 import { askedPhi, snapTheta } from "./lobe";
 import { addButton, bindSelect, type Frame, type Panel, type View } from "./panel";
 
@@ -131,13 +131,14 @@ function drawErrors(frame: Frame, chart: Box, estimates: Estimate[], floor: numb
   const [low, high] = [Math.min(...all.map((p) => p[1])), Math.max(...all.map((p) => p[1]))];
   const most = Math.max(...all.map((p) => p[0]));
   const x = { label: "draws", min: BATCH / 2, max: Math.max(2 * most, 8 * BATCH), isLog: true };
-  const y = { label: "relative error of the albedo", min: 10 ** Math.floor(Math.log10(low)), max: 10 ** Math.ceil(Math.log10(high) + 0.01), isLog: true };
+  // The greatest error is below the legend, which has a row more than there are samplers.
+  const min = 10 ** Math.floor(Math.log10(low));
+  const below = Math.max(1 - measureLegend(curves.length + 1) / chart.height, 0.5);
+  const max = Math.max(min * (high / min) ** (1 / below), 10 * min);
+  const y = { label: "relative error of the albedo", min, max, isLog: true };
   frame.context.fillStyle = theme.paper;
   frame.context.fillRect(0, chart.top - 26, frame.size()[0], frame.size()[1] - chart.top + 26);
   const place = drawAxes(frame.context, chart, x, y, theme);
-  if (floor > y.min && floor < y.max) {
-    curves.push({ name: "error of the quadrature", colour: theme.soft, dashes: [2, 4], points: [[x.min, floor], [x.max, floor]] });
-  }
   for (const curve of curves) {
     drawCurve(frame.context, curve, place, chart);
     frame.context.fillStyle = curve.colour;
@@ -145,6 +146,11 @@ function drawErrors(frame: Frame, chart: Box, estimates: Estimate[], floor: numb
       const [across, down] = place(count, error);
       frame.context.fillRect(across - 2, down - 2, 4, 4);
     }
+  }
+  if (floor > y.min && floor < y.max) {
+    const line: Curve = { name: "error of the quadrature", colour: theme.soft, dashes: [2, 4], points: [[x.min, floor], [x.max, floor]] };
+    drawCurve(frame.context, line, place, chart);
+    curves.push(line);
   }
   drawLegend(frame.context, curves, chart, theme);
 }
