@@ -8,6 +8,7 @@ use merlkit::sampler::SamplerSpec;
 use merlkit_evaluate::measure::difference::{PictureDifference, Viewing};
 use merlkit_evaluate::plot::viridis;
 use merlkit_evaluate::report::Sheet;
+use merlkit_scene::decode_srgb;
 
 use crate::grid::Cell;
 use crate::progress::Progress;
@@ -227,8 +228,7 @@ fn error_map(difference: &PictureDifference, exposure: f32) -> Result<Image, Err
 
 /// The radiance that a PNG shows as a byte: the inverse of the transfer function and of [`merlkit::image::tone_map`].
 fn radiance_of(byte: u8) -> f32 {
-    let linear = crate::scene_args::linear(f32::from(byte) / 255.0);
-    match linear {
+    match decode_srgb(byte) {
         // y = ½ + ½(1 − exp(1 − 2x)) gives x = ½(1 − ln(2(1 − y))).
         y if y > 0.5 => 0.5 * (1.0 - (2.0 * (1.0 - y.min(0.999))).ln()),
         y => y,

@@ -5,7 +5,7 @@ use merlkit::color::Rgb;
 use merlkit::image::Image;
 use merlkit::light::LightSpec;
 use merlkit::render::SceneSpec;
-use merlkit_scene::{LightEntry, SceneDescription};
+use merlkit_scene::{Background, LightEntry, SceneDescription};
 
 /// Lights, background and the limit of paths.
 #[derive(Clone, clap::Args)]
@@ -24,7 +24,7 @@ pub struct SceneOptions {
     rotate: f64,
     /// What is seen past the spheres: the lights (env), nothing (none: alpha in both files), or white, black, grey or #RRGGBB
     /// [default: env]
-    #[arg(long, value_name = "none|COLOUR|env", value_parser = background)]
+    #[arg(long, value_name = "none|COLOUR|env")]
     background: Option<Background>,
     /// Scale paths down that carry more than X in a channel: removes fireflies and darkens the picture [default: never]
     #[arg(long, value_name = "X", value_parser = limit)]
@@ -33,16 +33,6 @@ pub struct SceneOptions {
 
 /// The light of a scene that says nothing.
 const DEFAULT_LIGHT: &str = "environment";
-
-/// What is seen past the spheres.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Background {
-    #[default]
-    Lights,
-    Nothing,
-    /// Linear.
-    Colour(Rgb),
-}
 
 impl SceneOptions {
     /// Puts the lights into a scene, and what else was said.
@@ -66,23 +56,13 @@ impl SceneOptions {
     }
 
     /// Puts what was said here before what a scene file says, and a light into a scene that would have none.
-    ///
-    /// # Errors
-    /// [`Error::Argument`] for a background of the file that is none.
-    pub fn override_file(&mut self, scene: &mut SceneDescription) -> Result<(), Error> {
+    pub fn override_file(&mut self, scene: &mut SceneDescription) {
         if !self.lights.is_empty() || !scene.is_lit() {
             scene.darken();
             let words = self.light_words(&[DEFAULT_LIGHT.to_owned()]);
             scene.lights = words.into_iter().map(LightEntry::Named).collect();
         }
-        if self.background.is_none()
-            && let Some(word) = &scene.background
-        {
-            let read = background(word);
-            let what = format!("the scene's background \"{word}\"");
-            self.background = Some(read.map_err(|fix| Error::argument(what, fix))?);
-        }
-        Ok(())
+        self.background = self.background.or(scene.background);
     }
 
     /// Puts what was said besides the lights into a scene.
@@ -175,53 +155,9 @@ fn limit(argument: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected a radiance above 0, such as 10".into())
 }
 
-fn background(argument: &str) -> Result<Background, String> {
-    let byte = match argument {
-        "env" => return Ok(Background::Lights),
-        "none" => return Ok(Background::Nothing),
-        "white" => "#ffffff",
-        "black" => "#000000",
-        "grey" | "gray" => "#808080",
-        other => other,
-    };
-    let colour = byte.strip_prefix('#').and_then(|digits| {
-        let is_hex = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
-        let value = u32::from_str_radix(digits, 16).ok();
-        value.filter(|_| is_hex)
-    });
-    let value =
-        colour.ok_or("expected env, none, white, black, grey or a colour such as #ffcc00")?;
-    let channels = [value >> 16, value >> 8, value].map(|bits| linear((bits & 255) as f32 / 255.0));
-    Ok(Background::Colour(Rgb::from_array(channels)))
-}
-
-/// The inverse of sRGB's transfer function (IEC 61966-2-1).
-pub fn linear(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 {
-        encoded / 12.92
-    } else {
-        ((encoded + 0.055) / 1.055).powf(2.4)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn backgrounds_have_names_and_numbers() {
-        assert_eq!(background("none"), Ok(Background::Nothing));
-        assert_eq!(background("white"), Ok(Background::Colour(Rgb::ONE)));
-        assert_eq!(background("#000000"), background("black"));
-        let Ok(Background::Colour(orange)) = background("#ff8000") else {
-            panic!("a colour");
-        };
-        let expected = Rgb::new(1.0, 0.215_86, 0.0);
-        assert!((orange - expected).abs().max_element() < 1e-5, "{orange}");
-        for word in ["", "red", "#fff", "#12345g", "#+12345", "1,2,3"] {
-            assert!(background(word).is_err(), "{word}");
-        }
-    }
 
     #[test]
     fn a_clamped_picture_says_so() {

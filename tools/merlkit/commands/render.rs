@@ -167,7 +167,7 @@ impl Args {
         if let Some(options) = options {
             options.apply(&mut scene);
         }
-        self.scene.override_file(&mut scene)?;
+        self.scene.override_file(&mut scene);
         self.camera.override_file(&mut scene.camera)?;
         self.size = self.size.or(scene.size.map(|[w, h]| (w, h)));
         // A target error says how many paths there are.

@@ -9,6 +9,7 @@ use merlkit::light::{LightSpec, Placement};
 use merlkit::render::{Camera, ObjectSpec, SceneSpec, Shape, Sphere, SphereSpec};
 use merlkit::{Error, Result};
 
+use crate::background::Background;
 use crate::formats::read_mesh;
 use crate::instance::Instance;
 use crate::luminous::MeshLight;
@@ -36,8 +37,8 @@ pub struct SceneDescription {
     pub spp: Option<u64>,
     /// The most surfaces on a path, if the scene says so.
     pub bounces: Option<u32>,
-    /// The word of `--background`, if the scene says so.
-    pub background: Option<String>,
+    /// What is seen past the objects, if the scene says so.
+    pub background: Option<Background>,
 }
 
 /// An object: a shape, where it is, and its material.

@@ -30,6 +30,7 @@
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod background;
 mod convexity;
 mod description;
 mod displaced;
@@ -49,6 +50,7 @@ mod scene_file;
 mod strength;
 mod triangle;
 
+pub use background::{Background, decode_srgb};
 pub use description::{
     BuiltScene, CameraEntry, LightEntry, ObjectEntry, SceneDescription, ShapeEntry, SurfaceEntry,
 };

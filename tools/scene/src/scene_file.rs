@@ -10,6 +10,7 @@ use merlkit::{Error, Result};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::background::Background;
 use crate::description::{CameraEntry, LightEntry, ObjectEntry, SceneDescription};
 use crate::grf::read_grf;
 use crate::object_table::ObjectTable;
@@ -26,7 +27,7 @@ struct SceneTable {
     size: Option<[usize; 2]>,
     spp: Option<u64>,
     bounces: Option<u32>,
-    background: Option<String>,
+    background: Option<Spanned<String>>,
     #[serde(default)]
     camera: CameraTable,
     #[serde(default)]
@@ -99,6 +100,22 @@ pub fn read_scene(path: &Path) -> Result<SceneDescription> {
     })
 }
 
+/// The background of a scene, if it says one.
+fn parse_background(
+    text: &str,
+    word: Option<&Spanned<String>>,
+) -> core::result::Result<Option<Background>, SceneFault> {
+    let Some(word) = word else { return Ok(None) };
+    let read: core::result::Result<Background, String> = word.as_ref().parse();
+    match read {
+        Ok(background) => Ok(Some(background)),
+        Err(fix) => {
+            let fault = SceneFault::new(format!("the background \"{}\"", word.as_ref()), fix);
+            Err(fault.with_line(text, word.span().start))
+        }
+    }
+}
+
 /// The scene that a text describes.
 pub(crate) fn parse_scene(
     text: &str,
@@ -115,7 +132,7 @@ pub(crate) fn parse_scene(
         size: table.size,
         spp: table.spp,
         bounces: table.bounces,
-        background: table.background,
+        background: parse_background(text, table.background.as_ref())?,
         ..SceneDescription::default()
     };
     for material in &table.material {
@@ -384,6 +401,11 @@ radiance = [17, 12, 4]
         );
         let typed = fault(&GOOD.replace("spp = 16", "spp = \"many\""));
         assert!(typed.starts_with("Some(2)"), "{typed}");
+        let background = fault(&GOOD.replace("spp = 16", "background = \"red\""));
+        assert!(
+            background.starts_with("Some(2)") && background.contains("#ffcc00"),
+            "{background}"
+        );
         let scale = fault(&GOOD.replace("scale = 0.5", "scale = [1, 0, 1]"));
         assert!(scale.contains("scaled to nothing"), "{scale}");
     }

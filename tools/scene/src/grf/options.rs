@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use merlkit::color::Rgb;
 use merlkit::files::RegularFile;
 use merlkit::render::SceneSpec;
 use merlkit::{Error, Result};
@@ -11,6 +12,7 @@ use super::option_lines::{LineFault, MOST_COUNT, OptionLine, OptionLines};
 use super::tokens::fault_in_line;
 use super::tree::{ModelWords, ParameterValue};
 use super::words::sampler_text;
+use crate::background::Background;
 use crate::description::{LightEntry, SceneDescription};
 use crate::scene_file::resolve_path;
 
@@ -34,8 +36,8 @@ pub struct OptionFile {
     pub look_at: Option<DVec3>,
     /// Whether the points of pixels are random.
     pub random: bool,
-    /// What is seen past the objects: a colour as the option `--background` takes it.
-    pub background: Option<String>,
+    /// What is seen past the objects.
+    pub background: Option<Background>,
     /// A map that lights the scene, as the option `--light` takes it.
     pub environment: Option<String>,
     /// Paths per pixel, ≥ 1.
@@ -78,9 +80,7 @@ impl OptionFile {
         scene.spp = self.spp.or(scene.spp);
         scene.camera.eye = self.eye.or(scene.camera.eye);
         scene.camera.look_at = self.look_at.or(scene.camera.look_at);
-        if self.background.is_some() {
-            scene.background.clone_from(&self.background);
-        }
+        scene.background = self.background.or(scene.background);
         if let Some(map) = &self.environment {
             let studio = LightEntry::Named("studio".into());
             scene.lights.retain(|light| *light != studio);
@@ -116,7 +116,7 @@ impl OptionLines<'_> {
             options.output = Some(picture_name(line)?);
         }
         if let Some(line) = self.find("BPT_BACKGROUND") {
-            options.background = Some(colour_word(line)?);
+            options.background = Some(Background::Colour(parse_colour(line)?));
         }
         if let Some(line) = self.find("BPT_EM_BACKGROUND") {
             options.environment = Some(resolve_path(folder, line.words()?));
@@ -270,20 +270,13 @@ fn picture_name(line: &OptionLine<'_>) -> core::result::Result<String, LineFault
     }
 }
 
-/// Linear channels from 0 to 1 as a word of `--background`: eight bits of sRGB (IEC 61966-2-1).
-fn colour_word(line: &OptionLine<'_>) -> core::result::Result<String, LineFault> {
-    let mut word = String::from("#");
-    for channel in line.numbers::<3>()? {
-        if !(0.0..=1.0).contains(&channel) {
-            return Err(line.fault("give channels from 0 to 1"));
-        }
-        let encoded = match channel <= 0.003_130_8 {
-            true => 12.92 * channel,
-            false => 1.055 * channel.powf(1.0 / 2.4) - 0.055,
-        };
-        word += &format!("{:02x}", (255.0 * encoded).round() as u8);
+/// Linear channels from 0 to 1.
+fn parse_colour(line: &OptionLine<'_>) -> core::result::Result<Rgb, LineFault> {
+    let channels = line.numbers::<3>()?;
+    if channels.iter().any(|x| !(0.0..=1.0).contains(x)) {
+        return Err(line.fault("give channels from 0 to 1"));
     }
-    Ok(word)
+    Ok(Rgb::from_array(channels.map(|x| x as f32)))
 }
 
 #[cfg(test)]
@@ -307,7 +300,7 @@ mod tests {
             eye: Some(DVec3::new(0.5, 0.5, 1.0)),
             look_at: Some(DVec3::new(0.5, 0.1, 0.0)),
             random: true,
-            background: Some("#ffffff".into()),
+            background: Some(Background::Colour(Rgb::ONE)),
             environment: None,
             spp: Some(2),
             directions: Some(10_000),
@@ -406,7 +399,8 @@ mod tests {
         let lobe = "lobe:cosine,parameters=30/30/0.1".to_owned();
         assert_eq!(scene.samplers, [Some("cosine".to_owned()), Some(lobe)]);
         assert_eq!(scene.lights, [LightEntry::Named("uniform:1".into())]);
-        assert_eq!(scene.background.as_deref(), Some("#00bcff"));
+        let colour = Background::Colour(Rgb::new(0.0, 0.5, 1.0));
+        assert_eq!(scene.background, Some(colour));
         assert_eq!((scene.size, scene.spp), (Some([3, 4]), Some(7)));
     }
 }
